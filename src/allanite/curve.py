@@ -1,0 +1,146 @@
+"""Curve: a statistic over averaging time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import UsageError
+from .model import Model
+from .units import convert
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+Law = Callable[[float], tuple[FloatArray, FloatArray, FloatArray]]
+"""level -> (equivalent degrees of freedom, lower limit / variance, upper limit / variance)"""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Values of one statistic, by averaging time.
+
+    Attributes
+    ----------
+    statistic : str
+        Its name in `STATISTICS`.
+    m, tau, variance, count : arrays, shape (k,)
+        Averaging factor, averaging time (s), variance (unit squared), number of terms in the sum.
+    unit : str
+        Unit of the deviation.
+    name, rate, history
+        The record's channel, sampling rate and history.
+    noise : Model, optional
+        The model supposed for the confidence limits.
+    law : optional
+        Gives the limits; it is called when first asked.
+    """
+
+    statistic: str
+    m: IntArray
+    tau: FloatArray
+    variance: FloatArray
+    count: IntArray
+    unit: str
+    rate: float
+    name: str = ""
+    history: tuple[str, ...] = ()
+    noise: Model | None = None
+    law: Law | None = None
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Square root of the variance."""
+        return np.sqrt(self.variance)
+
+    def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        if self.law is None:
+            raise UsageError(
+                "confidence needs the noise that is there: deviation(record, ..., "
+                "noise=allanite.identify(record).model)"
+            )
+        return self.law(level)
+
+    @property
+    def edf(self) -> FloatArray:
+        """Equivalent degrees of freedom of each variance under `noise`."""
+        return self._limits(0.95)[0]
+
+    def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+        """Two-sided confidence limits (low, high) of the deviation under `noise`.
+
+        Chi-square with the exact equivalent degrees of freedom of the model's mixture: right in the lower limit, wide
+        in the upper one where the degrees of freedom are few.
+        """
+        _, low, high = self._limits(level)
+        return np.sqrt(self.variance * low), np.sqrt(self.variance * high)
+
+    def to(self, unit: str) -> "Curve":
+        """The same curve in another unit."""
+        factor = convert(1.0, self.unit, unit)
+        return replace(self, variance=self.variance * factor**2, unit=unit)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
+        """Headings and rows for any table; limits only where the noise is known."""
+        headings = ["m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
+        columns = [self.m, self.tau, self.deviation, self.count]
+        if self.law is not None:
+            headings += ["edf", f"low {level:.4g}", f"high {level:.4g}"]
+            columns += [self.edf, *self.interval(level)]
+        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with the limits as numbers."""
+        data: dict[str, Any] = {
+            "allanite": 1,
+            "type": "Curve",
+            "statistic": self.statistic,
+            "unit": self.unit,
+            "rate": self.rate,
+            "name": self.name,
+            "history": list(self.history),
+            "m": self.m.tolist(),
+            "tau": self.tau.tolist(),
+            "deviation": self.deviation.tolist(),
+            "count": self.count.tolist(),
+        }
+        if self.noise is not None:
+            data["noise"] = self.noise.to_dict()
+        if self.law is not None:
+            low, high = self.interval(level)
+            data |= {"level": level, "edf": self.edf.tolist(), "low": low.tolist(), "high": high.tolist()}
+        return data
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Curve":
+        """The curve that `to_dict` has written; its limits are known for the stored level only."""
+        variance = np.array(data["deviation"], dtype=np.float64) ** 2
+        return cls(
+            statistic=data["statistic"],
+            m=np.array(data["m"], dtype=np.int64),
+            tau=np.array(data["tau"], dtype=np.float64),
+            variance=variance,
+            count=np.array(data["count"], dtype=np.int64),
+            unit=data["unit"],
+            rate=data["rate"],
+            name=data["name"],
+            history=tuple(data["history"]),
+            noise=Model.from_dict(data["noise"]) if "noise" in data else None,
+            law=_stored_law(data, variance) if "edf" in data else None,
+        )
+
+
+def _stored_law(data: dict[str, Any], variance: FloatArray) -> Law:
+    edf = np.array(data["edf"], dtype=np.float64)
+    low, high = (np.array(data[key], dtype=np.float64) ** 2 / variance for key in ("low", "high"))
+
+    def law(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if abs(level - data["level"]) > 1e-12:
+            raise UsageError(f"this curve was stored with limits for {data['level']}, not {level}; compute it again")
+        return edf, low, high
+
+    return law

@@ -1,0 +1,21 @@
+"""The errors of allanite: each says what came, what was expected, and what to do next."""
+
+
+class AllaniteError(ValueError):
+    """Something the user gave cannot be used; the message says what to do. The command line ends with `exit_code`."""
+
+    exit_code = 3
+
+
+class UsageError(AllaniteError):
+    """An option, name or unit is wrong, or one that is needed is missing."""
+
+    exit_code = 2
+
+
+class UnitError(UsageError):
+    """A unit is unknown, or measures something else than is wanted here."""
+
+
+class DataError(AllaniteError):
+    """The data cannot be read, or cannot support the job."""

@@ -1,0 +1,109 @@
+"""Readers: one format one file, and the table that lists them.
+
+A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
+line of `READERS`. Most fill a `table.Table` and let it find channels, units and rate.
+"""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from allanite.errors import AllaniteError, DataError
+from allanite.record import Recording
+
+from . import numpy_file, psins, text
+from .options import Options, channel_names
+from .source import checked, digest_of, head_of
+
+
+class Reader(NamedTuple):
+    """A format: what it is called, whether bytes and suffix look like it, and how it is read."""
+
+    title: str
+    sniff: Callable[[bytes, str], bool]
+    read: Callable[[str, Options], Recording]
+
+
+READERS: dict[str, Reader] = {  # asked in this order; text, which sniffs least, is the last
+    "numpy": Reader(numpy_file.TITLE, numpy_file.sniff, numpy_file.read),
+    "psins": Reader(psins.TITLE, psins.sniff, psins.read),
+    "text": Reader(text.TITLE, text.sniff, text.read),
+}
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    rate: float | None = None,
+    unit: str | None = None,
+    kind: str | None = None,
+    scale: float | None = None,
+    channels: Sequence[str] | None = None,
+    time: str | None = None,
+) -> Recording:
+    r"""Read a recording; its ``notes`` say what was assumed.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; its format is found from its first bytes.
+    rate : float, optional
+        Sampling rate, Hz; wins over what the file says.
+    unit : str, optional
+        Unit of the readings, for example ``"deg/s"``; wins over headers, except for columns that by their header or
+        name belong to the other sensor and are not chosen in `channels`.
+    kind : {"rate", "increment", "angle", "count"}, optional
+        What a reading is, where the unit does not tell.
+    scale : float, optional
+        Worth of one step of the readings in `unit`.
+    channels : sequence of str, optional
+        Names of columns, or their places in the file counted from 1; all inertial signals if left out.
+    time : str, optional
+        The column of stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores stamps.
+
+    Returns
+    -------
+    Recording
+        With `source`, the sha256 `digest` of the file and `notes`. Integers stay integers; an empty cell is NaN.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, or its stamps follow no even grid and no rate is given.
+    UsageError
+        Rate, unit or kind is neither in the file nor given; a column does not exist; an option is impossible.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name, "gyro.csv")
+    >>> _ = path.write_text("time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n")
+    >>> recording = read(path)
+    >>> recording["gx"].rate, recording["gx"].unit, recording.notes[0]
+    (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
+    >>> folder.cleanup()
+    """
+    options = Options(rate, unit, kind, scale, channel_names(channels), time)
+    name = checked(path)
+    try:
+        recording = _reader(head_of(name), Path(name).suffix.lower()).read(name, options)
+        return replace(recording, source=name, digest=digest_of(name))
+    except AllaniteError as error:
+        raise type(error)(f"{name}: {error}") from None
+    except OSError as error:
+        raise DataError(
+            f"{name}: the file cannot be read ({error.strerror or error}); check that it is there and may be read"
+        ) from None
+    except MemoryError:
+        raise DataError(f"{name}: the file does not fit into memory; read fewer channels, or a part of it") from None
+
+
+def _reader(head: bytes, suffix: str) -> Reader:
+    for reader in READERS.values():
+        if reader.sniff(head, suffix):
+            return reader
+    titles = "; ".join(reader.title for reader in READERS.values())
+    raise DataError(f"the file is of no format that is read (it begins with {head[:8]!r}); what is read: {titles}")

@@ -1,0 +1,91 @@
+"""Table: the columns of a file before anybody has said what they are. Every reader fills one."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import DataError, UsageError
+from allanite.record import Record, Recording
+
+from . import channels, clock
+from .column import Column, unique
+from .options import Options
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The columns of a file, what the file itself says about them, and what was assumed so far.
+
+    Parameters
+    ----------
+    columns : tuple of Column
+        In the order of the file.
+    rate, rate_source
+        Sampling rate in Hz, if the file states one, and where it does.
+    notes : tuple of str
+        What was assumed when the file was taken apart.
+    """
+
+    columns: tuple[Column, ...]
+    rate: float | None = None
+    rate_source: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    def recording(self, options: Options) -> Recording:
+        """The channels as records on one clock.
+
+        Raises
+        ------
+        UsageError
+            Rate, unit or kind is neither in the file nor in the options, or a chosen column does not exist.
+        DataError
+            The columns hold too few rows or text, or the stamps follow no even grid.
+        """
+        if max((len(column.values) for column in self.columns), default=0) < 2:
+            raise DataError(
+                "the file holds fewer than 2 rows of numbers; a record needs thousands, one row for each sample"
+            )
+        table = replace(self, columns=unique(self.columns))
+        chosen = channels.named(table.columns, options.channels)
+        time, option_unit = clock.find(table.columns, options.time, chosen)
+        choice = channels.choose(table.columns, options, chosen, time)
+        _demand_rows([*(signal.column for signal in choice.signals), *([time] if time else [])])
+        beat = clock.beat(time, option_unit, options.rate, (table.rate, table.rate_source))
+        questions = [*beat.questions, *choice.questions]
+        if questions:
+            raise UsageError("; ".join((*questions, *choice.left)))
+        records = tuple(_record(signal, beat) for signal in choice.signals)
+        return Recording(records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left))
+
+
+def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
+    values, name = signal.column.values, signal.column.name
+    # a float this large turns into another integer without a word
+    if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
+        raise DataError(f"{signal.column.label} holds counts beyond the range of 64-bit integers; use kind='increment'")
+    return Record(values, beat.rate, signal.unit, signal.kind, signal.scale, name=name, start=beat.start)
+
+
+def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
+    """Readings of any real type as native float64 or int64."""
+    if values.dtype.kind in "iu":
+        fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
+        return values.astype(np.int64 if fits else np.float64)
+    if values.dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            return values.astype(np.float64)
+    raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
+
+
+def _demand_rows(columns: list[Column]) -> None:
+    lengths = {column.label: len(column.values) for column in columns}
+    if len(set(lengths.values())) > 1:
+        which = ", ".join(f"{label} has {length}" for label, length in lengths.items())
+        raise DataError(
+            f"the columns have different lengths ({which}); choose those of one length with channels=... (--channels)"
+        )
+    for label, length in lengths.items():
+        if length < 2:
+            raise DataError(f"{label} holds {length} numbers; a record needs thousands, one row for each sample")

@@ -1,0 +1,226 @@
+"""Record: one evenly sampled channel. Recording: channels on one clock."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import DataError, UsageError
+from .units import Signal, signal_with, unit_of
+
+FloatArray = NDArray[np.float64]
+
+# kind: power of time that the unit carries beyond the signal, points beyond the number of intervals, meaning
+KINDS: dict[str, tuple[int, int, str]] = {
+    "rate": (0, 0, "the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)"),
+    "increment": (
+        1,
+        0,
+        "the angle gained in each sample interval (delta-theta: arcsec, rad; for an accelerometer m/s)",
+    ),
+    "angle": (1, 1, "the integrated angle at each instant, one point more than there are intervals"),
+    "count": (1, 0, "integer pulses per sample interval, each worth `scale` (for example 0.1 arcsec)"),
+}
+
+
+def explain_kinds() -> str:
+    """One sentence for each kind of record, for error messages."""
+    return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One evenly sampled channel of an inertial sensor.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        Samples in `unit`; integers for ``kind="count"``. NaN marks a lost sample and is kept.
+    rate : float
+        Sampling rate, Hz: number of intervals, lost ones counted, over the time between the first and last stamp.
+    unit : str
+        Unit of `values` (of `scale` for counts).
+    kind : {"rate", "increment", "angle", "count"}
+        What a sample is; "angle" has n + 1 points for n intervals.
+    scale : float, optional
+        Size of one step of `values` in `unit`; needed for counts.
+    name, start, history
+        Name of the channel; time of the first sample, s; what was done to the record, oldest first.
+
+    Raises
+    ------
+    UsageError
+        Rate, unit, kind or scale is missing, impossible, or they contradict each other.
+    DataError
+        The values are not a one-dimensional array of real numbers with at least 2 intervals.
+
+    Examples
+    --------
+    >>> record = Record([1.0, 3.0, 2.0], rate=100.0, unit="deg/h", kind="rate", name="z")
+    >>> record.size, record.duration, record.signal.name
+    (3, 0.03, 'gyro')
+    """
+
+    values: NDArray[Any]
+    rate: float
+    unit: str
+    kind: str = "rate"
+    scale: float | None = None
+    name: str = ""
+    start: float | None = None
+    history: tuple[str, ...] = ()
+    factor: float = field(init=False, repr=False)
+    signal: Signal = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
+        if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
+            raise UsageError(f"the sampling rate must be a positive number of Hz, not {self.rate!r}")
+        if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
+            raise UsageError(f"the scale must be a positive number of {self.unit}, not {self.scale!r}")
+        if self.kind == "count" and self.scale is None:
+            raise UsageError(
+                f"counts need the worth of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
+            )
+        unit = unit_of(self.unit)
+        signal = signal_with(unit.dimension, KINDS[self.kind][0])
+        if signal is None:
+            raise UsageError(f"unit {self.unit!r} does not fit kind {self.kind!r} of {self.name!r}; {explain_kinds()}")
+        values = _plain(self.values, self.unit)
+        _demand_numbers(values, self.kind, self.name)
+        integers = self.kind == "count" or values.dtype.kind in "iu"
+        object.__setattr__(self, "values", _exactly(values, integers, self.name))
+        object.__setattr__(self, "rate", float(self.rate))
+        object.__setattr__(self, "factor", unit.factor * (1.0 if self.scale is None else float(self.scale)))
+        object.__setattr__(self, "signal", signal)
+
+    @property
+    def size(self) -> int:
+        """Number of sample intervals."""
+        return len(self.values) - KINDS[self.kind][1]
+
+    @property
+    def interval(self) -> float:
+        """Sample interval tau0, s."""
+        return 1.0 / self.rate
+
+    @property
+    def duration(self) -> float:
+        """Length, s."""
+        return self.size / self.rate
+
+    @property
+    def constant(self) -> float | int:
+        """A constant to remove before integrating: the median of 101 values spread over the record.
+
+        It is one of the record's own values, so the difference stays on the data's grid and is exact where the data
+        are; a bias of a million standard deviations then costs no digit of a statistic that is blind to it.
+        """
+        sample = self.values[np.linspace(0, len(self.values) - 1, 101).astype(np.int64)]
+        finite = np.sort(sample[np.isfinite(sample)])
+        return finite[len(finite) // 2].item() if len(finite) else 0
+
+    @property
+    def rate_values(self) -> FloatArray:
+        """Mean rate over each interval in SI, shape (size,)."""
+        if self.kind == "rate":
+            return np.asarray(self.values * self.factor, dtype=np.float64)
+        if self.kind == "angle":
+            return np.asarray(np.diff(self.values) * (self.factor * self.rate), dtype=np.float64)
+        return np.asarray(self.values * (self.factor * self.rate), dtype=np.float64)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle in SI, shape (size + 1,), zero at the start."""
+        if self.kind == "angle":
+            return np.asarray((self.values - self.values[0]) * self.factor, dtype=np.float64)
+        steps = self.rate_values * self.interval
+        return np.concatenate(([0.0], np.cumsum(steps)))
+
+    def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
+        """Another record of the same channel, with `what` added to its history."""
+        return replace(self, values=values, start=start, history=(*self.history, what))
+
+
+def _plain(values: Any, unit: str) -> NDArray[Any]:
+    """Numbers out of whatever came: a quantity of pint or astropy is brought to `unit`."""
+    if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
+        quantity = values.to(unit)
+        values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
+    return np.asarray(values)
+
+
+def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
+    if values.ndim != 1:
+        raise DataError(
+            f"a record is one channel of shape (n,), not {values.shape}; give each column its own Record ({name})"
+        )
+    if values.dtype.kind not in "fiub":
+        raise DataError(f"the readings of {name!r} are of type {values.dtype}, not real numbers")
+    if len(values) - KINDS[kind][1] < 2:
+        raise DataError(f"{name!r} has {len(values)} readings: too few for any statistic")
+
+
+def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
+    """Contiguous float64, or int64 where the readings are integers."""
+    if not integers:
+        return np.ascontiguousarray(values, dtype=np.float64)
+    if values.dtype.kind == "f":
+        if not np.all(np.abs(values) < 2.0**63):
+            raise DataError(f"counts of {name!r} are not all finite and within 64-bit integers")
+        if not np.all(values == np.floor(values)):
+            first = int(np.argmax(values != np.floor(values)))
+            raise DataError(
+                f"counts are integers, but sample {first} of {name!r} is {values[first]!r}; use kind='increment'"
+            )
+    elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
+        raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")
+    return np.ascontiguousarray(values, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Records on one clock, by name and in channel order.
+
+    `notes` say what was assumed when reading, `source` and `digest` where the data came from (path, sha256).
+
+    Examples
+    --------
+    >>> z = Record([1.0, 3.0, 2.0], rate=100.0, unit="deg/h", kind="rate", name="z")
+    >>> recording = Recording((z,))
+    >>> recording["z"] is recording[0], recording.channels
+    (True, ('z',))
+    """
+
+    records: tuple[Record, ...]
+    source: str = ""
+    digest: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = self.channels
+        if not names:
+            raise DataError("a recording needs at least one channel")
+        if len(set(names)) < len(names):
+            raise UsageError(f"channel names must differ: {', '.join(names)}")
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return tuple(record.name for record in self.records)
+
+    def __getitem__(self, key: str | int) -> Record:
+        if isinstance(key, int):
+            return self.records[key]
+        if key not in self.channels:
+            raise UsageError(f"no channel {key!r}; there are {', '.join(self.channels)}")
+        return self.records[self.channels.index(key)]
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self.records)
+
+    def __len__(self) -> int:
+        return len(self.records)

@@ -1,0 +1,81 @@
+"""What people look at: the terminal table, the figures, the page. Heavy libraries are imported when first used."""
+
+import os
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from allanite.fit import Fit
+    from allanite.study import Study
+
+PathLike = str | os.PathLike[str]
+
+
+def plot(
+    value: Any, fit: "Fit | None" = None, *, path: PathLike | None = None, level: float = 0.95, force: bool = False
+) -> "Figure":
+    """Draw deviation against averaging time, with confidence band, model and terms.
+
+    Parameters
+    ----------
+    value : Curve, Fit, Channel, Study, or a sequence of them
+        Several channels become several panels.
+    fit : Fit, optional
+        What is drawn over a single curve.
+    path : path, optional
+        Where the figure is saved; the suffix (.png, .svg, .pdf) says how.
+    level : float
+        Of the confidence band.
+    force : bool
+        Overwrite an existing file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        There is nothing to draw; the file exists, its suffix is unknown, or its folder cannot be written.
+    """
+    from .figures import plot_panels
+    from .panels import panels_of
+    from .style import demand_figure_path, save
+
+    if path is not None:
+        demand_figure_path(path, force=force)
+    figure = plot_panels(panels_of(value, fit), level=level)
+    if path is not None:
+        save(figure, path, force=force)
+    return figure
+
+
+def report(study: "Study", path: PathLike, *, force: bool = False) -> None:
+    """Write the study as one self-contained HTML file: numbers, figures, how they came about.
+
+    Parameters
+    ----------
+    study : Study
+    path : path
+        The file to write.
+    force : bool
+        Overwrite an existing file.
+
+    Raises
+    ------
+    UsageError
+        The file exists, or its folder cannot be written.
+    """
+    from .files import demand_writable, write
+    from .html import page
+
+    demand_writable(path, force=force)
+    write(path, page(study).encode(), force=force)
+
+
+def table(study: "Study", *, width: int = 120, color: bool = False) -> str:
+    """The study as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+    from .text import render
+
+    return render(study, width=width, color=color)

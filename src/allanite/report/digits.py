@@ -1,0 +1,82 @@
+"""How many digits of a number mean something: two of the half width of its interval."""
+
+import math
+from dataclasses import dataclass
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+LARGE, SMALL = 1e6, 1e-3
+"""Sizes from and below which a power of ten is written."""
+
+
+@dataclass(frozen=True)
+class Digits:
+    """A number and its limits as text, all with the same decimals; `low` and `high` are empty where there is no interval.
+
+    Where `exponent` is not 0, all three are in units of 10^exponent.
+    """
+
+    value: str
+    low: str
+    high: str
+    exponent: int = 0
+
+    def plain(self) -> tuple[str, str]:
+        """Value and interval in ASCII, for the terminal: ``("9.02e-5", "8.79e-5 .. 9.25e-5")``."""
+        power = f"e{self.exponent}" if self.exponent else ""
+        interval = f"{self.low}{power} .. {self.high}{power}" if self.low else ""
+        return self.value + power, interval
+
+    def pretty(self) -> str:
+        """Value and interval in print: ``9.02 (8.79 … 9.25) × 10⁻⁵``."""
+        interval = f" ({self.low} … {self.high})" if self.low else ""
+        power = f" × 10{str(self.exponent).translate(SUPERSCRIPT)}" if self.exponent else ""
+        return self.value + interval + power
+
+
+def digits(
+    value: float, low: float = math.nan, high: float = math.nan, *, signed: bool = False, figures: int = 4
+) -> Digits:
+    """Round a value and its limits alike, to two significant digits of the half width.
+
+    Parameters
+    ----------
+    value, low, high : float
+        NaN limits: there is no interval.
+    signed : bool
+        Show a plus sign too.
+    figures : int
+        Significant digits where there is no interval.
+
+    Examples
+    --------
+    >>> digits(0.310213, 0.30217, 0.318712)
+    Digits(value='0.3102', low='0.3022', high='0.3187', exponent=0)
+    >>> digits(9.0241e-5, 8.79e-5, 9.251e-5).plain()
+    ('9.02e-5', '8.79e-5 .. 9.25e-5')
+    """
+    size = abs(value)
+    known = math.isfinite(low) and math.isfinite(high)
+    exponent = _order(size) if size and not SMALL <= size < LARGE else 0
+    half = (high - low) / 2 if known else 0.0
+    decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
+    shown = [_text(v / 10.0**exponent, decimals, signed) for v in (value, low, high)]
+    return Digits(shown[0], *(shown[1:] if known else ("", "")), exponent)
+
+
+def _order(size: float) -> int:
+    return math.floor(math.log10(size))
+
+
+def _decimals(size: float, half: float) -> int:
+    """Decimals that show two digits of the half width, and never fewer than two of the value itself."""
+    # rounded first: a half width of 0.0996 is 0.10, and its two digits are hundredths
+    wanted = 1 - _order(float(f"{half:.1e}"))
+    return max(wanted, 1 - _order(size)) if size else wanted
+
+
+def _text(value: float, decimals: int, signed: bool) -> str:
+    if not math.isfinite(value):
+        return ""
+    rounded = round(value, decimals) + 0.0  # no negative zero
+    return f"{rounded:{'+' if signed else ''}.{min(max(decimals, 0), 12)}f}"

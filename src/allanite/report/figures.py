@@ -1,0 +1,199 @@
+"""The figure of the field: deviation against averaging time, with its band, the model and what it is made of."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from allanite.fit import Estimate, Fit
+from allanite.model import Term
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS, NoiseTerm
+from . import style, words
+from .labels import Box, FloatArray, place
+from .panels import Panel, Points, columns_of, points, span
+
+FEW = 2.0
+"""Equivalent degrees of freedom below which a point is drawn open."""
+
+LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
+
+
+def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+    """One panel a curve: sensors side by side, the channels of each below each other, on the same scales."""
+    columns = columns_of(panels)
+    rows = max(map(len, columns))
+    width, height = (7.2, 5.0) if len(panels) == 1 else (6.6 * len(columns), 0.6 + 3.3 * rows)
+    with style.look():
+        figure = style.new_figure(width, height)
+        grid = figure.subplots(rows, len(columns), squeeze=False)
+        for ax in grid.flat:
+            ax.set_axis_off()
+        for j, column in enumerate(columns):
+            _draw_column(grid[: len(column), j], column, level)
+        _draw_legend(figure)
+    return figure
+
+
+def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], level: float) -> None:
+    spans = [span(panel) for panel in panels]
+    tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
+    for ax, panel in zip(axes, panels, strict=True):
+        ax.set_axis_on()
+        ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
+        _draw_panel(ax, panel, level)
+        ax.tick_params(labelbottom=ax is axes[-1])
+    axes[-1].set_xlabel("averaging time τ (s)")
+
+
+def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
+    style.grid(ax)
+    _draw_landmarks(ax)
+    drawn = points(panel, level)
+    _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
+    if panel.fit is not None:
+        _draw_model(ax, panel, panel.fit, drawn)
+    ax.set_title(words.printable(panel.name), loc="left", fontweight="bold", parse_math=False)
+    ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({words.printed_unit(panel.unit)})")
+    good = panel.fit.goodness if panel.fit else None
+    if good is not None and not good.explained:
+        ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
+
+
+def _draw_landmarks(ax: Axes) -> None:
+    low, high = ax.get_xlim()
+    for tau, label in LANDMARKS:
+        if low < tau < high / 1.2:
+            ax.axvline(tau, color="#9AA3AD", lw=0.7, ls=(0, (1, 2)), zorder=1)
+            ax.annotate(
+                label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
+                va="top", fontsize=7, color="#6E7781",
+            )  # fmt: skip
+
+
+def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
+    if drawn.low is not None and drawn.high is not None:
+        label = f"{words.percent(level)} confidence"
+        ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
+    # an unknown number of degrees of freedom is not many
+    few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
+    size = 3.4 if drawn.tau.size <= 150 else 0.0
+    ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=3)
+    dots = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 3}
+    ax.plot(drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=title, **dots)
+    if few.any():
+        label = f"below {FEW:g} degrees of freedom"
+        ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
+
+
+def _draw_model(ax: Axes, panel: Panel, fit: Fit, drawn: Points) -> None:
+    inside = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
+    whole = panel.expected(fit.model, inside)
+    ax.plot(inside, whole, color=style.INK, lw=1.2, zorder=4, label="model")
+    across = np.geomspace(*ax.get_xlim(), 300)
+    lines = {term.symbol: panel.expected(term, across) for term in fit.model}
+    for symbol, line in lines.items():
+        ax.plot(across, line, color=style.COLORS.get(symbol, style.OTHER), lw=1.0, ls=(0, (5, 3)), zorder=3.5)
+    named = [e for e in fit if e.value is not None and e.symbol in lines]
+    marks = {e.symbol: mark for e in named if (mark := _mark(ax, panel, fit.model[e.symbol], e.sheet_unit))}
+    for symbol, (tau, deviation) in marks.items():
+        color = style.COLORS.get(symbol, style.OTHER)
+        ax.plot([tau], [deviation], "D", ms=5, mfc="white", mec=color, mew=1.3, zorder=5)
+    total = panel.expected(fit.model, across)
+    obstacles = _fractions(ax, np.concatenate([_pairs(drawn.tau, drawn.deviation), _pairs(inside, whole)]))
+    others = {symbol: _fractions(ax, _pairs(across, line))[::6] for symbol, line in lines.items()}
+    placed: list[Box] = []
+    for e in named:
+        anchors = _anchors(ax, across, lines[e.symbol], share=lines[e.symbol] / total, mark=marks.get(e.symbol))
+        if not len(anchors):
+            continue
+        avoid = np.concatenate([obstacles, *(line for symbol, line in others.items() if symbol != e.symbol)])
+        placed.append(_draw_label(ax, e, anchors, avoid, placed))
+
+
+def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
+    """Where the coefficient is read off the term's line, if that is in sight: at so many hours, or else seconds."""
+    row = term.row
+    if not _is_read_off(row):
+        return None
+    for seconds in (3600.0, 1.0) if re.search(r"\bh\b", unit) else (1.0,):
+        tau = row.read_at * seconds
+        deviation = float(panel.expected(term, np.array([tau]))[0])
+        (x, y), = _fractions(ax, np.array([[tau, deviation]]))
+        if 0 < x < 1 and 0 < y < 1:
+            return tau, deviation
+    return None
+
+
+def _is_read_off(row: NoiseTerm) -> bool:
+    """Whether the line of a term passes through its coefficient; that of flicker lies at 0.664 B throughout."""
+    return math.isclose(row.level * row.read_at ** (2 * row.slope), 1.0)
+
+
+def _anchors(ax: Axes, tau: FloatArray, line: FloatArray, *, share: FloatArray, mark: tuple[float, float] | None) -> FloatArray:
+    """Points where a label may hang: the mark, else the line in sight, first where the term has most to say."""
+    if mark is not None:
+        return _fractions(ax, np.array([mark]))
+    at = _fractions(ax, _pairs(tau, line))
+    order = np.argsort(-share[np.isfinite(line)], kind="stable")
+    at = at[order]
+    inside = ((at > 0.01) & (at < 0.99)).all(axis=1)
+    return np.asarray(at[inside][::8])
+
+
+def _draw_label(ax: Axes, estimate: Estimate, anchors: FloatArray, avoid: FloatArray, placed: Iterable[Box]) -> Box:
+    text = label_of(estimate)
+    size = _size(ax, text)
+    box = place(anchors, size, avoid, list(placed))
+    ax.text(
+        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
+        color=style.COLORS.get(estimate.symbol, style.OTHER), zorder=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+    )  # fmt: skip
+    return box
+
+
+def label_of(estimate: Estimate) -> str:
+    """A coefficient for the figure: ``N = 0.31 deg/√h``."""
+    from .digits import digits
+
+    value = estimate.to(estimate.sheet_unit)
+    number = digits(value, figures=3, signed=TERMS[estimate.symbol].waveform is not None)
+    return f"{estimate.symbol} = {number.pretty()} {words.printed_unit(estimate.sheet_unit)}"
+
+
+def _size(ax: Axes, text: str) -> tuple[float, float]:
+    """Width and height of a label in fractions of the panel, before anything is laid out: 80 % of its share are axes."""
+    figure = ax.get_figure()
+    spec = ax.get_subplotspec()
+    assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
+    rows, columns = spec.get_gridspec().get_geometry()
+    width, height = figure.get_size_inches()
+    return len(text) * 5.4 / (72 * 0.86 * width / columns), 11.5 / (72 * 0.8 * height / rows)
+
+
+def _pairs(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.column_stack([x, y])[np.isfinite(y)]
+
+
+def _fractions(ax: Axes, pairs: FloatArray) -> FloatArray:
+    """Points as fractions of the panel."""
+    low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
+    return np.asarray((np.log(pairs) - low) / (high - low))
+
+
+def _draw_legend(figure: Figure) -> None:
+    """One legend for all panels, above them."""
+    entries: dict[str, Line2D] = {}
+    for ax in figure.axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if "model" in entries:
+        entries["each term alone"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
+        entries["where its coefficient is read off"] = mark
+    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=3, columnspacing=1.6)

@@ -1,0 +1,124 @@
+"""What a figure shows: curves with their fits, and their numbers in the unit that people read."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.curve import Curve
+from allanite.errors import UsageError
+from allanite.fit import Fit
+from allanite.model import Model, Term
+from allanite.statistics import expected
+from allanite.units import convert, unit_of
+from .words import readable_unit
+
+FloatArray = NDArray[np.float64]
+
+MOST_POINTS = 400
+"""Points of a curve that are drawn: more are not seen, but weigh."""
+
+
+class Panel(NamedTuple):
+    """A curve and what explains it."""
+
+    name: str
+    curve: Curve
+    fit: Fit | None
+
+    @property
+    def unit(self) -> str:
+        """The unit that is shown."""
+        return readable_unit(self.curve.unit)
+
+    def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
+        """The deviation that a model or term leads one to expect, in the unit that is shown; NaN where it is zero."""
+        variance = expected(model, self.curve.statistic, tau)
+        return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
+
+    def shown(self, values: FloatArray) -> FloatArray:
+        """Values of the curve in the unit that is shown."""
+        return values * convert(1.0, self.curve.unit, self.unit)
+
+
+class Points(NamedTuple):
+    """The points that are drawn; no limits where the noise is not known."""
+
+    tau: FloatArray
+    deviation: FloatArray
+    edf: FloatArray | None
+    low: FloatArray | None
+    high: FloatArray | None
+
+
+def points(panel: Panel, level: float) -> Points:
+    """The curve in the unit that is shown, thinned to what the eye resolves."""
+    curve = panel.curve
+    keep = np.unique(np.rint(np.geomspace(1, curve.tau.size, MOST_POINTS)).astype(np.int64)) - 1
+    keep = keep if curve.tau.size > MOST_POINTS else np.arange(curve.tau.size)
+    tau, deviation = curve.tau[keep], panel.shown(curve.deviation[keep])
+    if curve.law is None:
+        return Points(tau, deviation, None, None, None)
+    low, high = (panel.shown(limit[keep]) for limit in curve.interval(level))
+    return Points(tau, deviation, curve.edf[keep], low, high)
+
+
+def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Range of both axes: room below the curve for the lines of the terms, above for the band.
+
+    Raises
+    ------
+    UsageError
+        Nothing of the curve can be drawn on logarithmic axes.
+    """
+    curve = panel.curve
+    deviation = panel.shown(curve.deviation)
+    visible = deviation[np.isfinite(deviation) & (deviation > 0)]
+    if not visible.size:
+        raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
+    # the upper limits of the last points are far off, and not worth the room
+    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (float(visible.min()) / 8, float(visible.max()) * 2.5)
+
+
+def panels_of(value: Any, fit: Fit | None = None) -> list[Panel]:
+    """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them.
+
+    Raises
+    ------
+    UsageError
+        There is no curve in it.
+    """
+    found = _panels(value, fit)
+    if not found:
+        raise UsageError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
+    return found
+
+
+def _panels(value: Any, fit: Fit | None) -> list[Panel]:
+    if isinstance(value, Curve):
+        return [Panel(value.name, value, fit)]
+    if isinstance(value, Fit):
+        return _panels(value.curve, value)
+    if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
+        return _panels(value.channels, None)
+    if hasattr(value, "curve") and hasattr(value, "quality"):  # a Channel
+        return _panels(value.curve, value.fit)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [panel for item in value for panel in _panels(item, fit)]
+    if value is None:
+        return []
+    raise UsageError(f"a {type(value).__name__} cannot be drawn; give a Curve, a Fit, or a Study")
+
+
+def columns_of(panels: Sequence[Panel]) -> list[list[Panel]]:
+    """Panels side by side by unit; a long single column is broken in two."""
+    by_unit: dict[str, list[Panel]] = {}
+    for panel in panels:
+        by_unit.setdefault(panel.unit, []).append(panel)
+    columns = list(by_unit.values())
+    if len(columns) > 1 or len(panels) < 5:
+        return columns
+    half = math.ceil(len(panels) / 2)
+    return [columns[0][:half], columns[0][half:]]

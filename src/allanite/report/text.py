@@ -1,0 +1,153 @@
+"""A study as text for the terminal: units and numbers in ASCII, so that they can be copied into a command."""
+
+import io
+import textwrap
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rich.console import Console
+from rich.text import Text
+
+from allanite.fit import Estimate, Fit
+from allanite.study import Channel, Study
+from . import words
+
+STYLES = {"identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan"}
+LABEL = 10
+"""Columns of the header's labels."""
+
+
+class Cell(NamedTuple):
+    """A coefficient in one unit: value, interval and unit, or a phrase in place of the first two."""
+
+    value: str
+    interval: str
+    unit: str
+    phrase: str = ""
+
+
+class Columns(NamedTuple):
+    """Widths of a cell's parts."""
+
+    value: int
+    interval: int
+    unit: int
+
+
+def render(study: Study, *, width: int = 120, color: bool = False) -> str:
+    """The study as text; see `allanite.report.table`."""
+    out = io.StringIO()
+    system = "standard" if color else None
+    console = Console(file=out, width=width, force_terminal=color, color_system=system, markup=False, emoji=False)
+    for line in _lines(study, width):
+        # lines are already as long as they should be: a number is never torn in two
+        console.print(line, soft_wrap=True, highlight=False)
+    return out.getvalue()
+
+
+def _lines(study: Study, width: int) -> Iterator[Text]:
+    for label, value in _header(study):
+        yield from _prose(value, width, first=f"{label:<{LABEL}}", indent=LABEL)
+    level, fits = study.recipe.level, [channel.fit for channel in study.channels if channel.fit]
+    wide = all(_width(fit, level) <= width for fit in fits)
+    for channel in study.channels:
+        yield Text()
+        yield from _channel(channel, level, width=width, wide=wide)
+    statuses = {estimate.status for fit in fits for estimate in fit} - {"identified"}
+    notes = [f"{status}: {meaning}" for status, meaning in words.STATUS.items() if status in statuses]
+    yield from [Text()] if notes else []
+    for note in notes:
+        yield from _prose(note, width, style="dim", indent=2)
+
+
+def _header(study: Study) -> Iterator[tuple[str, str]]:
+    made = study.provenance
+    yield "file", made.get("source") or "(data in memory)"
+    for i, note in enumerate(study.notes):
+        yield "" if i else "assumed", note
+    if made.get("sha256"):
+        yield "sha256", made["sha256"]
+    yield "made by", f"allanite {made.get('allanite', '')}, method {study.recipe.method}"
+
+
+def _prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
+    """Wrapped text; lines after the first begin with `indent` blanks."""
+    lines = textwrap.wrap(
+        words.printable(text),
+        max(width, 40),
+        initial_indent=first,
+        subsequent_indent=" " * indent,
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+    for line in lines:
+        yield Text(line, style=style)
+
+
+def _channel(channel: Channel, level: float, *, width: int, wide: bool) -> Iterator[Text]:
+    name = words.printable(channel.record.name) or "channel"
+    yield Text(name, style="bold") + Text(f"  {words.about(channel.record)}", style="not bold dim")
+    for step in channel.record.history:
+        yield from _prose(step, width, first="  ", indent=2, style="dim")
+    for alert in words.alerts(channel):
+        yield from _prose(alert, width, first="  ! ", indent=4, style="bold red")
+    if channel.fit is None:
+        yield from _prose(f"no result: {channel.refusal}", width, first="  ! ", indent=4, style="bold red")
+        return
+    for note in channel.fit.notes:
+        yield from _prose(note, width, first="  ", indent=2)
+    good = channel.fit.goodness
+    if good is not None and good.explained:
+        yield from _prose(good.verdict, width, first="  ", indent=2, style="green")
+    yield from _table(channel.fit, level, wide=wide)
+
+
+def _table(fit: Fit, level: float, *, wide: bool) -> Iterator[Text]:
+    """One line a term where both units fit side by side, else the SI value below the data-sheet value."""
+    names, sheet, si = _cells(fit, level)
+    first, left, right = max(map(len, names)), _columns(sheet), _columns(si)
+    if not wide:
+        left = right = Columns(*map(max, left, right))
+    interval = f"{words.percent(level)} interval"
+    titles = [_join(Cell("value", interval, "unit"), left), *([_join(Cell("SI", interval, "unit"), right)] * wide)]
+    yield Text(f"  {'':<{first}}  {'  '.join(titles)}  status", style="dim")
+    for e, name, cell, below in zip(fit, names, sheet, si, strict=True):
+        row = Text(f"  {name:<{first}}  ") + Text(_join(cell, left), style="bold" if e.claimed else "not bold")
+        if wide:
+            row += Text("  " + _join(below, right), style="dim")
+        yield row + Text("  ") + Text(e.status, style=STYLES.get(e.status, ""))
+        if not wide and below.unit not in ("", cell.unit):
+            yield Text(f"  {'':<{first}}  {_join(below, right)}".rstrip(), style="dim")
+
+
+def _width(fit: Fit, level: float) -> int:
+    """Length of a line that has both units side by side."""
+    names, sheet, si = _cells(fit, level)
+    return 2 + max(map(len, names)) + sum(_columns(sheet)) + sum(_columns(si)) + 7 * 2 + len("identified")
+
+
+def _cells(fit: Fit, level: float) -> tuple[list[str], list[Cell], list[Cell]]:
+    names = [f"{e.symbol}  {words.title(e.symbol, e.signal)}" for e in fit]
+    sheet = [_cell(e, e.sheet_unit, level, "not identified") for e in fit]
+    return names, sheet, [_cell(e, e.unit, level, "") for e in fit]
+
+
+def _cell(estimate: Estimate, unit: str, level: float, absent: str) -> Cell:
+    number, most = words.shown(estimate, unit, level), words.limit(estimate, unit)
+    if number is not None:
+        return Cell(*number.plain(), unit)
+    limit = f"{words.below(estimate)} {most.plain()[0]}" if most else ""
+    return Cell("", "", unit if most else "", ", ".join(filter(None, (absent, limit))))
+
+
+def _columns(cells: list[Cell]) -> Columns:
+    """Widths; the interval's grows where a phrase needs more than value and interval."""
+    value = max(len("value"), *(len(c.value) for c in cells))
+    interval = max(len("95 % interval"), *(len(c.interval) for c in cells), *(len(c.phrase) - value - 2 for c in cells))
+    return Columns(value, interval, max(len("unit"), *(len(c.unit) for c in cells)))
+
+
+def _join(cell: Cell, columns: Columns) -> str:
+    value, interval, unit = columns
+    both = f"{cell.value:>{value}}  {cell.interval:<{interval}}"
+    return f"{cell.phrase.ljust(len(both)) if cell.phrase else both}  {cell.unit:<{unit}}"

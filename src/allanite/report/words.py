@@ -1,0 +1,154 @@
+"""The sentences that stand in the table, the page and the figures."""
+
+import math
+
+from allanite.fit import Estimate
+from allanite.model import coefficient_factor
+from allanite.record import Record
+from allanite.study import Channel
+from allanite.terms import TERMS
+from allanite.units import SIGNALS, Signal
+
+from .digits import Digits, digits
+
+SENSORS = {"gyro": "gyroscope", "accelerometer": "accelerometer", "dimensionless": "sensor of a dimensionless signal"}
+RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "signal"}
+
+STATUS = {
+    "identified": "found, relative standard error at most 25 %",
+    "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
+    "absent": "not found; the limit is the one-sided 95 % upper limit",
+    "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
+}
+"""What each status means."""
+
+
+def printable(text: str) -> str:
+    """`text` without control characters: names out of a file must not drive the terminal."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as it is printed.
+
+    Examples
+    --------
+    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
+    ('deg/h/√h', 'µg', 'm/s²')
+    """
+    for plain, printed in (("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^2", "²"), ("^3", "³")):
+        unit = unit.replace(plain, printed)
+    return unit.replace("^1.5", "¹·⁵").replace("^2.5", "²·⁵").replace("ug", "µg")
+
+
+def title(symbol: str, signal: Signal) -> str:
+    """The name of a term in the words of its sensor: an accelerometer has a velocity random walk."""
+    words = TERMS[symbol].title.replace("rate", RATES[signal.name])
+    return words.replace("angle", signal.integral)
+
+
+def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
+    """The value and its interval in `unit`, rounded; None where there is no value."""
+    if estimate.value is None:
+        return None
+    factor = coefficient_factor(estimate.symbol, unit, estimate.signal)
+    low, high = (v / factor for v in estimate.interval(level))
+    return digits(estimate.value / factor, low, high, signed=TERMS[estimate.symbol].waveform is not None)
+
+
+def limit(estimate: Estimate, unit: str) -> Digits | None:
+    """The upper limit of a term without a value in `unit`; None where there is none."""
+    if estimate.upper is None:
+        return None
+    return digits(estimate.upper / coefficient_factor(estimate.symbol, unit, estimate.signal), figures=2)
+
+
+def below(estimate: Estimate) -> str:
+    """The word before a limit: a ramp has a sign, its size is limited."""
+    return "below" if TERMS[estimate.symbol].waveform is None else "size below"
+
+
+def in_print(estimate: Estimate, unit: str, level: float) -> str:
+    """A coefficient as printed: ``0.310 (0.302 … 0.318) deg/√h`` or ``below 2.1 deg/h``."""
+    number, most = shown(estimate, unit, level), limit(estimate, unit)
+    if number is not None:
+        return f"{number.pretty()} {printed_unit(unit)}"
+    return f"{below(estimate)} {most.pretty()} {printed_unit(unit)}" if most else ""
+
+
+def readable_unit(unit: str) -> str:
+    """The data-sheet unit in place of an SI unit; any other unit stays.
+
+    Examples
+    --------
+    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
+    ('deg/h', 'ug', 'deg/s')
+    """
+    sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
+    return next(sheets, unit)
+
+
+def duration(seconds: float) -> str:
+    """A length of time.
+
+    Examples
+    --------
+    >>> duration(42), duration(5400), duration(200_000)
+    ('42 s', '1.5 h', '2.31 d')
+    """
+    for size, unit, least in ((86400.0, "d", 172800.0), (3600.0, "h", 3600.0), (60.0, "min", 120.0), (1.0, "s", 0.0)):
+        if seconds >= least:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def about(record: Record) -> str:
+    """What a channel holds: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
+    sensor = SENSORS[record.signal.name]
+    scale = "" if record.scale is None else f"{record.scale:g} "
+    length = duration(record.duration)
+    return f"{sensor}, {record.kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
+
+
+def alerts(channel: Channel) -> list[str]:
+    """What must stand above the numbers of a channel: its warnings, and that the model does not explain it."""
+    found = [str(finding) for finding in channel.quality.warnings]
+    good = None if channel.fit is None else channel.fit.goodness
+    if good is not None and not good.explained:
+        found.insert(0, good.verdict)
+    return found
+
+
+def verdict(channel: Channel, level: float) -> str:
+    """What the sensor is, in one or two plain sentences."""
+    name = printable(channel.record.name) or "the channel"
+    if channel.fit is None:
+        return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."
+    found, absent = [], []
+    for e in channel.fit:
+        if e.value is None:
+            absent.append(title(e.symbol, e.signal))
+        else:
+            found.append(_found(e, level))
+    sensor = SENSORS[channel.record.signal.name]
+    start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
+    first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
+    length = duration(channel.record.duration)
+    return first + (f" Not identified in {length} of data: {', '.join(absent)}." if absent else "")
+
+
+def _found(estimate: Estimate, level: float) -> str:
+    number = shown(estimate, estimate.sheet_unit, level)
+    assert number is not None  # noqa: S101 - asked for values only
+    power = f" × 10^{number.exponent}" if number.exponent else ""
+    weak = " (weak)" if estimate.status == "weak" else ""
+    return f"{title(estimate.symbol, estimate.signal)} {number.value}{power} {printed_unit(estimate.sheet_unit)}{weak}"
+
+
+def _join(parts: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+
+
+def percent(level: float) -> str:
+    """A confidence level: ``95 %``."""
+    return f"{100 * level:.6g} %" if math.isfinite(level) else ""

@@ -1,0 +1,83 @@
+"""Sums over lags in a few hundred nodes: Gauss rules for sums over integers.
+
+The covariance of two windows is smooth in the lag between them except where an end of one meets an end of the other.
+Between such kinks the sum over every lag is replaced by panels of four nodes, exact for polynomials of degree 7 summed
+over the integers (Gram polynomials), whose size grows with the distance from the kinks.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+GROWTH = 1.5
+"""Size of a panel over its distance from the nearest kink."""
+
+
+def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included.
+
+    Parameters
+    ----------
+    kinks : list of float
+        Lattice points (all integers, or all half-integers) at or below `end`, ascending.
+
+    Examples
+    --------
+    >>> nodes, weights = lag_nodes([0.0, 10.0], 1000.0)
+    >>> len(nodes) < 60, round(float((weights * nodes**3).sum()))
+    (True, 250500250000)
+    """
+    nodes: list[float] = []
+    weights: list[float] = []
+    for kink, following in zip(kinks, [*kinks[1:], None], strict=True):
+        nodes.append(kink)
+        weights.append(1.0)
+        for first, count in _panels(kink, end, following):
+            x, w = sum_nodes(first, count)
+            nodes += x
+            weights += w
+    return np.array(nodes), np.array(weights)
+
+
+def _panels(kink: float, end: float, following: float | None) -> list[tuple[float, int]]:
+    """(first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one."""
+    left, right = kink + 1, end if following is None else following - 1
+    panels = []
+    while left <= right:
+        remaining = round(right - left) + 1
+        size = max(4, math.floor(GROWTH * (left - kink)))
+        if following is None or remaining <= 4:
+            panels.append((left, min(size, remaining)))
+            left += size
+            continue
+        size = min(size, remaining - remaining // 2)
+        panels.append((left, size))
+        mirrored = min(size, remaining - size)
+        panels.append((right - mirrored + 1, mirrored))
+        left, right = left + size, right - mirrored
+    return panels
+
+
+def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
+    """Nodes and weights of the sum over first, first + 1, ..., first + count - 1.
+
+    Examples
+    --------
+    >>> nodes, weights = sum_nodes(1.0, 100)
+    >>> len(nodes), round(sum(w * x**3 for x, w in zip(nodes, weights)))
+    (4, 25502500)
+    """
+    if count <= 4:
+        return [first + i for i in range(count)], [1.0] * count
+    n2 = float(count) ** 2
+    b1, b2, b3 = (n2 - 1) / 12, (n2 - 4) / 15, 9 * (n2 - 9) / 140
+    total = b1 + b2 + b3
+    far = (total + math.sqrt(total**2 - 4 * b1 * b3)) / 2
+    near = b1 * b3 / far
+    outer = (count / 2) * (b1 - near) / (far - near)
+    inner = count / 2 - outer
+    c, a, b = first + (count - 1) / 2, math.sqrt(far), math.sqrt(near)
+    return [c - a, c - b, c + b, c + a], [outer, inner, inner, outer]

@@ -1,0 +1,191 @@
+"""The only place that composes: from a recording and a recipe to a study."""
+
+import os
+import platform
+import tomllib
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from .curve import Curve
+from .errors import DataError, UsageError
+from .fit import Fit
+from .noise import identify
+from .prepare import Quality, inspect, trim
+from .readers import read
+from .record import Record, Recording
+from .statistics import deviation
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Every choice of an analysis as plain data.
+
+    The first group says what the file holds (None: taken from the file), the second what is done with it.
+    """
+
+    rate: float | None = None
+    unit: str | None = None
+    kind: str | None = None
+    scale: float | None = None
+    channels: tuple[str, ...] | None = None
+    time: str | None = None
+    start: float | None = None
+    until: float | None = None
+    statistic: str = "oadev"
+    taus: str | tuple[float, ...] = "log"
+    terms: str = "auto"
+    method: str = "whittle"
+    band: tuple[float, float] | None = None
+    level: float = 0.95
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data; what was left open is left out."""
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items() if v is not None}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Recipe":
+        """A recipe from plain data, for example a TOML table.
+
+        Raises
+        ------
+        UsageError
+            A key is unknown; the message lists the known ones.
+        """
+        known = [f.name for f in fields(cls)]
+        for key in data:
+            if key not in known:
+                raise UsageError(f"unknown key {key!r} in the recipe; known are {', '.join(known)}")
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
+        return cls(**values)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Recipe":
+        """A recipe from a TOML file."""
+        try:
+            return cls.from_dict(tomllib.loads(Path(path).read_text(encoding="utf-8")))
+        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise UsageError(f"the recipe {os.fspath(path)!r} cannot be read: {error}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """What was found of one channel; `refusal` says why nothing was, if nothing was."""
+
+    record: Record
+    quality: Quality
+    curve: Curve | None = None
+    fit: Fit | None = None
+    refusal: str = ""
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.record.name,
+            "rate": self.record.rate,
+            "size": self.record.size,
+            "unit": self.record.unit,
+            "kind": self.record.kind,
+            "history": list(self.record.history),
+            "quality": self.quality.to_dict(),
+            "refusal": self.refusal,
+            "curves": [] if self.curve is None else [self.curve.to_dict(level)],
+            "fit": None if self.fit is None else self.fit.to_dict(level),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Recording, recipe, and what was found; `notes` are what was assumed when reading, `provenance` what made it."""
+
+    channels: tuple[Channel, ...]
+    recipe: Recipe
+    notes: tuple[str, ...]
+    provenance: dict[str, str]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "Study",
+            "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],
+            "recipe": self.recipe.to_dict(),
+            "notes": list(self.notes),
+            "provenance": self.provenance,
+        }
+
+
+def analyze(
+    source: Recording | Record | str | os.PathLike[str],
+    recipe: Recipe | None = None,
+    *,
+    progress: Callable[[str, float], None] | None = None,
+) -> Study:
+    """The main job: noise coefficients of every channel, with intervals, and the curve they explain.
+
+    Parameters
+    ----------
+    source : Recording, Record or path
+        A path is read with the recipe's options.
+    recipe : Recipe, optional
+        All choices; the defaults are the ordinary analysis.
+    progress : callable, optional
+        Called with what is being done and the fraction that is finished.
+
+    Returns
+    -------
+    Study
+        Channels that cannot support the job carry the reason and no numbers.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, or none of its channels supports the job.
+    UsageError
+        An option is wrong, or one that is needed is missing.
+    """
+    recipe = recipe or Recipe()
+    tell = progress or (lambda what, fraction: None)
+    tell("reading", 0.0)
+    recording = trim(_recording(source, recipe), recipe.start, recipe.until)
+    channels = []
+    for i, record in enumerate(recording):
+        tell(f"analysing {record.name}", (i + 0.3) / (len(recording) + 0.3))
+        channels.append(_analyze_channel(record, recipe))
+    if all(channel.refusal for channel in channels):
+        raise DataError("; ".join(channel.refusal for channel in channels))
+    tell("done", 1.0)
+    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+
+
+def _recording(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
+    if isinstance(source, Recording):
+        return source
+    if isinstance(source, Record):
+        return Recording((source,))
+    options = {key: getattr(recipe, key) for key in ("rate", "unit", "kind", "scale", "channels", "time")}
+    return read(source, **options)
+
+
+def _analyze_channel(record: Record, recipe: Recipe) -> Channel:
+    quality = inspect(record)
+    if quality.refusal:
+        return Channel(record, quality, refusal=quality.refusal)
+    try:
+        fit = identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band)
+        curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=fit.model)
+    except DataError as error:
+        return Channel(record, quality, refusal=str(error))
+    return Channel(record, quality, curve, replace(fit, curve=curve))
+
+
+def _provenance(recording: Recording) -> dict[str, str]:
+    from . import __version__
+
+    return {
+        "allanite": __version__,
+        "python": platform.python_version(),
+        "source": recording.source,
+        "sha256": recording.digest,
+    }

@@ -1,0 +1,231 @@
+"""The table of noise terms: pure mathematics, one row a term.
+
+A term enters every statistic through one function, its structure function ``D(t) = E[(x(s+t) - x(s))^2]`` of the
+angle x
+(in the generalised sense: polynomials that every statistic here removes are left out). All functions are for a
+coefficient of 1 and, but for `structure` and `spectrum`, for a sample interval of 1; they are linear in the square of
+the coefficient.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+LN2 = math.log(2.0)
+
+
+@dataclass(frozen=True)
+class NoiseTerm:
+    """A row of `TERMS`.
+
+    Attributes
+    ----------
+    symbol, title, meaning, formula, reference
+        What it is, in words and in LaTeX (Allan variance), and where that is written.
+    power : float
+        The coefficient is a signal times time to this power.
+    slope : float
+        Slope of log Allan deviation against log tau.
+    read_at : float
+        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time).
+    level : float
+        Allan variance of the term at tau = 1 for a coefficient of 1.
+    structure : t -> D(t)
+        For t >= 0.
+    derivative : (order, t) -> d^order D/dt^order
+        For t > 0 and orders 2 to 8: the far field of D, where differences of D itself would cancel.
+    increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
+    spectrum : (f, tau0) -> two-sided spectral density of the sampled rate's mean over tau0 (aliases included where
+    closed).
+    dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
+    edge : float
+        Variance that the first and the last rate have beyond that.
+    waveform : n -> the rate itself, for a deterministic term of coefficient 1; None for noise.
+    """
+
+    symbol: str
+    title: str
+    meaning: str
+    formula: str
+    reference: str
+    power: float
+    slope: float
+    read_at: float
+    level: float
+    structure: Callable[[FloatArray], FloatArray]
+    derivative: Callable[[int, FloatArray], FloatArray]
+    increments: Callable[[FloatArray], FloatArray]
+    spectrum: Callable[[FloatArray, float], FloatArray]
+    dct: Callable[[FloatArray, int], FloatArray]
+    edge: float = 0.0
+    waveform: Callable[[int], FloatArray] | None = None
+
+
+def _monomial(coefficient: float, power: int) -> Callable[[int, FloatArray], FloatArray]:
+    """Derivatives of ``coefficient * t^power``."""
+
+    def derivative(order: int, t: FloatArray) -> FloatArray:
+        if order > power:
+            return np.zeros_like(t)
+        return coefficient * math.perm(power, order) * t ** (power - order)
+
+    return derivative
+
+
+def _at_small_lags(*values: float) -> Callable[[FloatArray], FloatArray]:
+    """Function of the lag with these values at 0, 1, 2, ... and zero beyond."""
+    table = np.array([*values, 0.0])
+    return lambda h: table[np.minimum(h, len(values)).astype(np.int64)]
+
+
+def _sine_squared(k: FloatArray, n: int) -> FloatArray:
+    """sin^2(omega/2) at omega = pi k / n."""
+    return np.asarray(np.sin((0.5 * math.pi / n) * k) ** 2)
+
+
+def _flicker_structure(t: FloatArray) -> FloatArray:
+    t = np.asarray(t, dtype=np.float64)
+    return -(t * t) * np.log(np.where(t > 0, t, 1.0)) / math.pi
+
+
+def _flicker_derivative(order: int, t: FloatArray) -> FloatArray:
+    if order == 2:
+        return -(2 * np.log(t) + 3) / math.pi
+    sign = 1 if order % 2 else -1
+    return -2 * sign * math.factorial(order - 3) / t ** (order - 2) / math.pi
+
+
+def _flicker_increments(h: FloatArray) -> FloatArray:
+    near = np.minimum(h, 30.0)
+    D = _flicker_structure
+    direct = -0.5 * (6 * D(near) - 4 * D(np.abs(near - 1)) - 4 * D(near + 1) + D(np.abs(near - 2)) + D(near + 2))
+    far = np.maximum(h, 30.0) ** -2.0
+    # fourth difference of h^2 ln h in powers of 1/h: the direct form loses (h^4) digits
+    series = -far * (2 + far * (2 + far * (3 + far * 17 / 3))) / (2 * math.pi)
+    return np.where(h < 30, direct, series)
+
+
+FLICKER_EDGE = np.array([0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747])
+
+
+def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
+    from scipy.special import zeta
+
+    u = k / (2.0 * n)
+    aliased = 4 * _sine_squared(k, n) * (zeta(3, u) + zeta(3, 1 - u)) / (2 * math.pi) ** 3
+    # DCT-II does not quite diagonalise flicker: a factor of k alone, whatever n (computed exactly for k <= 8)
+    edge = np.where(
+        k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
+    )
+    return np.asarray(aliased * edge)
+
+
+def _random_walk_dct(k: FloatArray, n: int) -> FloatArray:
+    s = _sine_squared(k, n)
+    return np.asarray((1 - 2 * s / 3) / (4 * s))
+
+
+def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
+    """DCT-II coefficients (orthonormal) of the rate j - (n-1)/2, j = 0..n-1, at k >= 1; zero at even k."""
+    half = (0.5 * math.pi / n) * k
+    odd = np.asarray(k, dtype=np.int64) % 2
+    return np.asarray(-math.sqrt(2.0 / n) * odd * np.cos(half) / (2 * np.sin(half) ** 2))
+
+
+def _ramp(n: int) -> FloatArray:
+    return np.arange(n, dtype=np.float64) - (n - 1) / 2
+
+
+def _two_pi(f: FloatArray) -> FloatArray:
+    return 2 * math.pi * np.asarray(f, dtype=np.float64)
+
+
+TERMS: dict[str, NoiseTerm] = {
+    "Q": NoiseTerm(
+        symbol="Q",
+        title="quantization noise",
+        meaning="white noise of the angle: rounding of the angle output, or timing jitter of the readout",
+        formula=r"\sigma^2(\tau) = 3 Q^2 / \tau^2",
+        reference="IEEE Std 952; Q = LSB / sqrt(12) for a dithered angle quantizer",
+        power=1.0,
+        slope=-1.0,
+        read_at=math.sqrt(3.0),
+        level=3.0,
+        structure=lambda t: np.where(np.asarray(t) > 0, 2.0, 0.0),
+        derivative=_monomial(2.0, 0),
+        increments=_at_small_lags(6.0, -4.0, 1.0),
+        spectrum=lambda f, tau0: 4 / tau0 * np.sin(math.pi * f * tau0) ** 2,
+        dct=lambda k, n: 4 * _sine_squared(k, n),
+        edge=1.0,
+    ),
+    "N": NoiseTerm(
+        symbol="N",
+        title="angle random walk",
+        meaning="white noise of the rate; the angle error grows as N sqrt(t)",
+        formula=r"\sigma^2(\tau) = N^2 / \tau",
+        reference="IEEE Std 952",
+        power=0.5,
+        slope=-0.5,
+        read_at=1.0,
+        level=1.0,
+        structure=lambda t: np.asarray(t, dtype=np.float64),
+        derivative=_monomial(1.0, 1),
+        increments=_at_small_lags(2.0, -1.0),
+        spectrum=lambda f, tau0: np.ones_like(f),
+        dct=lambda k, _: np.ones_like(k),
+    ),
+    "B": NoiseTerm(
+        symbol="B",
+        title="bias instability",
+        meaning="flicker of the rate: the floor of the Allan deviation lies at 0.664 B",
+        formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
+        reference="IEEE Std 952",
+        power=0.0,
+        slope=0.0,
+        read_at=1.0,
+        level=2 * LN2 / math.pi,
+        structure=_flicker_structure,
+        derivative=_flicker_derivative,
+        increments=_flicker_increments,
+        spectrum=lambda f, tau0: 1 / _two_pi(f),
+        dct=_flicker_dct,
+    ),
+    "K": NoiseTerm(
+        symbol="K",
+        title="rate random walk",
+        meaning="random walk of the rate; the bias wanders as K sqrt(t)",
+        formula=r"\sigma^2(\tau) = K^2 \tau / 3",
+        reference="IEEE Std 952; the rate is the mean over each sample interval",
+        power=-0.5,
+        slope=0.5,
+        read_at=3.0,
+        level=1 / 3,
+        structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 3) / 6,
+        derivative=_monomial(-1 / 6, 3),
+        increments=_at_small_lags(2 / 3, 1 / 6),
+        spectrum=lambda f, tau0: _two_pi(f) ** -2,
+        dct=_random_walk_dct,
+    ),
+    "R": NoiseTerm(
+        symbol="R",
+        title="rate ramp",
+        meaning="a steady drift of the rate, with a sign",
+        formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
+        reference="IEEE Std 952",
+        power=-1.0,
+        slope=1.0,
+        read_at=math.sqrt(2.0),
+        level=0.5,
+        structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 4) / 12,
+        derivative=_monomial(-1 / 12, 4),
+        increments=_at_small_lags(0.0),
+        spectrum=lambda f, tau0: np.zeros_like(f),
+        dct=lambda k, _: np.zeros_like(k),
+        waveform=_ramp,
+    ),
+}

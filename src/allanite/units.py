@@ -1,0 +1,226 @@
+"""The one table of units: to SI and back, and the data-sheet unit of every noise coefficient.
+
+Inside, everything is SI: rad, rad/s, m/s, m/s^2, s. Units are strings at the border, and are read by a small grammar,
+so that every spelling of the field works: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``, ``°/√h``, ``rad s^-1``, ``dps``,
+``ug/rtHz``.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .errors import UnitError
+
+Dimension = tuple[Fraction, Fraction, Fraction]  # powers of angle, length, time
+
+_NONE, _ANGLE, _LENGTH, _TIME = (
+    (Fraction(a), Fraction(b), Fraction(c)) for a, b, c in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+)
+_ACCELERATION = (Fraction(0), Fraction(1), Fraction(-2))
+_DEGREE, _GRAVITY = math.pi / 180, 9.80665
+
+ATOMS: dict[str, tuple[float, Dimension]] = {
+    "rad": (1.0, _ANGLE),
+    "mrad": (1e-3, _ANGLE),
+    "urad": (1e-6, _ANGLE),
+    "deg": (_DEGREE, _ANGLE),
+    "mdeg": (1e-3 * _DEGREE, _ANGLE),
+    "arcmin": (_DEGREE / 60, _ANGLE),
+    "arcsec": (_DEGREE / 3600, _ANGLE),
+    "rev": (2 * math.pi, _ANGLE),
+    "m": (1.0, _LENGTH),
+    "cm": (1e-2, _LENGTH),
+    "mm": (1e-3, _LENGTH),
+    "g": (_GRAVITY, _ACCELERATION),
+    "mg": (1e-3 * _GRAVITY, _ACCELERATION),
+    "ug": (1e-6 * _GRAVITY, _ACCELERATION),
+    "ng": (1e-9 * _GRAVITY, _ACCELERATION),
+    "Gal": (1e-2, _ACCELERATION),
+    "mGal": (1e-5, _ACCELERATION),
+    "s": (1.0, _TIME),
+    "ms": (1e-3, _TIME),
+    "us": (1e-6, _TIME),
+    "ns": (1e-9, _TIME),
+    "min": (60.0, _TIME),
+    "h": (3600.0, _TIME),
+    "Hz": (1.0, (Fraction(0), Fraction(0), Fraction(-1))),
+}
+
+SPELLINGS: dict[str, str] = {
+    "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
+    "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
+    "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)", "mps2": "(m/s^2)",
+    "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
+}  # fmt: skip
+
+_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit as its size in SI and its powers of angle, length and time."""
+
+    factor: float
+    dimension: Dimension
+
+    def __mul__(self, other: "Unit") -> "Unit":
+        return Unit(self.factor * other.factor, _add(self.dimension, other.dimension))
+
+    def __pow__(self, power: Fraction) -> "Unit":
+        a, b, c = self.dimension
+        return Unit(self.factor ** float(power), (a * power, b * power, c * power))
+
+
+def _add(a: Dimension, b: Dimension) -> Dimension:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+class _Parser:
+    """Recursive descent over ``expression = power (('*' | '/' | nothing) power)*``."""
+
+    def __init__(self, text: str) -> None:
+        for sign, word in (
+            ("√(", "sqrt("),
+            ("√", "rt"),
+            ("µ", "u"),
+            ("μ", "u"),
+            ("²", "^2"),
+            ("³", "^3"),
+            ("·", "*"),
+            ("**", "^"),
+        ):
+            text = text.replace(sign, word)
+        self.tokens = [m.group(1) or m.group(2) or m.group(3) for m in _TOKEN.finditer(text.strip())]
+
+    def take(self) -> str:
+        return self.tokens.pop(0) if self.tokens else ""
+
+    def expression(self) -> Unit:
+        unit = self.power()
+        while self.tokens and self.tokens[0] != ")":
+            if self.tokens[0] == "/":
+                self.take()
+                unit = unit * self.power() ** Fraction(-1)
+            else:
+                if self.tokens[0] == "*":
+                    self.take()
+                unit = unit * self.power()
+        return unit
+
+    def power(self) -> Unit:
+        unit = self.base()
+        if self.tokens and self.tokens[0] in ("^", "^-"):
+            sign = -1 if self.take() == "^-" else 1
+            unit = unit ** (sign * Fraction(self.take()))
+        return unit
+
+    def base(self) -> Unit:
+        word = self.take()
+        if word in ("sqrt", "("):
+            if word == "sqrt" and self.take() != "(":
+                raise ValueError
+            unit = self.expression()
+            if self.take() != ")":
+                raise ValueError
+            return unit ** Fraction(1, 2) if word == "sqrt" else unit
+        if word == "1":
+            return Unit(1.0, _NONE)
+        return _named(word)
+
+
+def _named(name: str) -> Unit:
+    for key in (name, name.lower()):
+        if key in ATOMS:
+            return Unit(*ATOMS[key])
+        if key in SPELLINGS:
+            return _Parser(SPELLINGS[key]).expression()
+    raise ValueError(name)
+
+
+def unit_of(text: str) -> Unit:
+    """Read a unit.
+
+    Raises
+    ------
+    UnitError
+        If a part of `text` is unknown; the message lists what is known.
+
+    Examples
+    --------
+    >>> round(unit_of("deg/h").factor, 12)
+    4.848137e-06
+    >>> unit_of("rad/sqrt(s)") == unit_of("rad/s/sqrt(Hz)")
+    True
+    """
+    try:
+        parser = _Parser(text)
+        unit = parser.expression()
+        if parser.tokens:
+            raise ValueError(text)
+    except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
+        raise UnitError(
+            f"unknown unit {text!r}; units are made of {', '.join(ATOMS)} with *, /, ^ and sqrt(), for example "
+            "deg/s, deg/h, rad/s, arcsec, g, ug, m/s^2, deg/sqrt(h), deg/h/sqrt(Hz), rad/s^1.5, ug/sqrt(Hz)"
+        ) from None
+    return unit
+
+
+def convert(value: float, unit: str, to: str) -> float:
+    """`value` of `unit` in `to`.
+
+    Examples
+    --------
+    >>> convert(1.0, "deg/sqrt(h)", "deg/h/sqrt(Hz)")
+    60.0
+    """
+    source, target = unit_of(unit), unit_of(to)
+    if source.dimension != target.dimension:
+        raise UnitError(f"{unit!r} cannot be converted to {to!r}: they measure different things")
+    return value * (source.factor / target.factor)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A kind of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p."""
+
+    name: str
+    unit: str
+    integral: str
+    si: dict[float, str]
+    sheet: dict[float, str]
+
+    @property
+    def dimension(self) -> Dimension:
+        """Powers of angle, length and time of the signal."""
+        return unit_of(self.unit).dimension
+
+
+SIGNALS = (
+    Signal(
+        "gyro", "rad/s", "angle",
+        {1: "rad", 0.5: "rad/sqrt(s)", 0: "rad/s", -0.5: "rad/s^1.5", -1: "rad/s^2"},
+        {1: "arcsec", 0.5: "deg/sqrt(h)", 0: "deg/h", -0.5: "deg/h/sqrt(h)", -1: "deg/h^2"},
+    ),
+    Signal(
+        "accelerometer", "m/s^2", "velocity",
+        {1: "m/s", 0.5: "m/s^1.5", 0: "m/s^2", -0.5: "m/s^2.5", -1: "m/s^3"},
+        {1: "m/s", 0.5: "m/s/sqrt(h)", 0: "ug", -0.5: "ug/sqrt(h)", -1: "ug/h"},
+    ),
+    Signal(
+        "dimensionless", "1", "time",
+        {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
+        {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
+    ),
+)  # fmt: skip
+
+
+def signal_named(name: str) -> Signal:
+    """The row of `SIGNALS` called `name`."""
+    return next(signal for signal in SIGNALS if signal.name == name)
+
+
+def signal_with(dimension: Dimension, time_power: Fraction | int = 0) -> Signal | None:
+    """The signal that, multiplied by time to `time_power`, has `dimension`; None if there is none."""
+    wanted = (dimension[0], dimension[1], dimension[2] - time_power)
+    return next((signal for signal in SIGNALS if signal.dimension == wanted), None)

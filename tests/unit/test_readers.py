@@ -1,0 +1,177 @@
+"""The door of the readers: what is refused, in which words, and what the table of formats promises."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from allanite.errors import AllaniteError, DataError, UnitError, UsageError
+from allanite.readers import READERS, read
+from allanite.record import KINDS
+
+GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(content, name="gyro.csv"):
+        path = tmp_path / name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+    return write
+
+
+def test_source_and_digest(write):
+    path = write(GOOD)
+    recording = read(path)
+    assert recording.source == str(path)
+    assert recording.digest == hashlib.sha256(GOOD.encode()).hexdigest()
+    assert read(str(path)).source == str(path)
+
+
+def test_a_relative_path_stays_as_given(write, monkeypatch):
+    monkeypatch.chdir(write(GOOD).parent)
+    assert read("gyro.csv").source == "gyro.csv"
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_table_of_formats(name):
+    assert READERS[name].title
+    assert not READERS[name].sniff(b"", "")
+    assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
+
+
+def test_import_is_cheap():
+    heavy = "pyarrow,scipy,numba,matplotlib,pandas"
+    code = f"import sys, allanite.readers; print([m for m in '{heavy}'.split(',') if m in sys.modules])"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    )
+
+
+def test_what_is_not_a_file_is_refused(tmp_path):
+    with pytest.raises(DataError, match="no such file"):
+        read(tmp_path / "absent.csv")
+    with pytest.raises(DataError, match="directory"):
+        read(tmp_path)
+    with pytest.raises(DataError):
+        read("nul\0l")
+    with pytest.raises(UsageError, match="path"):
+        read(7)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_is_refused_and_does_not_hang(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(DataError, match="pipe"):
+        read(tmp_path / "pipe.csv")
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
+def test_a_device_is_refused():
+    with pytest.raises(DataError, match="no regular file"):
+        read("/dev/zero")
+
+
+def test_no_permission(write, monkeypatch):
+    path = write(GOOD)
+
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(DataError, match="Permission denied"):
+        read(path)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"])
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\n\n",
+        np.random.default_rng(1).bytes(5000),
+        b"\x00" * 3000,
+        b"time,gx\n",
+        b"# nothing\n# at all\n",
+        b"1.0\n",
+    ],
+    ids=["empty", "blank", "random", "zeros", "header", "comments", "one number"],
+)
+def test_useless_content_is_refused_in_words(write, name, content):
+    with pytest.raises(AllaniteError) as caught:
+        read(write(content, name), rate=100, unit="deg/s")
+    assert name in str(caught.value)
+    assert len(str(caught.value)) > 40
+
+
+def test_an_enormous_line_is_refused(write):
+    with pytest.raises(DataError, match="one row for each sample"):
+        read(write(b"1.5," * 500_000), rate=100, unit="deg/s")
+    with pytest.raises(DataError, match="one row for each sample"):
+        read(write(b"1.5," * 5_000), rate=100, unit="deg/s")
+
+
+@pytest.mark.parametrize("rate", [0, -1.0, float("nan"), float("inf"), "100", True, [100]])
+def test_impossible_rates(write, rate):
+    with pytest.raises(UsageError, match="rate"):
+        read(write(GOOD), rate=rate)
+
+
+@pytest.mark.parametrize("scale", [0, -1.0, float("nan"), "1"])
+def test_impossible_scales(write, scale):
+    with pytest.raises(UsageError, match="scale"):
+        read(write(GOOD), scale=scale)
+
+
+def test_unknown_unit_lists_units(write):
+    with pytest.raises(UnitError, match="deg/s, deg/h, rad/s"):
+        read(write(GOOD), unit="furlong")
+
+
+def test_unknown_kind_explains_kinds(write):
+    with pytest.raises(UsageError, match="mean rate over each sample interval"):
+        read(write(GOOD), kind="speed")
+
+
+def test_unknown_channel_lists_channels(write):
+    with pytest.raises(UsageError, match=r"no column 'gq'.*1: time \[s\].*2: gx \[deg/s\]"):
+        read(write(GOOD), channels=["gq"])
+    with pytest.raises(UsageError, match="no channel"):
+        read(write(GOOD), channels=[])
+    with pytest.raises(UsageError, match="twice"):
+        read(write(GOOD), channels=["gx", "2"])
+    with pytest.raises(UsageError, match="time and as a channel"):
+        read(write(GOOD), channels=["time"], time="time", unit="deg/s")
+
+
+def test_missing_rate_and_unit_are_asked_for_together(write):
+    with pytest.raises(UsageError) as caught:
+        read(write("gx,gy\n" + "1.5,2.5\n" * 20))
+    for words in ("rate=100", "--rate 100", "unit='deg/s'", "--unit deg/s", "'gx', 'gy'"):
+        assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["arcsec", "m/s", "rad"])
+def test_an_ambiguous_kind_is_asked_for_with_the_difference(write, unit):
+    path = write("x\n" + "1\n2\n" * 20)
+    with pytest.raises(UsageError) as caught:
+        read(path, rate=100, unit=unit, scale=0.1)
+    assert "--kind" in str(caught.value)
+    assert all(repr(kind) in str(caught.value) for kind in KINDS)
+    assert read(path, rate=100, unit=unit, kind="count", scale=0.1)["x"].values.dtype == np.int64
+
+
+def test_a_kind_that_the_unit_contradicts(write):
+    with pytest.raises(UsageError, match="does not fit kind 'increment'"):
+        read(write(GOOD), kind="increment")
+
+
+def test_counts_need_a_scale(write):
+    with pytest.raises(UsageError, match=r"scale=0\.1"):
+        read(write("gx\n" + "1\n2\n" * 20), rate=100, unit="arcsec", kind="count")

@@ -1,0 +1,48 @@
+"""PSINS text made here; the real file has its own test."""
+
+import pytest
+
+from allanite.errors import DataError
+from allanite.readers import READERS, read
+
+HEADER = "0 0 -90.6 0 0 0\n34.2 108.9 380 0 8.0 9.7803\n0.1 0.1 0.1 125 125 125 \n"
+ROWS = "0 0 2 0 0 80\n-4 0 7 0 0 79\n2 1 -3 0 1 80\n"
+WHOLE = "% PSINS-format SIMU log file.\n% 6 words of prose in here\n\n" + HEADER + ROWS
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(content):
+        (tmp_path / "simu.imu").write_text(content)
+        return tmp_path / "simu.imu"
+
+    return write
+
+
+@pytest.mark.parametrize("content", [WHOLE, HEADER + ROWS])
+def test_with_and_without_comments(write, content):
+    recording = read(write(content))
+    assert recording.channels == ("gx", "gy", "gz", "ax", "ay", "az")
+    assert (recording["gz"].kind, recording["gz"].scale, recording["gz"].rate) == ("count", 0.1, 125.0)
+    assert recording["gz"].values.tolist() == [2, 7, -3]
+    assert recording["az"].factor == pytest.approx(125e-6 * 9.80665)
+
+
+def test_ordinary_tables_are_not_taken_for_it():
+    assert not READERS["psins"].sniff(b"1 2 3 4 5 6\n" * 9, ".txt")
+    assert not READERS["psins"].sniff(b"gx gy\n1 2\n", ".imu")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("-4 0 7", "-4 x 7", "line 8, column 'gy': 'x'"),
+        ("-4 0 7", "-4 7", "line 8 has 5 columns"),
+        ("0.1 0.1 0.1 ", "0.1 0.1 ", "line 6 is a header row"),
+        (" 8.0 ", " 0.0 ", "must be positive"),
+        (ROWS, "", "three header rows"),
+    ],
+)
+def test_damage_is_named(write, old, new, words):
+    with pytest.raises(DataError, match=words):
+        read(write(WHOLE.replace(old, new)))

@@ -1,0 +1,286 @@
+"""Text and CSV in the shapes that loggers write."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from allanite.errors import DataError, UsageError
+from allanite.readers import headers, layout, read
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(content, name="gyro.csv"):
+        path = tmp_path / name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+    return write
+
+
+def noted(recording, *words):
+    return any(all(word in note for word in words) for note in recording.notes)
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False, width=64).filter(lambda x: x == 0 or 1e-300 < abs(x) < 1e300)
+tables = st.integers(2, 4).flatmap(
+    lambda width: st.lists(st.lists(finite, min_size=width, max_size=width), min_size=3, max_size=12)
+)
+HEADERS = {
+    "brackets": ("gx [deg/s]", "gy [deg/s]", "ax [g]", "az [m/s^2]"),
+    "parentheses": ("gx (deg/s)", "gy (deg/s)", "ax (g)", "az (m/s^2)"),
+    "suffix": ("gx_dps", "gy_deg_per_s", "ax_g", "az_mps2"),
+}
+UNITS = ("deg/s", "deg/s", "g", "m/s^2")
+
+
+shapes = st.fixed_dictionaries(
+    {
+        "delimiter": st.sampled_from([",", ";", "\t", " ", "   ", ", ", " \t "]),
+        "style": st.sampled_from(sorted(HEADERS)),
+        "clock": st.sampled_from([("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]),
+        "ends": st.sampled_from(["\n", "\r\n", "\r"]),
+        "trailing": st.booleans(),
+        "bom": st.booleans(),
+        "comment": st.sampled_from(["", "#", "%", "//"]),
+        "final": st.booleans(),
+    }
+)
+
+
+def written(rows, shape):
+    width, delimiter = len(rows[0]), shape["delimiter"]
+    unit, size = shape["clock"]
+    stamps = [repr(round(k * 0.01 / size)) if unit != "s" else repr(k * 0.01) for k in range(len(rows))]
+    lines = [delimiter.join((f"time [{unit}]", *HEADERS[shape["style"]][:width]))]
+    lines += [delimiter.join([stamp, *map(repr, row)]) for stamp, row in zip(stamps, rows, strict=True)]
+    lines = [line + delimiter * (shape["trailing"] and delimiter in ",;\t") for line in lines]
+    if shape["comment"]:
+        lines = [f"{shape['comment']} made by a logger", *lines, f"{shape['comment']} the end, really"]
+    return "\ufeff" * shape["bom"] + shape["ends"].join(lines) + shape["ends"] * shape["final"]
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(rows=tables, shape=shapes)
+def test_whatever_the_shape_the_numbers_come_back(write, rows, shape):
+    recording = read(write(written(rows, shape)))
+    assert [record.unit for record in recording] == list(UNITS[: len(rows[0])])
+    for i, record in enumerate(recording):
+        assert record.rate == pytest.approx(100.0)
+        assert np.array_equal(record.values, np.array([row[i] for row in rows]))
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    rows=st.lists(st.tuples(*[st.integers(-(2**53) - 1000, 2**53 + 1000)] * 2), min_size=3, max_size=20),
+    delimiter=st.sampled_from([",", ";", "\t", " "]),
+    header=st.booleans(),
+)
+def test_integers_stay_exact(write, rows, delimiter, header):
+    text = (f"gx{delimiter}gy\n" if header else "") + "".join(f"{a}{delimiter}{b}\n" for a, b in rows)
+    recording = read(write(text), rate=10, unit="arcsec", kind="count", scale=0.1, channels=["1", "2"])
+    for i, record in enumerate(recording):
+        assert record.values.dtype == np.int64
+        assert record.values.tolist() == [row[i] for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("header", "name", "unit"),
+    [
+        ("gx [deg/s]", "gx", "deg/s"),
+        ("gx(deg/s)", "gx", "deg/s"),
+        ("Gyroscope X (deg/s)", "Gyroscope X", "deg/s"),
+        ("w_RS_S_x [rad s^-1]", "w_RS_S_x", "rad s^-1"),
+        ("a_x [m s-2]", "a_x", "m s^-2"),
+        ("acc [m/s2]", "acc", "m/s^2"),
+        ("acc [m/s²]", "acc", "m/s²"),
+        ("gx [°/s]", "gx", "°/s"),
+        ("arw [deg/sqrt(h)]", "arw", "deg/sqrt(h)"),
+        ("gyro_x_dps", "gyro_x_dps", "deg/s"),
+        ("gyro_x_rad_per_s", "gyro_x_rad_per_s", "rad/s"),
+        ("raw_angular_rate_x_deg_per_s", "raw_angular_rate_x_deg_per_s", "deg/s"),
+        ("acc_x_g", "acc_x_g", "g"),
+        ("acc_x_mps2", "acc_x_mps2", "m/s^2"),
+        ("accelerometer_m_s2[0]", "accelerometer_m_s2[0]", "m/s^2"),
+        ("bmi160_g_x[mDeg]", "bmi160_g_x", "mDeg"),
+        ("gx [LSB]", "gx", ""),
+        ("gyro_x", "gyro_x", ""),
+        ("angular_velocity.x", "angular_velocity.x", ""),
+        ("timestamp [ns]", "timestamp", "ns"),
+        ("time_us", "time_us", "us"),
+        ("T [degC]", "T", "degC"),
+        ("", "", ""),
+    ],
+)
+def test_headers(header, name, unit):
+    assert headers.split(header) == (name, unit)
+
+
+def test_units_from_headers_are_noted(write):
+    recording = read(write("time [s],gx [deg/s],ax [g],T [degC]\n0.00,1,2,30\n0.01,2,3,30\n0.02,1,2,31\n"))
+    assert recording.channels == ("gx", "ax")
+    assert noted(recording, "rate 100.0 Hz from column 'time [s]'")
+    assert noted(recording, "unit deg/s from the header of 'gx [deg/s]'")
+    assert noted(recording, "unit g from the header of 'ax [g]'")
+    assert noted(recording, "left out", "'T [degC]'")
+
+
+def test_the_asked_unit_wins_with_a_note_but_not_over_the_other_sensor(write):
+    path = write("gx [rad/s],ax [g],gy\n" + "1.5,2.5,0.5\n1.0,2.0,1.5\n" * 10)
+    recording = read(path, rate=100, unit="deg/s")
+    assert [record.unit for record in recording] == ["deg/s", "g", "deg/s"]
+    assert noted(recording, "unit deg/s as asked, over the header of", "gx [rad/s]")
+    assert noted(recording, "unit g, which deg/s does not fit", "ax [g]")
+    chosen = read(path, rate=100, unit="deg/s", channels=["ax"])
+    assert chosen["ax"].unit == "deg/s"
+
+
+def test_names_of_the_other_sensor_are_left_out(write):
+    recording = read(write("gx,gy,ax,acc_z\n" + "1.5,2.5,0.5,9\n1.0,2.0,1.5,9\n" * 10), rate=100, unit="deg/s")
+    assert recording.channels == ("gx", "gy")
+    assert noted(recording, "left out", "accelerometer by its name", "'ax', 'acc_z'")
+
+
+def test_columns_whose_unit_is_known_are_taken_and_the_others_noted(write):
+    recording = read(write("gx [deg/s],foo,roll [deg]\n" + "1.5,2.5,1\n1.0,2.0,2\n" * 10), rate=100)
+    assert recording.channels == ("gx",)
+    assert noted(recording, "left out", "the unit is not known", "'foo'")
+    assert noted(recording, "left out", "'roll [deg]'")
+
+
+def test_temperature_counters_and_compass_are_left_out(write):
+    names = "index,gx [deg/s],Temp1,temperature,packet_no,mag_x [G],count,status"
+    recording = read(write(names + "\n" + "1,1.5,20,20,5,1,1,0\n2,1.25,21,20,7,1,2,0\n" * 10), rate=100)
+    assert recording.channels == ("gx",)
+    assert read(
+        write(names + "\n" + "1,1.5,20,20,5,1,1,0\n2,1.25,21,20,7,1,2,0\n"), rate=9, unit="deg/s", channels="count"
+    )
+
+
+def test_only_other_columns(write):
+    with pytest.raises(UsageError, match=r"no column is recognised.*channels=.*'temp'"):
+        read(write("temp,index\n" + "20.5,1\n20.75,2\n" * 10), rate=100, unit="deg/s")
+
+
+def test_repeated_names(write):
+    recording = read(write("g [deg/s],g [deg/s],g [rad/s]\n" + "1.5,2.5,3.5\n2.5,1.5,4.5\n" * 5), rate=10)
+    assert recording.channels == ("g", "g 2", "g 3")
+
+
+def test_units_in_a_second_row(write):
+    recording = read(write("time,gx,ax,T\ns,deg/s,m/s2,degC\n0.0,1.5,9.5,20\n0.1,1.0,9.0,20\n0.2,1.5,9.5,20\n"))
+    assert [(record.name, record.unit) for record in recording] == [("gx", "deg/s"), ("ax", "m/s^2")]
+
+
+def test_header_in_a_comment(write):
+    text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n"
+    rows = "".join(f"{1403636579758555392 + 5_000_000 * k},{k % 3}.5,9.{k % 4}\n" for k in range(20))
+    recording = read(write(text + rows))
+    assert recording.channels == ("w_RS_S_x", "a_RS_S_x")
+    assert recording[0].rate == pytest.approx(200.0, rel=1e-12)
+    assert noted(recording, "names from the comment on line 1")
+
+
+def test_header_with_blanks_in_a_file_with_blanks(write):
+    recording = read(
+        write("  time [s]   gx [deg/s]   gy (deg/s)\n  0.0  1.0 2.0\n  0.1 \t 1.5 2.5\n  0.2  1.0 2.5\n\n")
+    )
+    assert recording.channels == ("gx", "gy")
+    assert recording["gy"].values.tolist() == [2.0, 2.5, 2.5]
+
+
+def test_preamble_is_passed_over_with_a_note(write):
+    text = "Logger 7\nserial;17\n\ntime [s];gx [deg/s];gy [deg/s];\n0.0;1.0;2.0;\n0.1;1.5;2.5;\n0.2;1.0;2.0;\n"
+    recording = read(write(text))
+    assert recording.channels == ("gx", "gy")
+    assert noted(recording, "2 lines above", "Logger 7")
+
+
+def test_decimal_commas(write):
+    recording = read(write("time [s];gx [deg/s]\n0,0;1,5\n0,1;-2,25\n0,2;1e-3\n"))
+    assert recording["gx"].values.tolist() == [1.5, -2.25, 1e-3]
+    assert noted(recording, "decimal sign is a comma")
+
+
+def test_plus_signs_blank_cells_and_nan(write):
+    recording = read(write("gx [deg/s],gy [deg/s]\n+1.5, 2\n , NaN\n-1.5,\n+2.5,nan\n"), rate=10)
+    assert np.array_equal(recording["gx"].values, [1.5, np.nan, -1.5, 2.5], equal_nan=True)
+    assert np.array_equal(recording["gy"].values, [2, np.nan, np.nan, np.nan], equal_nan=True)
+
+
+def test_quoted_cells_and_utf16(write):
+    text = '"time [s]","gx [deg/s]"\n"0.0","1.5"\n"0.1","2.5"\n"0.2","1.5"\n'
+    assert read(write(text))["gx"].values.tolist() == [1.5, 2.5, 1.5]
+    assert read(write(text.encode("utf-16")))["gx"].values.tolist() == [1.5, 2.5, 1.5]
+    assert read(write("gx [°/s]\n1.5\n2.5\n".encode("latin-1")), rate=10)["gx"].unit == "°/s"
+
+
+def test_a_table_of_pandas_without_names(write):
+    recording = read(write(",0,1\n" + "".join(f"{k},{k % 3}.5,0.25\n" for k in range(20))), rate=10, unit="deg/s")
+    assert recording.channels == ("0", "1")
+    assert recording["0"].size == 20
+    assert noted(recording, "taken as column names")
+    assert noted(recording, "left out", "'column 1'")
+
+
+def test_a_leading_clock_without_header_is_never_a_gyro(write):
+    path = write("".join(f"{k * 0.01:.2f} {k % 3}.5 {k % 4}.25\n" for k in range(50)))
+    recording = read(path, rate=100, unit="deg/s")
+    assert recording.channels == ("column 2", "column 3")
+    assert noted(recording, "rising at every row", "time='1'", "--time 1", "column 1")
+    with pytest.raises(UsageError, match="time='1'"):
+        read(path, unit="deg/s")
+    timed = read(path, unit="deg/s", time="1")
+    assert timed.channels == ("column 2", "column 3")
+    assert timed[0].rate == pytest.approx(100.0)
+    assert read(path, rate=100, unit="deg/s", channels=["1", "3"]).channels == ("column 1", "column 3")
+
+
+def test_one_column(write):
+    path = write("1.5\n2.5\n1.25\n" * 10)
+    record = read(path, rate=100, unit="deg/s")["column 1"]
+    assert (record.size, record.kind, record.rate) == (30, "rate", 100.0)
+    with pytest.raises(UsageError, match="--rate 100"):
+        read(path, unit="deg/s")
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@pytest.mark.parametrize("line", [2, 3, 60, 200])
+def test_words_among_numbers_are_named_by_line_and_column(write, delimiter, line):
+    lines = [delimiter.join(("gx", "gy"))] + [delimiter.join(("1.5", "2.5"))] * 200
+    lines[line - 1] = delimiter.join(("1.5", "oops"))
+    lines[1:1] = ["# a comment"] * 2
+    with pytest.raises(DataError, match=rf"line {line + 2}, column 'gy': 'oops' is not a number"):
+        read(write("\n".join(lines) + "\n"), rate=10, unit="deg/s")
+
+
+def test_a_row_of_another_width_is_named(write):
+    with pytest.raises(DataError, match="line 31 has 3 columns where 2 are expected"):
+        read(write("gx,gy\n" + "1.5,2.5\n" * 29 + "1.5,2.5,3\n" + "1.5,2.5\n" * 20), rate=10, unit="deg/s")
+    with pytest.raises(DataError, match=r"names 3 columns.*have 2"):
+        read(write("gx,gy,gz\n" + "1.5,2.5\n" * 9), rate=10, unit="deg/s")
+
+
+def test_a_last_line_cut_off_is_left_out_with_a_note(write):
+    recording = read(write("gx,gy\n" + "1.5,2.5\n" * 29 + "1."), rate=10, unit="deg/s")
+    assert recording["gx"].size == 29
+    assert noted(recording, "last line", "'1.'", "left out")
+
+
+def test_zero_bytes_beyond_the_head(write):
+    with pytest.raises(DataError, match="zero byte"):
+        read(write(b"gx\n" + b"1.5\n" * 30_000 + b"\0" * 10), rate=10, unit="deg/s")
+
+
+def test_a_file_of_many_blocks(write):
+    # integers that become fractions after the first megabyte, comments in the middle, empty lines
+    rows = ["1"] * 400_000 + ["# pause", "", "0.5"] + ["2"] * 400_000
+    values = read(write("gx [deg/s]\n" + "\n".join(rows)), rate=10)["gx"].values
+    assert len(values) == 800_001
+    assert (values[0], values[400_000], values[-1]) == (1.0, 0.5, 2.0)
+
+
+@pytest.mark.parametrize("text", ["1,2,3\n4,5,6\n", "1;2;3\n4;5;6\n", "1\t2\t3\n4\t5\t6\n", "1 2  3\n 4 5 6\n"])
+def test_delimiters(text):
+    assert layout.find(text.encode()).width == 3
