@@ -94,13 +94,13 @@ def identified(job: Job) -> list[tuple[str, float, float, float, float, float]]:
     return rows
 
 
-def table(sensors: list[str], sizes: list[int], records: int) -> list[tuple[str, ...]]:
+def table(sensors: list[str], sizes: list[int], records: int, first: int) -> list[tuple[str, ...]]:
     """Rows of the table, one a sensor, length and term."""
     rows = []
     with Pool() as pool:
         for n in sizes:
             for sensor in sensors:
-                jobs = [Job(sensor, n, seed) for seed in range(1, records + 1)]
+                jobs = [Job(sensor, n, seed) for seed in range(first, first + records)]
                 found = pool.map(identified, jobs, chunksize=5)
                 rows += [summary(sensor, n, i, [record[i] for record in found]) for i in range(5)]
                 print(f"{sensor} {n} done", file=sys.stderr, flush=True)
@@ -131,18 +131,22 @@ def main() -> None:
     parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
     parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
     parser.add_argument("--records", type=int, default=300)
+    parser.add_argument("--first", type=int, default=1, help="first seed")
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()
     start = time.perf_counter()
-    rows = table(options.sensors, options.sizes, options.records)
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
+    rows = table(options.sensors, options.sizes, options.records, options.first)
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
     lines = [
         "# Identification against the Cramer-Rao bound",
         "",
         f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
         f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
         f"- command: `python {' '.join(sys.argv)}`",
-        f"- seeds 1..{options.records}; 100 Hz; Monte-Carlo standard error of a coverage of 95 %: "
+        f"- seeds {options.first}..{options.first + options.records - 1}; 100 Hz; "
+        "Monte-Carlo standard error of a coverage of 95 %: "
         f"{100 * math.sqrt(0.05 * 0.95 / options.records):.1f} %",
         "- cover: the interval as printed holds the truth (from 0 to the one-sided limit for a term not found); "
         "profile: the two-sided profile interval does; width: median width over 3.92 bounds; rmse, bias: of the "

@@ -29,5 +29,4 @@ from .study import Recipe as Recipe
 from .study import Study as Study
 from .study import analyze as analyze
 from .terms import TERMS as TERMS
-
-__version__ = "0.1.0.dev0"
+from .version import __version__ as __version__

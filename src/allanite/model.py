@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -64,7 +63,7 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
         If `unit` is no unit of this coefficient; the message names the usual ones.
     """
     found = unit_of(unit)
-    fits = signal_with(found.dimension, Fraction(TERMS[symbol].power))
+    fits = signal_with(found.dimension, TERMS[symbol].power)
     if fits is None or (signal is not None and fits is not signal):
         usual = ", ".join(s.sheet[TERMS[symbol].power] for s in SIGNALS if signal is None or s is signal)
         raise UnitError(f"{unit!r} is no unit of {symbol} ({TERMS[symbol].title}); usual ones are {usual}")
@@ -76,7 +75,7 @@ def term(symbol: str, value: float, unit: str) -> Term:
     if symbol not in TERMS:
         raise UsageError(f"unknown noise term {symbol!r}; known are {', '.join(TERMS)}")
     factor = coefficient_factor(symbol, unit)
-    signal = signal_with(unit_of(unit).dimension, Fraction(TERMS[symbol].power))
+    signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power)
     assert signal is not None  # noqa: S101 - coefficient_factor has found it
     if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
         raise UsageError(f"the coefficient of {symbol} must be a finite number, not negative, but is {value!r}")

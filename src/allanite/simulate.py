@@ -13,7 +13,7 @@ from .terms import TERMS
 FloatArray = NDArray[np.float64]
 
 
-def simulate(model: Model | Term, n: int, rate: float, *, rng: np.random.Generator, name: str = "") -> Record:
+def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Generator", name: str = "") -> Record:
     """A Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
@@ -67,7 +67,7 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: np.random.Generat
     return Record(y, rate, model.signal.unit, name=name, history=(f"simulated: {model}",))
 
 
-def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: np.random.Generator) -> FloatArray:
+def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:
     """A stationary Gaussian series with this covariance as a function of the lag, shape (n,)."""
     from scipy.fft import irfft, next_fast_len, rfft
 

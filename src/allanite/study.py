@@ -1,11 +1,8 @@
 """The only place that composes: from a recording and a recipe to a study."""
 
 import os
-import platform
-import tomllib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
-from pathlib import Path
 from typing import Any
 
 from .curve import Curve
@@ -16,6 +13,7 @@ from .prepare import Quality, inspect, trim
 from .readers import read
 from .record import Record, Recording
 from .statistics import deviation
+from .version import __version__
 
 
 @dataclass(frozen=True)
@@ -63,8 +61,11 @@ class Recipe:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":
         """A recipe from a TOML file."""
+        import tomllib
+
         try:
-            return cls.from_dict(tomllib.loads(Path(path).read_text(encoding="utf-8")))
+            with open(path, "rb") as file:
+                return cls.from_dict(tomllib.load(file))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise UsageError(f"the recipe {os.fspath(path)!r} cannot be read: {error}") from None
 
@@ -181,7 +182,7 @@ def _analyze_channel(record: Record, recipe: Recipe) -> Channel:
 
 
 def _provenance(recording: Recording) -> dict[str, str]:
-    from . import __version__
+    import platform
 
     return {
         "allanite": __version__,

@@ -8,16 +8,14 @@ so that every spelling of the field works: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``, 
 import math
 import re
 from dataclasses import dataclass
-from fractions import Fraction
 
 from .errors import UnitError
 
-Dimension = tuple[Fraction, Fraction, Fraction]  # powers of angle, length, time
+Dimension = tuple[float, float, float]
+"""Powers of angle, length and time: halves and quarters, which a float holds exactly."""
 
-_NONE, _ANGLE, _LENGTH, _TIME = (
-    (Fraction(a), Fraction(b), Fraction(c)) for a, b, c in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
-)
-_ACCELERATION = (Fraction(0), Fraction(1), Fraction(-2))
+_NONE, _ANGLE, _LENGTH, _TIME = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_ACCELERATION = (0.0, 1.0, -2.0)
 _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 
 ATOMS: dict[str, tuple[float, Dimension]] = {
@@ -44,7 +42,7 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     "ns": (1e-9, _TIME),
     "min": (60.0, _TIME),
     "h": (3600.0, _TIME),
-    "Hz": (1.0, (Fraction(0), Fraction(0), Fraction(-1))),
+    "Hz": (1.0, (0.0, 0.0, -1.0)),
 }
 
 SPELLINGS: dict[str, str] = {
@@ -67,9 +65,9 @@ class Unit:
     def __mul__(self, other: "Unit") -> "Unit":
         return Unit(self.factor * other.factor, _add(self.dimension, other.dimension))
 
-    def __pow__(self, power: Fraction) -> "Unit":
+    def __pow__(self, power: float) -> "Unit":
         a, b, c = self.dimension
-        return Unit(self.factor ** float(power), (a * power, b * power, c * power))
+        return Unit(self.factor**power, (a * power, b * power, c * power))
 
 
 def _add(a: Dimension, b: Dimension) -> Dimension:
@@ -101,7 +99,7 @@ class _Parser:
         while self.tokens and self.tokens[0] != ")":
             if self.tokens[0] == "/":
                 self.take()
-                unit = unit * self.power() ** Fraction(-1)
+                unit = unit * self.power() ** -1.0
             else:
                 if self.tokens[0] == "*":
                     self.take()
@@ -112,7 +110,7 @@ class _Parser:
         unit = self.base()
         if self.tokens and self.tokens[0] in ("^", "^-"):
             sign = -1 if self.take() == "^-" else 1
-            unit = unit ** (sign * Fraction(self.take()))
+            unit = unit ** (sign * float(self.take()))
         return unit
 
     def base(self) -> Unit:
@@ -123,7 +121,7 @@ class _Parser:
             unit = self.expression()
             if self.take() != ")":
                 raise ValueError
-            return unit ** Fraction(1, 2) if word == "sqrt" else unit
+            return unit**0.5 if word == "sqrt" else unit
         if word == "1":
             return Unit(1.0, _NONE)
         return _named(word)
@@ -220,7 +218,7 @@ def signal_named(name: str) -> Signal:
     return next(signal for signal in SIGNALS if signal.name == name)
 
 
-def signal_with(dimension: Dimension, time_power: Fraction | int = 0) -> Signal | None:
+def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
     """The signal that, multiplied by time to `time_power`, has `dimension`; None if there is none."""
     wanted = (dimension[0], dimension[1], dimension[2] - time_power)
     return next((signal for signal in SIGNALS if signal.dimension == wanted), None)

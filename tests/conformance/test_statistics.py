@@ -170,5 +170,5 @@ def test_wrong_grids_say_what_is_possible():
 def test_a_sample_that_is_not_finite_is_named():
     y = np.ones(100)
     y[[17, 40]] = np.nan
-    with pytest.raises(al.DataError, match="2 of 100 readings .* the first at sample 17"):
+    with pytest.raises(al.DataError, match=r"2 of 100 readings .* the first at sample 17"):
         al.deviation(record_of(y))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from allanite.errors import AllaniteError, DataError, UnitError, UsageError
-from allanite.readers import READERS, read
+from allanite.readers import read
+from allanite.readers.formats import READERS
 from allanite.record import KINDS
 
 GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"

@@ -13,7 +13,7 @@ from allanite.record import Record
 from allanite.terms import TERMS
 
 from .goodness import goodness
-from .likelihood import FloatArray, Likelihood
+from .likelihood import FloatArray
 from .selection import Profiles, Subset, select, standard_error, subsets
 from .whittle import Spectrum, likelihood, spectrum
 
@@ -49,7 +49,7 @@ def whittle(record: Record, symbols: str, band: tuple[float, float] | None = Non
     fitted = subsets(part)
     chosen, profiles, scale = select(fitted), Profiles(part, fitted), _Scale(record, seen)
     estimates = {s: _noise_estimate(s, i, (profiles, chosen), scale) for i, s in enumerate(noise)}
-    estimates |= {s: _ramp_estimate(s, part, fitted[-1].theta, scale) for s in ramps}
+    estimates |= {s: _ramp_estimate(s, profiles, noise, scale) for s in ramps}
     return Fit(
         estimates=tuple(estimates[s] for s in symbols),
         method="whittle",
@@ -68,9 +68,9 @@ class _Scale:
         self.signal, self.rate, self.factor, self.slope = record.signal, seen.rate, seen.unit_factor, seen.slope
 
     def coefficient(self, symbol: str, theta: float) -> float:
-        return self.ramp(symbol, math.sqrt(max(theta, 0.0)))
+        return self.coefficient_of(symbol, math.sqrt(max(theta, 0.0)))
 
-    def ramp(self, symbol: str, eta: float) -> float:
+    def coefficient_of(self, symbol: str, eta: float) -> float:
         return eta * self.factor * math.pow(self.rate, -TERMS[symbol].power)
 
 
@@ -86,7 +86,7 @@ def _noise_estimate(symbol: str, which: int, found: tuple[Profiles, Subset], sca
     def upper(level: float) -> float:
         return scale.coefficient(symbol, profiles.upper(which, level))
 
-    if not chosen.free[which] or limits(0.95)[0] == 0:
+    if not (chosen.free[which] and profiles.excludes_zero(which) and limits(0.95)[0] > 0):
         return _absent(symbol, scale, upper, limits)
     theta = float(chosen.theta[which])
     value = scale.coefficient(symbol, theta)
@@ -102,23 +102,34 @@ def _absent(symbol: str, scale: _Scale, upper: Callable[[float], float], profile
     )
 
 
-def _ramp_estimate(symbol: str, part: Likelihood, theta: FloatArray, scale: _Scale) -> Estimate:
-    """The signed ramp; its variance is itself estimated, with the degrees of freedom that has (Satterthwaite)."""
-    from scipy.special import stdtrit
+def _ramp_estimate(symbol: str, profiles: Profiles, noise: list[str], scale: _Scale) -> Estimate:
+    """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
 
-    eta, V, _ = part.directions(theta)
-    if not part.UU[:, -1, -1].any():  # the band leaves out the frequencies where a ramp lives
+    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
+    Student's
+    t, and holds where the noise was not seen at all.
+    """
+    part = profiles.likelihood
+    if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
         return _absent(symbol, scale, lambda level: math.inf, lambda level: (-math.inf, math.inf))
-    degrees = _degrees_of_freedom(part, theta, V)
-    value = scale.ramp(symbol, eta[-1] + scale.slope)
-    error = scale.ramp(symbol, math.sqrt(V[-1, -1]))
+    slowest = max(range(len(noise)), key=lambda i: TERMS[noise[i]].slope)
+    thetas, weight = profiles.weighted(slowest)
+    found = [part.directions(theta)[:2] for theta in thetas]
+    centre = np.array([eta[-1] for eta, _ in found]) + scale.slope
+    spread = np.sqrt([V[-1, -1] for _, V in found])
+    mean = float(weight @ centre)
+    error = scale.coefficient_of(symbol, math.sqrt(float(weight @ (spread**2 + (centre - mean) ** 2))))
+    value = scale.coefficient_of(symbol, mean)
+
+    @cache
+    def quantile(p: float) -> float:
+        return scale.coefficient_of(symbol, _mixture_quantile(p, centre, spread, weight))
 
     def limits(level: float) -> tuple[float, float]:
-        reach = float(stdtrit(degrees, (1 + level) / 2)) * error
-        return value - reach, value + reach
+        return quantile((1 - level) / 2), quantile((1 + level) / 2)
 
     def upper(level: float) -> float:
-        return abs(value) + float(stdtrit(degrees, level)) * error
+        return max(abs(v) for v in limits(2 * level - 1))
 
     low, high = limits(0.95)
     if low <= 0 <= high:
@@ -127,16 +138,16 @@ def _ramp_estimate(symbol: str, part: Likelihood, theta: FloatArray, scale: _Sca
     return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits)
 
 
-def _degrees_of_freedom(part: Likelihood, theta: FloatArray, V: FloatArray) -> float:
-    """2 v^2 / Var(v) of the ramp's variance v, by its derivatives with respect to the terms that are there."""
-    there = theta > 0
-    m = part.expectation(theta)
-    derivative = np.einsum("bij,bp->pij", part.UU / m[:, None, None] ** 2, part.S[:, there])
-    dv = np.einsum("i,pij,j->p", V[-1], derivative, V[:, -1])
-    information = part.information(theta)[np.ix_(there, there)]
-    size = np.sqrt(np.diag(information))
-    variance = float((dv / size) @ np.linalg.pinv(information / np.outer(size, size)) @ (dv / size))
-    return max(1.0, 2 * float(V[-1, -1]) ** 2 / variance) if variance > 0 else math.inf
+def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
+    """Quantile of a mixture of normal distributions, by bisection."""
+    from scipy.special import ndtr
+
+    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = weight @ ndtr((middle - centre) / spread) < p
+        low, high = (middle, high) if below else (low, middle)
+    return (low + high) / 2
 
 
 def _model(estimates: dict[str, Estimate], theta: dict[str, float], scale: _Scale) -> Model:

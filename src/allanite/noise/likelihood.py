@@ -13,7 +13,7 @@ replaced
 by its expectation given the data, (c - U eta)^2 + U V U', while each direction of finite W is one observation more.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -53,9 +53,17 @@ class Likelihood:
     flat: BoolArray
 
     def only(self, bins: BoolArray) -> "Likelihood":
-        """The likelihood of some of the bins."""
-        return replace(
-            self, S=self.S[bins], power=self.power[bins], count=self.count[bins], UU=self.UU[bins], Uc=self.Uc[bins]
+        """The likelihood of some of the bins; a direction of which they hold nothing is dropped."""
+        UU, Uc = self.UU[bins], self.Uc[bins]
+        held = np.einsum("bii->i", UU) > 0
+        return Likelihood(
+            S=self.S[bins],
+            power=self.power[bins],
+            count=self.count[bins],
+            UU=UU[:, held][:, :, held],
+            Uc=Uc[:, held],
+            W=self.W[held],
+            flat=self.flat[held],
         )
 
     def expectation(self, theta: FloatArray) -> FloatArray:

@@ -11,6 +11,9 @@ from .likelihood import BoolArray, FloatArray, Likelihood
 PENALTY = 4.0
 """What a term must gain in 2 L to be selected: about the 95 % point of chi-square with one degree of freedom."""
 
+DOUBT = 2.0
+"""What any term that gains it in 2 L may do: widen the limits of the others."""
+
 
 @dataclass(frozen=True, eq=False)
 class Subset:
@@ -55,7 +58,7 @@ class Profile:
 
     def lower(self, drop: float) -> float:
         """Where the excess is `drop` below the minimum; 0 if it is less at 0."""
-        if self.best <= 0 or self._excess(0.0, self.subset.theta)[0] <= drop:
+        if self.best <= 0 or self.at(0.0, self.subset.theta)[0] <= drop:
             return 0.0
         return self._solve(drop, 0.0, max(self.best - self._width * math.sqrt(drop), 0.1 * self.best))
 
@@ -63,7 +66,7 @@ class Profile:
         """Where the excess is `drop` above the minimum."""
         guess = self.best + self._width * math.sqrt(drop)
         high = guess
-        while self._excess(high, self.subset.theta)[0] < drop:
+        while self.at(high, self.subset.theta)[0] < drop:
             high = self.best + 2 * (high - self.best)
         return self._solve(drop, high, min(guess, high))
 
@@ -72,7 +75,7 @@ class Profile:
         """Standard error from the curvature: where to start looking."""
         return standard_error(self.likelihood, self.subset, self.which)
 
-    def _excess(self, value: float, start: FloatArray) -> tuple[float, float, FloatArray]:
+    def at(self, value: float, start: FloatArray) -> tuple[float, float, FloatArray]:
         """The excess at theta[which] = value, its derivative, and where the other terms went."""
         theta, least = self.likelihood.minimise(self.subset.free, start, (self.which, value))
         if least == math.inf:  # nothing else could make noise
@@ -83,7 +86,7 @@ class Profile:
         """Newton on the root of the excess, which is nearly straight in theta, kept within a bracket."""
         start, wanted, inside = self.subset.theta, math.sqrt(drop), self.best
         for _ in range(40):
-            excess, slope, start = self._excess(guess, start)
+            excess, slope, start = self.at(guess, start)
             root = math.sqrt(max(excess, 0.0))
             if abs(root - wanted) < 1e-3 * wanted:
                 break
@@ -99,10 +102,8 @@ class Profiles:
 
     The profile of 2 L + sum of `doubt`, over every subset that has the term. Limits that trust the selection cover too
     seldom where it overlooks a weak term; limits that let every term in are 1.4 times too wide where there is none.
-    What
-    the record could have seen clearly must therefore gain as much as in the selection before it widens another's
-    limits,
-    and what it could hardly have seen nothing: a term that could dominate n_j coefficients must gain ln n_j.
+    What the record would have seen clearly must therefore gain something before it widens another's limits, and what
+    it could hardly have seen nothing: a term that could dominate n_j coefficients must gain ln n_j, at most `DOUBT`.
     """
 
     likelihood: Likelihood
@@ -114,7 +115,7 @@ class Profiles:
         m = self.likelihood.expectation(select(self.fitted).theta)
         share = self.likelihood.S / m[:, None]
         dominated = self.likelihood.count @ (share / share.max(axis=0)) ** 2
-        return np.asarray(np.clip(np.log(dominated), 0.0, PENALTY), dtype=np.float64)
+        return np.asarray(np.clip(np.log(dominated), 0.0, DOUBT), dtype=np.float64)
 
     def limits(self, which: int, level: float) -> tuple[float, float]:
         """Two-sided limits of theta; the lower one is 0 where theta = 0 is within."""
@@ -124,6 +125,26 @@ class Profiles:
     def upper(self, which: int, level: float = 0.95) -> float:
         """One-sided upper limit of theta."""
         return max(p.upper(drop) for p, drop in self._within(which, _quantile(level) ** 2))
+
+    def excludes_zero(self, which: int, level: float = 0.95) -> bool:
+        """Whether theta = 0 lies below the limits even if every other term is let in without doubt."""
+        everything = self.fitted[-1]
+        return Profile(self.likelihood, everything, which).lower(_quantile((1 + level) / 2) ** 2) > 0
+
+    def weighted(self, which: int, nodes: int = 32) -> tuple[list[FloatArray], FloatArray]:
+        """All thetas along the profile of one, with weights of its likelihood times a flat prior of theta.
+
+        Every term is free; the nodes are evenly spaced in sqrt(theta), from 0 to where nothing is left.
+        """
+        profile = Profile(self.likelihood, self.fitted[-1], which)
+        roots = np.linspace(0.0, math.sqrt(profile.upper(16.0)), nodes)
+        start, thetas, excess = self.fitted[-1].theta, [], []
+        for root in roots[::-1]:
+            value, _, start = profile.at(root**2, start)
+            thetas.append(start)
+            excess.append(value)
+        weight = roots[::-1] * np.exp(-0.5 * (np.array(excess) - min(excess)))
+        return thetas, weight / weight.sum()
 
     def _within(self, which: int, drop: float) -> list[tuple[Profile, float]]:
         """Subsets whose minimum lies within `drop` of the best one's, and what each has left of it."""

@@ -1,36 +1,15 @@
 """Readers: one format one file, and the table that lists them.
 
 A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `READERS`. Most fill a `table.Table` and let it find channels, units and rate.
+line of `formats.READERS`. Most fill a `table.Table` and let it find channels, units and rate.
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import NamedTuple
 
 from allanite.errors import AllaniteError, DataError
 from allanite.record import Recording
-
-from . import numpy_file, psins, text
-from .options import Options, channel_names
-from .source import checked, digest_of, head_of
-
-
-class Reader(NamedTuple):
-    """A format: what it is called, whether bytes and suffix look like it, and how it is read."""
-
-    title: str
-    sniff: Callable[[bytes, str], bool]
-    read: Callable[[str, Options], Recording]
-
-
-READERS: dict[str, Reader] = {  # asked in this order; text, which sniffs least, is the last
-    "numpy": Reader(numpy_file.TITLE, numpy_file.sniff, numpy_file.read),
-    "psins": Reader(psins.TITLE, psins.sniff, psins.read),
-    "text": Reader(text.TITLE, text.sniff, text.read),
-}
 
 
 def read(
@@ -78,6 +57,7 @@ def read(
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
     >>> folder = tempfile.TemporaryDirectory()
     >>> path = Path(folder.name, "gyro.csv")
     >>> _ = path.write_text("time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n")
@@ -86,10 +66,14 @@ def read(
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
+    from .formats import reader_for
+    from .options import Options, channel_names
+    from .source import checked, digest_of, head_of
+
     options = Options(rate, unit, kind, scale, channel_names(channels), time)
     name = checked(path)
     try:
-        recording = _reader(head_of(name), Path(name).suffix.lower()).read(name, options)
+        recording = reader_for(head_of(name), os.path.splitext(name)[1].lower()).read(name, options)
         return replace(recording, source=name, digest=digest_of(name))
     except AllaniteError as error:
         raise type(error)(f"{name}: {error}") from None
@@ -99,11 +83,3 @@ def read(
         ) from None
     except MemoryError:
         raise DataError(f"{name}: the file does not fit into memory; read fewer channels, or a part of it") from None
-
-
-def _reader(head: bytes, suffix: str) -> Reader:
-    for reader in READERS.values():
-        if reader.sniff(head, suffix):
-            return reader
-    titles = "; ".join(reader.title for reader in READERS.values())
-    raise DataError(f"the file is of no format that is read (it begins with {head[:8]!r}); what is read: {titles}")

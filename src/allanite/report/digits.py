@@ -11,9 +11,9 @@ LARGE, SMALL = 1e6, 1e-3
 
 @dataclass(frozen=True)
 class Digits:
-    """A number and its limits as text, all with the same decimals; `low` and `high` are empty where there is no interval.
+    """A number and its limits as text, all with the same decimals.
 
-    Where `exponent` is not 0, all three are in units of 10^exponent.
+    `low` and `high` are empty where there is no interval. All three are in units of 10^exponent.
     """
 
     value: str
@@ -30,8 +30,12 @@ class Digits:
     def pretty(self) -> str:
         """Value and interval in print: ``9.02 (8.79 … 9.25) × 10⁻⁵``."""
         interval = f" ({self.low} … {self.high})" if self.low else ""
-        power = f" × 10{str(self.exponent).translate(SUPERSCRIPT)}" if self.exponent else ""
-        return self.value + interval + power
+        return (self.value + interval).replace("-", "−") + self.power
+
+    @property
+    def power(self) -> str:
+        """The power of ten in print, empty where it is 1."""
+        return f" × 10{str(self.exponent).translate(SUPERSCRIPT)}" if self.exponent else ""
 
 
 def digits(
@@ -61,7 +65,7 @@ def digits(
     half = (high - low) / 2 if known else 0.0
     decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
     shown = [_text(v / 10.0**exponent, decimals, signed) for v in (value, low, high)]
-    return Digits(shown[0], *(shown[1:] if known else ("", "")), exponent)
+    return Digits(shown[0], shown[1] if known else "", shown[2] if known else "", exponent)
 
 
 def _order(size: float) -> int:

@@ -2,9 +2,11 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -12,7 +14,8 @@ from matplotlib.lines import Line2D
 from allanite.fit import Estimate, Fit
 from allanite.model import Term
 from allanite.statistics import STATISTICS
-from allanite.terms import TERMS, NoiseTerm
+from allanite.terms import NoiseTerm
+
 from . import style, words
 from .labels import Box, FloatArray, place
 from .panels import Panel, Points, columns_of, points, span
@@ -34,7 +37,7 @@ def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
         for ax in grid.flat:
             ax.set_axis_off()
         for j, column in enumerate(columns):
-            _draw_column(grid[: len(column), j], column, level)
+            _draw_column(list(grid[: len(column), j]), column, level)
         _draw_legend(figure)
     return figure
 
@@ -45,6 +48,7 @@ def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], level: float) ->
     for ax, panel in zip(axes, panels, strict=True):
         ax.set_axis_on()
         ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
+        style.plain_ticks(ax.xaxis, ax.yaxis)
         _draw_panel(ax, panel, level)
         ax.tick_params(labelbottom=ax is axes[-1])
     axes[-1].set_xlabel("averaging time τ (s)")
@@ -82,8 +86,8 @@ def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
     # an unknown number of degrees of freedom is not many
     few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
     size = 3.4 if drawn.tau.size <= 150 else 0.0
-    ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=3)
-    dots = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 3}
+    ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
+    dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
     ax.plot(drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=title, **dots)
     if few.any():
         label = f"below {FEW:g} degrees of freedom"
@@ -93,11 +97,11 @@ def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
 def _draw_model(ax: Axes, panel: Panel, fit: Fit, drawn: Points) -> None:
     inside = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
     whole = panel.expected(fit.model, inside)
-    ax.plot(inside, whole, color=style.INK, lw=1.2, zorder=4, label="model")
+    ax.plot(inside, whole, color=style.INK, lw=1.3, zorder=3, label="model")
     across = np.geomspace(*ax.get_xlim(), 300)
     lines = {term.symbol: panel.expected(term, across) for term in fit.model}
     for symbol, line in lines.items():
-        ax.plot(across, line, color=style.COLORS.get(symbol, style.OTHER), lw=1.0, ls=(0, (5, 3)), zorder=3.5)
+        ax.plot(across, line, color=style.COLORS.get(symbol, style.OTHER), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
     named = [e for e in fit if e.value is not None and e.symbol in lines]
     marks = {e.symbol: mark for e in named if (mark := _mark(ax, panel, fit.model[e.symbol], e.sheet_unit))}
     for symbol, (tau, deviation) in marks.items():
@@ -123,8 +127,8 @@ def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] 
     for seconds in (3600.0, 1.0) if re.search(r"\bh\b", unit) else (1.0,):
         tau = row.read_at * seconds
         deviation = float(panel.expected(term, np.array([tau]))[0])
-        (x, y), = _fractions(ax, np.array([[tau, deviation]]))
-        if 0 < x < 1 and 0 < y < 1:
+        ((x, y),) = _fractions(ax, np.array([[tau, deviation]]))
+        if 0.02 < x < 0.98 and 0.04 < y < 0.96:
             return tau, deviation
     return None
 
@@ -134,7 +138,9 @@ def _is_read_off(row: NoiseTerm) -> bool:
     return math.isclose(row.level * row.read_at ** (2 * row.slope), 1.0)
 
 
-def _anchors(ax: Axes, tau: FloatArray, line: FloatArray, *, share: FloatArray, mark: tuple[float, float] | None) -> FloatArray:
+def _anchors(
+    ax: Axes, tau: FloatArray, line: FloatArray, *, share: FloatArray, mark: tuple[float, float] | None
+) -> FloatArray:
     """Points where a label may hang: the mark, else the line in sight, first where the term has most to say."""
     if mark is not None:
         return _fractions(ax, np.array([mark]))
@@ -145,10 +151,10 @@ def _anchors(ax: Axes, tau: FloatArray, line: FloatArray, *, share: FloatArray, 
     return np.asarray(at[inside][::8])
 
 
-def _draw_label(ax: Axes, estimate: Estimate, anchors: FloatArray, avoid: FloatArray, placed: Iterable[Box]) -> Box:
+def _draw_label(ax: Axes, estimate: Estimate, anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
     text = label_of(estimate)
     size = _size(ax, text)
-    box = place(anchors, size, avoid, list(placed))
+    box = place(anchors, size, avoid, placed)
     ax.text(
         box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
         color=style.COLORS.get(estimate.symbol, style.OTHER), zorder=6,
@@ -157,22 +163,22 @@ def _draw_label(ax: Axes, estimate: Estimate, anchors: FloatArray, avoid: FloatA
     return box
 
 
-def label_of(estimate: Estimate) -> str:
-    """A coefficient for the figure: ``N = 0.31 deg/√h``."""
-    from .digits import digits
-
-    value = estimate.to(estimate.sheet_unit)
-    number = digits(value, figures=3, signed=TERMS[estimate.symbol].waveform is not None)
-    return f"{estimate.symbol} = {number.pretty()} {words.printed_unit(estimate.sheet_unit)}"
+def label_of(estimate: Estimate, level: float = 0.95) -> str:
+    """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
+    number = words.shown(estimate, estimate.sheet_unit, level)
+    assert number is not None  # noqa: S101 - only what has a value is drawn
+    value = number.value.replace("-", "−") + number.power
+    return f"{estimate.symbol} = {value} {words.printed_unit(estimate.sheet_unit)}"
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:
-    """Width and height of a label in fractions of the panel, before anything is laid out: 80 % of its share are axes."""
-    figure = ax.get_figure()
+    """Width and height of a label in fractions of the panel, before anything is laid out."""
+    figure = ax.get_figure(root=True)
     spec = ax.get_subplotspec()
     assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
     rows, columns = spec.get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
+    # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
     return len(text) * 5.4 / (72 * 0.86 * width / columns), 11.5 / (72 * 0.8 * height / rows)
 
 
@@ -188,7 +194,7 @@ def _fractions(ax: Axes, pairs: FloatArray) -> FloatArray:
 
 def _draw_legend(figure: Figure) -> None:
     """One legend for all panels, above them."""
-    entries: dict[str, Line2D] = {}
+    entries: dict[str, Artist] = {}
     for ax in figure.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)

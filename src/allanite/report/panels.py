@@ -13,6 +13,7 @@ from allanite.fit import Fit
 from allanite.model import Model, Term
 from allanite.statistics import expected
 from allanite.units import convert, unit_of
+
 from .words import readable_unit
 
 FloatArray = NDArray[np.float64]
@@ -78,8 +79,12 @@ def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     visible = deviation[np.isfinite(deviation) & (deviation > 0)]
     if not visible.size:
         raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
+    below = 8.0 if panel.fit else 2.5
     # the upper limits of the last points are far off, and not worth the room
-    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (float(visible.min()) / 8, float(visible.max()) * 2.5)
+    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (
+        float(visible.min()) / below,
+        float(visible.max()) * 2.5,
+    )
 
 
 def panels_of(value: Any, fit: Fit | None = None) -> list[Panel]:

@@ -1,18 +1,22 @@
 """How figures look, and how they become bytes: the same data give the same file, on every machine."""
 
 import io
+import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from allanite.errors import UsageError
+
 from .files import demand_writable, write
 
 PathLike = str | os.PathLike[str]
@@ -21,7 +25,7 @@ COLORS = {"Q": "#AA4499", "N": "#0072B2", "B": "#008F6B", "K": "#C1272D", "R": "
 """One colour a term, everywhere; after Okabe and Ito, and Tol: distinct to colour-blind eyes and in grey print."""
 
 OTHER = "#6B6B6B"
-INK, DATA, BAND, GRID, ALARM = "#1A1A1A", "#3F6B9E", "#3F6B9E", "#D9DDE2", "#B00020"
+INK, DATA, GRID, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#B00020"
 
 _LOOK: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib
@@ -60,7 +64,7 @@ def look() -> Iterator[None]:
     """Our settings, and nobody's matplotlibrc; what was set before is set again afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(_LOOK)
+        mpl.rcParams.update(cast(Any, _LOOK))
         yield
 
 
@@ -77,6 +81,14 @@ def grid(axes: Axes) -> None:
     axes.grid(which="minor", color=GRID, linewidth=0.35, alpha=0.7)
     axes.tick_params(which="both", top=True, right=True)
     axes.tick_params(which="minor", length=2)
+
+
+def plain_ticks(*axes: Axis) -> None:
+    """Label 0.01 to 100000 as they are spoken, and only the rest as powers of ten."""
+    for axis in axes:
+        axis.set_major_formatter(
+            FuncFormatter(lambda v, _: f"{v:g}" if 9e-4 < v < 2e5 else f"$10^{{{math.log10(v):.0f}}}$")
+        )
 
 
 def demand_figure_path(path: PathLike, *, force: bool = False) -> str:

@@ -3,13 +3,14 @@
 import io
 import textwrap
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from rich.console import Console
 from rich.text import Text
 
 from allanite.fit import Estimate, Fit
 from allanite.study import Channel, Study
+
 from . import words
 
 STYLES = {"identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan"}
@@ -37,7 +38,7 @@ class Columns(NamedTuple):
 def render(study: Study, *, width: int = 120, color: bool = False) -> str:
     """The study as text; see `allanite.report.table`."""
     out = io.StringIO()
-    system = "standard" if color else None
+    system: Literal["standard"] | None = "standard" if color else None
     console = Console(file=out, width=width, force_terminal=color, color_system=system, markup=False, emoji=False)
     for line in _lines(study, width):
         # lines are already as long as they should be: a number is never torn in two

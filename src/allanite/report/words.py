@@ -134,15 +134,22 @@ def verdict(channel: Channel, level: float) -> str:
     start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
     first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
     length = duration(channel.record.duration)
-    return first + (f" Not identified in {length} of data: {', '.join(absent)}." if absent else "")
+    missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
+    good = channel.fit.goodness
+    doubt = (
+        ""
+        if good is None or good.explained
+        else " But the model does not explain this record: do not quote these numbers."
+    )
+    return first + missing + doubt
 
 
 def _found(estimate: Estimate, level: float) -> str:
     number = shown(estimate, estimate.sheet_unit, level)
     assert number is not None  # noqa: S101 - asked for values only
-    power = f" × 10^{number.exponent}" if number.exponent else ""
     weak = " (weak)" if estimate.status == "weak" else ""
-    return f"{title(estimate.symbol, estimate.signal)} {number.value}{power} {printed_unit(estimate.sheet_unit)}{weak}"
+    value = number.value.replace("-", "−") + number.power
+    return f"{title(estimate.symbol, estimate.signal)} {value} {printed_unit(estimate.sheet_unit)}{weak}"
 
 
 def _join(parts: list[str]) -> str:

@@ -1,0 +1,140 @@
+"""How fast: overlapped Allan and the whole analysis against the machine's own limit, and start-up against numpy's.
+
+    python benchmarks/speed.py [--samples 3600000] [--write PATH]
+
+One thread everywhere; every figure is the best of several rounds of one run, and only ratios are to be trusted.
+Ends with exit code 1 if a bound is missed.
+"""
+
+import os
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ[variable] = "1"
+
+import argparse
+import subprocess
+import sys
+import time
+import tracemalloc
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+import allanite as al
+
+INCORE = 1000
+
+
+@njit(fastmath={"reassoc", "nsz", "contract"})
+def one_difference(x, m, rounds):
+    """Second differences, squared and summed, over an array that fits the first-level cache; nothing else."""
+    total = 0.0
+    for turn in range(rounds):
+        first = x[turn % 8 : INCORE + turn % 8]
+        middle = x[turn % 8 + m : INCORE + turn % 8 + m]
+        last = x[turn % 8 + 2 * m : INCORE + turn % 8 + 2 * m]
+        part = 0.0
+        for i in range(INCORE):
+            d = (last[i] - middle[i]) - (middle[i] - first[i])
+            part += d * d
+        total += part
+    return total
+
+
+def best(job: Callable[[], object], rounds: int = 7) -> float:
+    """Shortest time of several, s."""
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        job()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def startup(command: list[str], rounds: int = 11) -> float:
+    return best(lambda: subprocess.run(command, capture_output=True, check=True), rounds)
+
+
+def allocated(job: Callable[[], object]) -> int:
+    """Largest memory allocated at a time, bytes."""
+    tracemalloc.start()
+    job()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--samples", type=int, default=3_600_000)
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    model = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
+    record = al.simulate(model, options.samples, 100.0, rng=np.random.default_rng(1))
+    curve = al.deviation(record, "oadev", taus="log")
+    terms = options.samples * curve.m.size
+    x, rounds = np.random.default_rng(1).standard_normal(4 * INCORE), 100_000
+    one_difference(x, 1000, 10)
+    al.analyze(record)
+
+    u = min(best(lambda: one_difference(x, 1000, rounds), 3) for _ in range(3)) / (rounds * INCORE)
+    allan = best(lambda: al.deviation(record, "oadev", m=curve.m.tolist()))
+    u = min(u, best(lambda: one_difference(x, 1000, rounds), 3) / (rounds * INCORE))
+    analysis = best(lambda: al.analyze(record), 5)
+    peer = best(lambda: peer_oadev(record, curve.m), 3)
+    numpy_alone = startup([sys.executable, "-c", "import numpy"])
+    importing = startup([sys.executable, "-c", "import allanite"])
+    helping = startup([str(Path(sys.executable).with_name("allanite")), "--help"])
+    numpy_alone = min(numpy_alone, startup([sys.executable, "-c", "import numpy"]))
+    memory = allocated(lambda: al.analyze(record)) / record.values.nbytes
+    rows = [
+        ("overlapped Allan with integration, per sample and tau, over u", allan / terms / u, 2.2, "<="),
+        ("allantools' oadev over ours, same 100 tau", peer / allan, 8.0, ">="),
+        ("whole analysis of one channel over the overlapped Allan", analysis / allan, 6.0, "<="),
+        ("`import allanite` over `import numpy`", importing / numpy_alone, 1.8, "<="),
+        ("`allanite --help` over `import numpy`", helping / numpy_alone, 2.2, "<="),
+        ("memory of the analysis over the record", memory, 6.0, "<="),
+    ]
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
+    lines = [
+        "# Speed, as ratios",
+        "",
+        f"- commit {commit.stdout.strip()}, {date.today()}, {processor()}, load {os.getloadavg()[0]:.1f}, one thread",
+        f"- command: `python benchmarks/speed.py --samples {options.samples}`; seed 1",
+        f"- u = {1e9 * u:.3f} ns; overlapped Allan at {curve.m.size} tau of {options.samples} samples "
+        f"{1e3 * allan:.0f} ms ({1e9 * allan / terms:.3f} ns per sample and tau)",
+        f"- analysis {1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
+        "",
+        "| what | measured | wanted | |",
+        "|---|---|---|---|",
+    ]
+    good = True
+    for what, value, bound, sense in rows:
+        met = value <= bound if sense == "<=" else value >= bound
+        good &= met
+        lines.append(f"| {what} | {value:.2f} | {sense} {bound:g} | {'met' if met else 'MISSED'} |")
+    text = "\n".join([*lines, ""])
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+    return 0 if good else 1
+
+
+def peer_oadev(record: al.Record, m: np.ndarray) -> object:
+    import allantools
+
+    return allantools.oadev(record.values, rate=record.rate, data_type="freq", taus=m / record.rate)
+
+
+def processor() -> str:
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":")[1].strip()
+    return "unknown processor"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,36 @@
+"""A bar on stderr for what takes longer than a second."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from .words import printable
+
+PATIENCE = 1.0
+"""Seconds before the bar appears: what is over by then needs none."""
+
+
+@contextmanager
+def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
+    """Give a function that is told what is being done and the fraction that is finished."""
+    if not shown:
+        yield lambda what, fraction: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    progress = Progress(
+        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=Console(stderr=True), transient=True
+    )
+    task = progress.add_task("", total=1.0)
+    timer = threading.Timer(PATIENCE, progress.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield lambda what, fraction: progress.update(task, description=escape(printable(what)), completed=fraction)
+    finally:
+        timer.cancel()
+        # a bar that is just starting must have started before it can be stopped
+        timer.join()
+        progress.stop()
