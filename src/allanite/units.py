@@ -48,9 +48,14 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
 SPELLINGS: dict[str, str] = {
     "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
     "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
-    "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)", "mps2": "(m/s^2)",
+    "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)",
     "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
 }  # fmt: skip
+
+SIGNS = {"√(": "sqrt(", "√": "rt", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "·": "*", "**": "^", "mps2": "m/s^2"}
+
+_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
+"""The power as headers write it: m/s2, rad s-1."""
 
 _TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
 
@@ -78,17 +83,9 @@ class _Parser:
     """Recursive descent over ``expression = power (('*' | '/' | nothing) power)*``."""
 
     def __init__(self, text: str) -> None:
-        for sign, word in (
-            ("√(", "sqrt("),
-            ("√", "rt"),
-            ("µ", "u"),
-            ("μ", "u"),
-            ("²", "^2"),
-            ("³", "^3"),
-            ("·", "*"),
-            ("**", "^"),
-        ):
+        for sign, word in SIGNS.items():
             text = text.replace(sign, word)
+        text = _BARE_POWER.sub(r"^\1", text)
         self.tokens = [m.group(1) or m.group(2) or m.group(3) for m in _TOKEN.finditer(text.strip())]
 
     def take(self) -> str:

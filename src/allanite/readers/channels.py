@@ -14,7 +14,10 @@ from . import headers
 from .column import Column, lookup
 from .options import Options
 
-ASK_UNIT = "pass unit='deg/s' (--unit deg/s) with what they are in, or write it into the header as in 'gx [deg/s]'"
+ASK_UNIT = (
+    "pass unit='deg/s' (--unit deg/s) with what they are in, or write it into the header as in 'gx [deg/s]', and kind "
+    f"(--kind) where that leaves a choice: {explain_kinds()}"
+)
 
 
 class Signal(NamedTuple):

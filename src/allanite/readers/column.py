@@ -67,7 +67,7 @@ def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", 
     name, said = headers.split(header)
     if unit:
         unit = unit.strip("[](){} ")
-        name, said, header = header.strip(), headers.spelled(unit), f"{header.strip()} [{unit}]".strip()
+        name, said, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
     return Column(values, position, name or f"column {position}", said, header=header.strip(), text=text)
 
 

@@ -6,7 +6,6 @@ from allanite.errors import UnitError
 from allanite.units import Signal, Unit, signal_with, unit_of
 
 _BRACKETS = re.compile(r"^(.*?)\s*[\[({]\s*([^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*)\s*[\])}]$")
-_BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 _TIME = unit_of("s").dimension
 
 # endings of names such as gyro_x_rad_per_s: loggers write no slash in a name
@@ -42,17 +41,6 @@ _BY_NAME = {
 }
 
 
-def spelled(unit: str) -> str:
-    """A unit as `units.unit_of` reads it: the power that headers write bare (``m/s2``, ``rad s-1``) gets its sign.
-
-    Examples
-    --------
-    >>> spelled("m/s2"), spelled("rad s-1")
-    ('m/s^2', 'rad s^-1')
-    """
-    return _BARE_POWER.sub(r"^\1", unit.strip())
-
-
 def split(header: str) -> tuple[str, str]:
     """The name and the unit in a header; the unit is empty where none is said.
 
@@ -66,7 +54,7 @@ def split(header: str) -> tuple[str, str]:
     if match and match[2].lower() in _RAW and match[1]:
         return match[1].strip(), ""
     if match and not _is_index(match[2]):
-        return match[1].strip() or header, spelled(match[2])
+        return match[1].strip() or header, match[2].strip()
     tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
         unit = SUFFIXES.get("_".join(tokens[-count:]))

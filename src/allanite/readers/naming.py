@@ -34,7 +34,7 @@ def header(
 
 def _is_units(row: list[str]) -> bool:
     filled = [cell.strip("[](){} ") for cell in row if cell.strip("[](){} -")]
-    return bool(filled) and sum(headers.known(headers.spelled(cell)) is not None for cell in filled) > len(filled) / 2
+    return bool(filled) and sum(headers.known(cell.strip()) is not None for cell in filled) > len(filled) / 2
 
 
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:

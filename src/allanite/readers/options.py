@@ -8,8 +8,6 @@ from allanite.errors import UsageError
 from allanite.record import KINDS, explain_kinds
 from allanite.units import unit_of
 
-from .headers import spelled
-
 
 @dataclass(frozen=True)
 class Options:
@@ -49,7 +47,7 @@ class Options:
         if self.kind is not None and self.kind not in KINDS:
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
         if self.unit is not None:
-            object.__setattr__(self, "unit", spelled(_demand_text(self.unit, "unit", "'deg/s'")))
+            object.__setattr__(self, "unit", _demand_text(self.unit, "unit", "'deg/s'").strip())
             unit_of(self.unit)
         if self.time is not None:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")

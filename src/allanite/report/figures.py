@@ -11,13 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from allanite.fit import Estimate, Fit
+from allanite.fit import Estimate
 from allanite.model import Term
 from allanite.statistics import STATISTICS
 from allanite.terms import NoiseTerm
 
 from . import style, words
-from .labels import Box, FloatArray, place
+from .labels import Box, FloatArray, IntArray, place
 from .panels import Panel, Points, columns_of, points, span
 
 FEW = 2.0
@@ -60,7 +60,7 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     drawn = points(panel, level)
     _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
     if panel.fit is not None:
-        _draw_model(ax, panel, panel.fit, drawn)
+        _draw_model(ax, panel, drawn, level)
     ax.set_title(words.printable(panel.name), loc="left", fontweight="bold", parse_math=False)
     ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({words.printed_unit(panel.unit)})")
     good = panel.fit.goodness if panel.fit else None
@@ -94,29 +94,45 @@ def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
         ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
 
 
-def _draw_model(ax: Axes, panel: Panel, fit: Fit, drawn: Points) -> None:
-    inside = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
-    whole = panel.expected(fit.model, inside)
-    ax.plot(inside, whole, color=style.INK, lw=1.3, zorder=3, label="model")
-    across = np.geomspace(*ax.get_xlim(), 300)
-    lines = {term.symbol: panel.expected(term, across) for term in fit.model}
+def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
+    """The whole model, each term of it, and a label on each term that was found."""
+    assert panel.fit is not None  # noqa: S101 - the caller has looked
+    fit = panel.fit
+    tau = np.geomspace(*ax.get_xlim(), 300)
+    whole = panel.expected(fit.model, tau)
+    inside = (tau >= drawn.tau[0] / 1.01) & (tau <= drawn.tau[-1] * 1.01)
+    ax.plot(tau[inside], whole[inside], color=style.INK, lw=1.3, zorder=3, label="model")
+    lines = {term.symbol: panel.expected(term, tau) for term in fit.model}
     for symbol, line in lines.items():
-        ax.plot(across, line, color=style.COLORS.get(symbol, style.OTHER), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
-    named = [e for e in fit if e.value is not None and e.symbol in lines]
-    marks = {e.symbol: mark for e in named if (mark := _mark(ax, panel, fit.model[e.symbol], e.sheet_unit))}
-    for symbol, (tau, deviation) in marks.items():
-        color = style.COLORS.get(symbol, style.OTHER)
-        ax.plot([tau], [deviation], "D", ms=5, mfc="white", mec=color, mew=1.3, zorder=5)
-    total = panel.expected(fit.model, across)
-    obstacles = _fractions(ax, np.concatenate([_pairs(drawn.tau, drawn.deviation), _pairs(inside, whole)]))
-    others = {symbol: _fractions(ax, _pairs(across, line))[::6] for symbol, line in lines.items()}
+        ax.plot(tau, line, color=_color(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
+    curves = _fractions(ax, np.concatenate([_pairs(drawn.tau, drawn.deviation), _pairs(tau[inside], whole[inside])]))
+    paths = {symbol: _fractions(ax, _pairs(tau, line)) for symbol, line in lines.items()}
     placed: list[Box] = []
-    for e in named:
-        anchors = _anchors(ax, across, lines[e.symbol], share=lines[e.symbol] / total, mark=marks.get(e.symbol))
-        if not len(anchors):
-            continue
-        avoid = np.concatenate([obstacles, *(line for symbol, line in others.items() if symbol != e.symbol)])
-        placed.append(_draw_label(ax, e, anchors, avoid, placed))
+    for e in (e for e in fit if e.value is not None and e.symbol in lines):
+        mark = _draw_mark(ax, panel, fit.model[e.symbol], e.sheet_unit)
+        anchors = paths[e.symbol][_by_share(lines[e.symbol], whole)] if mark is None else mark
+        seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
+        avoid = np.concatenate([curves, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
+        if len(seen):
+            placed.append(_draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+
+
+def _color(symbol: str) -> str:
+    return style.COLORS.get(symbol, style.OTHER)
+
+
+def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | None:
+    mark = _mark(ax, panel, term, unit)
+    if mark is None:
+        return None
+    ax.plot(*mark, "D", ms=5, mfc="white", mec=_color(term.symbol), mew=1.3, zorder=5)
+    return _fractions(ax, np.array([mark]))
+
+
+def _by_share(line: FloatArray, whole: FloatArray) -> IntArray:
+    """Indices of the points of a term's line, first where it has most to say."""
+    known = np.isfinite(line)
+    return np.argsort(-(line / whole)[known], kind="stable")
 
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
@@ -138,32 +154,17 @@ def _is_read_off(row: NoiseTerm) -> bool:
     return math.isclose(row.level * row.read_at ** (2 * row.slope), 1.0)
 
 
-def _anchors(
-    ax: Axes, tau: FloatArray, line: FloatArray, *, share: FloatArray, mark: tuple[float, float] | None
-) -> FloatArray:
-    """Points where a label may hang: the mark, else the line in sight, first where the term has most to say."""
-    if mark is not None:
-        return _fractions(ax, np.array([mark]))
-    at = _fractions(ax, _pairs(tau, line))
-    order = np.argsort(-share[np.isfinite(line)], kind="stable")
-    at = at[order]
-    inside = ((at > 0.01) & (at < 0.99)).all(axis=1)
-    return np.asarray(at[inside][::8])
-
-
-def _draw_label(ax: Axes, estimate: Estimate, anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
-    text = label_of(estimate)
-    size = _size(ax, text)
-    box = place(anchors, size, avoid, placed)
+def _draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
+    symbol, text = label
+    box = place(anchors, _size(ax, text), avoid, placed)
     ax.text(
         box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
-        color=style.COLORS.get(estimate.symbol, style.OTHER), zorder=6,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        color=_color(symbol), zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
     )  # fmt: skip
     return box
 
 
-def label_of(estimate: Estimate, level: float = 0.95) -> str:
+def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
     number = words.shown(estimate, estimate.sheet_unit, level)
     assert number is not None  # noqa: S101 - only what has a value is drawn

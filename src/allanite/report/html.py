@@ -23,16 +23,17 @@ from .panels import Panel, panels_of
 
 EXPLAINED = {
     "whittle": (
-        "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which "
-        "removes the constant bias and does not leak where the two ends of the record differ. Each squared "
+        "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
+        "the constant bias and does not leak where the two ends of the record differ. Each squared "
         "coefficient scatters, as a chi-square with one degree of freedom, about the power that the terms "
         "lead one to expect: the squares of the noise coefficients, each times the known spectrum of its "
-        "term. The noise coefficients that make the record most likely (Whittle likelihood), none below "
-        "zero, are the estimates; a ramp is estimated along with them, with its sign.",
-        "A term is kept only where it lowers twice the negative log-likelihood by more than 4, so that "
-        "about one record in twenty shows a term that is not there. The intervals are profile intervals: "
-        "the values of a coefficient that the data do not contradict, whatever the other coefficients are. "
-        "A term that was not kept has a one-sided 95 % upper limit instead of a value.",
+        "term. The noise coefficients that make the record most likely (Whittle likelihood), none below zero, "
+        "are the estimates; a ramp is estimated along with them, with its sign.",
+        "A noise term is called found only where it lowers twice the negative log-likelihood by more than 4 "
+        "and its interval excludes zero, so that about one record in twenty shows a term that is not there. "
+        "The intervals are profile intervals: the values of a coefficient that the data do not contradict, "
+        "whatever the other coefficients are and whichever of the other terms are there. A term that was not "
+        "found has a one-sided 95 % upper limit instead of a value.",
     ),
 }
 """How a method works, in a few sentences; without them its title is enough."""

@@ -42,6 +42,7 @@ def render(study: Study, *, width: int = 120, color: bool = False) -> str:
     console = Console(file=out, width=width, force_terminal=color, color_system=system, markup=False, emoji=False)
     for line in _lines(study, width):
         # lines are already as long as they should be: a number is never torn in two
+        line.rstrip()
         console.print(line, soft_wrap=True, highlight=False)
     return out.getvalue()
 
@@ -110,15 +111,19 @@ def _table(fit: Fit, level: float, *, wide: bool) -> Iterator[Text]:
     if not wide:
         left = right = Columns(*map(max, left, right))
     interval = f"{words.percent(level)} interval"
-    titles = [_join(Cell("value", interval, "unit"), left), *([_join(Cell("SI", interval, "unit"), right)] * wide)]
-    yield Text(f"  {'':<{first}}  {'  '.join(titles)}  status", style="dim")
-    for e, name, cell, below in zip(fit, names, sheet, si, strict=True):
+    titles = [
+        _join(Cell("value", interval, "unit"), left),
+        *([_join(Cell("SI", interval, "unit"), right), "status"] * wide),
+    ]
+    yield Text(f"  {'':<{first}}  {'  '.join(titles)}".rstrip(), style="dim")
+    for e, name, cell, in_si in zip(fit, names, sheet, si, strict=True):
         row = Text(f"  {name:<{first}}  ") + Text(_join(cell, left), style="bold" if e.claimed else "not bold")
+        status, second = Text(e.status, style=STYLES.get(e.status, "")), Text(_join(in_si, right), style="dim")
         if wide:
-            row += Text("  " + _join(below, right), style="dim")
-        yield row + Text("  ") + Text(e.status, style=STYLES.get(e.status, ""))
-        if not wide and below.unit not in ("", cell.unit):
-            yield Text(f"  {'':<{first}}  {_join(below, right)}".rstrip(), style="dim")
+            yield row + Text("  ") + second + Text("  ") + status
+        else:
+            yield row
+            yield Text("     ") + status + Text(" " * (first - 1 - len(e.status))) + second
 
 
 def _width(fit: Fit, level: float) -> int:

@@ -136,12 +136,8 @@ def verdict(channel: Channel, level: float) -> str:
     length = duration(channel.record.duration)
     missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
     good = channel.fit.goodness
-    doubt = (
-        ""
-        if good is None or good.explained
-        else " But the model does not explain this record: do not quote these numbers."
-    )
-    return first + missing + doubt
+    doubt = "" if good is None or good.explained else f"The model does not explain {name}: do not quote its numbers. "
+    return doubt + first + missing
 
 
 def _found(estimate: Estimate, level: float) -> str:

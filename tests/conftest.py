@@ -1,0 +1,21 @@
+"""Where real recordings are, for the tests that use them."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+BESIDE = Path(__file__).resolve().parents[2] / "shared"
+
+
+def _folder(variable, name, needed):
+    folder = Path(os.environ.get(variable, BESIDE / name))
+    if not (folder / needed).is_file():
+        pytest.skip(f"no {name} in {folder}; set {variable} to the folder that holds {needed}")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def recordings():
+    """Folder of real recordings: ALLANITE_RECORDINGS, or beside the project."""
+    return _folder("ALLANITE_RECORDINGS", "recordings", "psins_lasergyro.imu")

@@ -1,0 +1,113 @@
+"""The main job on real recordings: figures computed independently, and the words that must stand above the numbers."""
+
+import csv
+import json
+import lzma
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.prepare import trim
+
+
+def reference(folder, file, channel):
+    """Octave overlapped deviations computed by others: m, deviation, unit."""
+    with (folder / "reference_oadev.csv").open() as table:
+        rows = [row for row in csv.DictReader(table) if (row["file"], row["channel"]) == (file, channel)]
+    return [int(r["m"]) for r in rows], np.array([float(r["oadev"]) for r in rows]), rows[0]["unit"]
+
+
+@pytest.fixture(scope="module")
+def laser(recordings):
+    return al.read(recordings / "psins_lasergyro.imu")
+
+
+FIRST = {"gx": 0.1, "gy": 0.1, "gz": 0.1, "ax": 125.0, "ay": 125.0, "az": 125.0}
+"""The row of scale factors: the reference took it for the first reading."""
+
+
+@pytest.mark.parametrize("channel", list(FIRST))
+def test_laser_gyro_deviations(recordings, laser, channel):
+    m, deviation, unit = reference(recordings, "psins_lasergyro.imu", channel)
+    found = al.deviation(laser[channel], m=m).to(unit).deviation
+    # one reading more at the start of 184 718: a part in a thousand of a vibrating accelerometer at the longest times
+    np.testing.assert_allclose(found, deviation, rtol=2e-4 if channel[0] == "g" else 2e-2)
+    record = laser[channel]
+    theirs = np.concatenate(([FIRST[channel]], record.values)) * record.scale
+    same = al.Record(theirs, record.rate, record.unit, kind="increment")
+    np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
+
+
+@pytest.mark.parametrize("channel", ["gx", "gy", "gz"])
+def test_laser_gyro_quiet_window(recordings, laser, channel):
+    m, deviation, unit = reference(recordings, "psins_lasergyro.imu[600-900s]", channel)
+    window = trim(laser, 600, 900)[channel]
+    assert window.size == 30_000
+    # their window begins one reading earlier, for the same reason
+    np.testing.assert_allclose(al.deviation(window, m=m).to(unit).deviation, deviation, rtol=3e-4)
+    values = laser[channel].values[59_999:89_999]
+    same = al.Record(values, 100.0, "arcsec", kind="count", scale=0.1)
+    np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
+
+
+def test_a_swaying_vehicle_is_no_five_term_model(laser):
+    for channel in ("gx", "gy", "gz"):
+        goodness = al.identify(laser[channel]).goodness
+        assert not goodness.explained
+        assert goodness.p < 1e-12
+        assert "motion" in goodness.verdict or "sway" in goodness.verdict
+
+
+@pytest.mark.parametrize("window", [[], ["--from", "600", "--until", "900"]])
+def test_from_the_file_to_the_page(recordings, tmp_path, window):
+    page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
+    command = ["analyze", str(recordings / "psins_lasergyro.imu"), "--channels", "gx,gy,gz", *window]
+    command += ["--report", str(page), "--plot", str(figure), "--json", str(data)]
+    result = CliRunner().invoke(main, command)
+    assert result.exit_code == 0, result.output
+    said = " ".join(result.stdout.split())
+    assert said.index("no model of these terms explains the record") < said.index("angle random walk")
+    html = page.read_text()
+    assert html.index("no model of these terms explains the record") < html.index("<table")
+    assert "<svg" in figure.read_text()
+    channels = json.loads(data.read_text())["channels"]
+    assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]
+    assert [[t["symbol"] for t in channel["fit"]["terms"]] for channel in channels] == [list("QNBKR")] * 3
+    assert all(channel["fit"]["gof_p"] < 1e-12 for channel in channels)
+
+
+def matrix(path):
+    """The one matrix of numbers in an R data file, shape (1000000, 6): big-endian, after its length."""
+    raw = lzma.decompress(path.read_bytes())
+    start = raw.index((6_000_000).to_bytes(4, "big")) + 4
+    return np.frombuffer(raw, ">f8", 6_000_000, start).reshape(6, -1).T.astype(float)
+
+
+@pytest.fixture(scope="module")
+def adis(recordings, tmp_path_factory):
+    path = tmp_path_factory.mktemp("adis") / "adis.npy"
+    np.save(path, matrix(recordings / "adis_16405_imu1.rda")[:, :3])
+    return path
+
+
+def test_a_roll_off_is_named_and_left_out(recordings, adis):
+    recording = al.read(adis, rate=100.0, unit="deg/s", kind="rate")
+    for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
+        m, deviation, _ = reference(recordings, "adis_16405_imu1.rda", channel)
+        np.testing.assert_allclose(al.deviation(record, m=m).to("deg/s").deviation, deviation, rtol=2e-8)
+        plain = al.identify(record)
+        assert not plain.goodness.explained
+        assert "neighbouring samples are correlated" in plain.goodness.verdict
+        below = al.identify(record, band=(0, 5))
+        at_one_second = al.deviation(record, m=[100]).deviation[0]
+        assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
+        assert below["N"].status == "identified"
+
+
+def test_the_band_is_an_option(adis):
+    result = CliRunner().invoke(main, ["analyze", str(adis), "--rate", "100", "--unit", "deg/s", "--band", "0,5"])
+    assert result.exit_code == 0, result.output
+    assert "angle random walk" in result.stdout

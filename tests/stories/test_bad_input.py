@@ -1,0 +1,118 @@
+"""What cannot be analysed is refused in words: exit code, what came, what was expected, what to do."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import main
+
+OPTIONS = ["--rate", "100", "--unit", "deg/s"]
+
+
+class Trap:
+    """Leaves a file behind if it is ever unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return (Path.touch, (self.path,))
+
+
+def noise(n=5000):
+    return np.random.default_rng(1).standard_normal(n)
+
+
+def csv_of(path, columns, header="gx"):
+    path.write_text(header + "\n" + "\n".join(",".join(map(repr, map(float, row))) for row in np.column_stack(columns)))
+
+
+def write_inputs(folder):
+    (folder / "empty.csv").write_bytes(b"")
+    csv_of(folder / "one.csv", [noise()])
+    (folder / "text.csv").write_text("gx [deg/s]\n" + "1.5\n" * 300 + "sensor off\n" + "1.25\n" * 300)
+    csv_of(folder / "nan.csv", [np.full(1000, np.nan)])
+    csv_of(folder / "constant.csv", [np.full(1000, 3.25)])
+    csv_of(folder / "short.csv", [noise(10)])
+    (folder / "random.csv").write_bytes(np.random.default_rng(1).bytes(20_000))
+    (folder / "random.npy").write_bytes(np.random.default_rng(2).bytes(20_000))
+    np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
+    (folder / "bare.npy").write_bytes(pickle.dumps(Trap(folder / "executed")))
+    (folder / "folder").mkdir()
+
+
+CASES = [
+    # file, options, exit code, words
+    ("missing.csv", OPTIONS, 3, ["missing.csv", "no such file", "check"]),
+    ("empty.csv", OPTIONS, 3, ["empty"]),
+    ("text.csv", ["--rate", "100"], 3, ["line 302", "gx", "'sensor off'", "not a number"]),
+    ("one.csv", ["--unit", "deg/s"], 2, ["sampling rate", "--rate 100"]),
+    ("one.csv", ["--rate", "100"], 2, ["unit", "--unit", "rate", "increment", "angle", "count"]),
+    ("one.csv", ["--rate", "100", "--unit", "furlong/s"], 2, ["unknown unit 'furlong/s'", "deg/s", "arcsec"]),
+    ("one.csv", ["--rate", "100", "--unit", "deg"], 2, ["increment", "angle"]),
+    ("one.csv", ["--rate", "0", "--unit", "deg/s"], 2, ["rate", "positive", "0"]),
+    ("one.csv", ["--rate", "-5", "--unit", "deg/s"], 2, ["rate", "positive", "-5"]),
+    ("one.csv", [*OPTIONS, "--channels", "gz"], 2, ["'gz'", "gx"]),
+    ("one.csv", [*OPTIONS, "--terms", "NX"], 2, ["'X'", "Q, N, B, K, R"]),
+    ("one.csv", [*OPTIONS, "--method", "magic"], 2, ["'magic'", "whittle"]),
+    ("one.csv", [*OPTIONS, "--statistic", "nadev"], 2, ["'nadev'", "oadev"]),
+    ("one.csv", [*OPTIONS, "--from", "100"], 2, ["window", "100"]),
+    ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),
+    ("nan.csv", OPTIONS, 3, ["1000 of 1000", "not finite"]),
+    ("constant.csv", OPTIONS, 3, ["never changes", "3.25"]),
+    ("short.csv", OPTIONS, 3, ["10 readings", "too few", "200"]),
+    ("folder", OPTIONS, 3, ["directory"]),
+    ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
+    ("bare.npy", OPTIONS, 3, ["bare.npy"]),
+    ("random.csv", OPTIONS, 3, ["random.csv"]),
+    ("random.npy", OPTIONS, 3, ["random.npy"]),
+]
+
+
+@pytest.mark.parametrize(("file", "options", "code", "words"), CASES, ids=lambda v: str(v)[:40])
+def test_refused_in_words(tmp_path, file, options, code, words):
+    write_inputs(tmp_path)
+    result = CliRunner().invoke(main, ["analyze", str(tmp_path / file), *options])
+    assert result.exit_code == code, result.output
+    said = " ".join(result.stderr.split())
+    assert said.startswith("error: ")
+    for word in words:
+        assert word.lower() in said.lower()
+    assert "Traceback" not in said
+    assert result.stdout == ""
+    assert not (tmp_path / "executed").exists()
+
+
+@pytest.mark.parametrize("option", ["--report", "--plot", "--json", "--csv"])
+def test_nothing_is_overwritten_without_force(tmp_path, option):
+    csv_of(tmp_path / "one.csv", [noise()])
+    target = tmp_path / {"--report": "a.html", "--plot": "a.png", "--json": "a.json", "--csv": "a.csv"}[option]
+    target.write_text("mine")
+    command = ["analyze", str(tmp_path / "one.csv"), *OPTIONS, option, str(target)]
+    result = CliRunner().invoke(main, command)
+    assert result.exit_code == 2
+    assert "--force" in result.stderr
+    assert target.read_text() == "mine"
+    assert CliRunner().invoke(main, [*command, "--force"]).exit_code == 0
+    assert target.read_bytes() != b"mine"
+
+
+def test_the_input_itself_is_never_the_output(tmp_path):
+    csv_of(tmp_path / "one.csv", [noise()])
+    before = (tmp_path / "one.csv").read_bytes()
+    result = CliRunner().invoke(
+        main, ["analyze", str(tmp_path / "one.csv"), *OPTIONS, "--csv", str(tmp_path / "one.csv")]
+    )
+    assert result.exit_code == 2
+    assert (tmp_path / "one.csv").read_bytes() == before
+
+
+def test_one_bad_channel_does_not_stop_the_others(tmp_path):
+    csv_of(tmp_path / "two.csv", [noise(), np.full(5000, 2.0)], header="gx,gy")
+    result = CliRunner().invoke(main, ["analyze", str(tmp_path / "two.csv"), *OPTIONS])
+    assert result.exit_code == 0
+    assert "never changes" in " ".join(result.output.split())
+    assert "angle random walk" in result.output

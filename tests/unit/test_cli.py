@@ -1,0 +1,224 @@
+"""The command line: exit codes, files, and what goes where."""
+
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite.study
+from allanite.cli import main
+
+OUTPUTS = {"report": "out.html", "plot": "out.png", "json": "out.json", "csv": "out.csv"}
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "gyro.csv"
+    rng = np.random.default_rng(7)
+    data = np.column_stack([np.arange(4000) / 10, rng.standard_normal((4000, 2)), np.zeros(4000)])
+    np.savetxt(path, data, delimiter=",", fmt="%.9g", header="time [s],x [deg/h],y [deg/h],flat [deg/h]", comments="")
+    return str(path)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*arguments, **options):
+    return CliRunner().invoke(main, [str(a) for a in arguments], **options)
+
+
+def test_the_table_is_printed(file):
+    result = run("analyze", file)
+    assert result.exit_code == 0, result.stderr
+    assert "angle random walk" in result.stdout
+    assert "no result: 'flat' never changes" in result.stdout
+    assert result.stderr == ""
+
+
+def test_everything_is_written_and_named(file, tmp_path):
+    paths = {name: tmp_path / file_name for name, file_name in OUTPUTS.items()}
+    result = run("analyze", file, *(part for name, path in paths.items() for part in (f"--{name}", path)))
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
+    assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in paths.values())
+    assert paths["report"].read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert paths["plot"].read_bytes().startswith(b"\x89PNG")
+    assert json.loads(paths["json"].read_text(encoding="utf-8"))["type"] == "Study"
+    assert {row["channel"] for row in csv.DictReader(io.StringIO(paths["csv"].read_text(encoding="utf-8")))} == {
+        "x",
+        "y",
+    }
+
+
+def test_json_on_standard_output_is_alone_there(file, tmp_path):
+    result = run("analyze", file, "--json", "-", "--csv", tmp_path / "a.csv")
+    data = json.loads(result.stdout, parse_constant=pytest.fail)
+    assert [channel["name"] for channel in data["channels"]] == ["x", "y", "flat"]
+    assert "a.csv" in result.stderr
+
+
+def test_quiet_prints_nothing(file, tmp_path):
+    result = run("analyze", file, "--quiet", "--plot", tmp_path / "a.svg")
+    assert (result.exit_code, result.output) == (0, "")
+    assert (tmp_path / "a.svg").exists()
+
+
+def test_options_win_over_the_recipe(file, tmp_path):
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text('channels = ["x"]\nlevel = 0.9\ntaus = "octave"\nterms = "QN"\n')
+    result = run("analyze", file, "--recipe", recipe, "--level", "0.8", "--json", "-", "--taus", "1,10,20")
+    data = json.loads(result.stdout)
+    assert data["recipe"]["level"] == 0.8
+    assert data["channels"][0]["curves"][0]["tau"] == [1.0, 10.0, 20.0]
+    assert [term["symbol"] for term in data["channels"][0]["fit"]["terms"]] == ["Q", "N"]
+    assert len(data["channels"]) == 1
+
+
+def test_the_choices_reach_the_recipe(monkeypatch):
+    seen = []
+
+    def spy(path, recipe, *, progress):
+        seen.append((path, recipe.to_dict()))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(allanite.study, "analyze", spy)
+    choices = (
+        "--rate 5 --unit g --kind rate --scale 2 --channels a,b --time t --from 1 --until 9 --statistic adev "
+        "--taus decade --terms QN --method ls --band 0.1,2 --level 0.9"
+    )
+    assert run("analyze", "some.csv", *choices.split()).exit_code == 130
+    assert seen == [
+        (
+            "some.csv",
+            {
+                "rate": 5.0, "unit": "g", "kind": "rate", "scale": 2.0, "channels": ["a", "b"], "time": "t",
+                "start": 1.0, "until": 9.0, "statistic": "adev", "taus": "decade", "terms": "QN", "method": "ls",
+                "band": [0.1, 2.0], "level": 0.9,
+            },
+        )
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
+        (["analyze", "{file}", "--nonsense"], 2, "No such option '--nonsense'"),
+        (["analyze"], 2, "Missing argument 'FILE'"),
+        (["analyse"], 2, "No such command 'analyse'"),
+        (["analyze", "{file}", "--band", "3"], 2, "two frequencies"),
+        (["analyze", "{file}", "--rate", "fast"], 2, "'fast' is not a valid float"),
+        (["analyze", "{file}", "--level", "95"], 2, "between 0 and 1"),
+        (["analyze", "{file}", "--plot", "a.bmp"], 2, "png, svg, pdf"),
+        (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one thing"),
+        (["analyze", "{file}", "--report", "no/such/folder/a.html"], 2, "does not exist"),
+        (["analyze", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
+        (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
+        (["analyze", "{file}", "--recipe", "missing.toml"], 2, "the recipe 'missing.toml' cannot be read"),
+        (["analyze", "missing.csv"], 3, "missing.csv"),
+        (["analyze", "{file}", "--channels", "flat"], 3, "never changes"),
+    ],
+)
+def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, words, file, folder):
+    result = run(*(a.format(file=file) for a in arguments))
+    assert result.exit_code == code
+    assert result.stderr.startswith("error: ")
+    assert words in result.stderr
+    assert "Traceback" not in result.output
+    assert result.stdout == ""
+    assert os.listdir(folder) == []
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, monkeypatch):
+    path = tmp_path / OUTPUTS[name]
+    path.write_text("old")
+    monkeypatch.setattr(allanite.study, "analyze", lambda *_, **__: pytest.fail("the work began"))
+    result = run("analyze", file, f"--{name}", path)
+    assert result.exit_code == 2
+    assert "--force" in result.stderr
+    assert path.read_text() == "old"
+
+
+def test_force_overwrites(file, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text("old")
+    assert run("analyze", file, "--json", path, "--force").exit_code == 0
+    assert json.loads(path.read_text(encoding="utf-8"))["allanite"] == 1
+
+
+def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
+    def broken(*_, **__):
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(allanite.study, "analyze", broken)
+    result = run("analyze", file)
+    assert result.exit_code == 1
+    assert "a defect of allanite (ZeroDivisionError: by zero)" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    for asked in (run("--debug", "analyze", file), run("analyze", file, env={"ALLANITE_DEBUG": "1"})):
+        assert asked.exit_code == 1
+        assert asked.stderr.startswith("error: ")
+        assert "Traceback" in asked.stderr
+
+
+def test_too_little_memory_is_not_a_defect(file, monkeypatch):
+    def greedy(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(allanite.study, "analyze", greedy)
+    result = run("analyze", file)
+    assert result.exit_code == 3
+    assert "--from" in result.stderr
+
+
+def test_version_and_help():
+    assert run("--version").stdout.startswith("allanite, version ")
+    assert run("--help").exit_code == 0
+    assert "--report" in run("analyze", "-h").stdout
+    assert run().exit_code == 2
+
+
+HEAVY = ("numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["--version"]])
+def test_help_imports_nothing_heavy(arguments):
+    code = (
+        "import sys\nfrom allanite.cli import main\n"
+        f"try: main({arguments!r})\nexcept SystemExit: pass\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+def command(*arguments):
+    return [sys.executable, "-c", "from allanite.cli import main; main()", *arguments]
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(file):
+    read, wrote = os.pipe()
+    os.close(read)
+    done = subprocess.run(command("analyze", file), stdout=wrote, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(wrote)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_terminal_without_the_letters_gets_the_table(file, tmp_path):
+    path = tmp_path / "gÿro.csv"
+    path.write_bytes(Path(file).read_bytes())
+    env = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command("analyze", str(path)), capture_output=True, env=env, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"g\\xffro.csv" in done.stdout

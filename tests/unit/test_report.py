@@ -1,0 +1,328 @@
+"""The table, the figures and the page of a study made by hand."""
+
+import csv
+import io
+import json
+import math
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from allanite.curve import Curve
+from allanite.errors import UsageError
+from allanite.fit import Estimate, Fit, Goodness
+from allanite.model import B, N, R, term
+from allanite.prepare import Finding, Quality
+from allanite.record import Record
+from allanite.report import plot, report, table
+from allanite.report.html import page, toml
+from allanite.report.plain import to_csv, to_json
+from allanite.report.words import printed_unit, title, verdict
+from allanite.statistics import expected
+from allanite.study import Channel, Recipe, Study
+from allanite.units import signal_named
+
+HOSTILE = "<script>alert('x')</script>"
+
+
+def found(part, relative=0.02, status="identified"):
+    low, high = sorted((part.value * (1 - 2 * relative), part.value * (1 + 2 * relative)))
+    limits = lambda level: (low, high)  # noqa: E731
+    size = abs(part.value)
+    return Estimate(part.symbol, part.signal, part.value, size * relative, status, 1.1 * size, "whittle", limits)
+
+
+def absent(symbol, limit, unit):
+    most = term(symbol, limit, unit)
+    return Estimate(symbol, most.signal, None, None, "absent", most.value, "whittle", lambda level: (0.0, most.value))
+
+
+def curve_of(model, name, points=40):
+    m = np.unique(np.geomspace(1, 30_000, points).astype(np.int64))
+    variance = expected(model, "oadev", m / 10.0)
+    edf = np.geomspace(5000, 0.8, m.size)
+    law = lambda level: (edf, np.exp(-1 / edf**0.5), np.exp(3 / edf**0.5))  # noqa: E731
+    return Curve("oadev", m, m / 10.0, variance, m[::-1].copy(), "rad/s", 10.0, name=name, noise=model, law=law)
+
+
+def channel_of(name="gyro_z", p=0.4, reasons=(), warnings=()):
+    model = N(0.05, "deg/sqrt(h)") + B(0.5, "deg/h") + R(-0.4, "deg/h^2")
+    estimates = (
+        absent("Q", 0.12, "arcsec"),
+        found(model["N"]),
+        found(model["B"], 0.3, "weak"),
+        absent("K", 2.1, "deg/h/sqrt(h)"),
+        found(model["R"], 0.1),
+    )
+    z = np.linspace(-1.5, 1.5, 24)
+    good = Goodness(np.geomspace(1e-4, 5, 25), np.exp(z / 10), z, p, tuple(reasons))
+    curve = curve_of(model, name)
+    record = Record(np.sin(np.arange(600.0)), 10.0, "deg/h", name=name)
+    fit = Fit(estimates, "whittle", signal_named("gyro"), model=model, name=name, goodness=good, curve=curve)
+    quality = Quality(tuple(Finding("spikes", False, what, "look at them") for what in warnings))
+    return Channel(record, quality, curve, fit)
+
+
+def refused(name="gyro_x"):
+    record = Record(np.arange(300.0), 10.0, "deg/h", name=name)
+    return Channel(record, Quality(()), refusal=f"{name!r} never changes; check the plug")
+
+
+def study_of(*channels, source="bench/fog.csv", notes=("rate 10 Hz from column 'time [s]'",), **choices):
+    provenance = {"allanite": "1.2.3", "python": "3.12.0", "source": source, "sha256": "ab" * 32}
+    return Study(tuple(channels), Recipe(**choices), tuple(notes), provenance)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return study_of(channel_of(), refused())
+
+
+class Tags(HTMLParser):
+    """Every tag with its attributes, and the text outside of style."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.text = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+# the table
+
+
+@pytest.mark.parametrize("width", [80, 100, 120, 160])
+def test_no_line_of_the_table_is_wider_than_the_terminal(study, width):
+    text = table(study, width=width)
+    assert max(map(len, text.splitlines())) <= width
+    assert "\x1b" not in text
+    assert all(line == line.rstrip() for line in text.splitlines())
+
+
+def test_a_wide_terminal_shows_both_units_in_one_line(study):
+    line = next(line for line in table(study, width=160).splitlines() if "angle random walk" in line)
+    assert "deg/sqrt(h)" in line
+    assert "rad/sqrt(s)" in line
+
+
+def test_values_carry_the_digits_of_their_interval(study):
+    text = table(study)
+    assert "0.0500  0.0480 .. 0.0520" in text
+    assert "1.454e-5  1.396e-5 .. 1.513e-5" in text
+
+
+def test_absent_terms_are_said_to_be_not_identified_with_their_limit(study):
+    text = table(study)
+    assert "not identified, below 0.12" in text
+    assert "not identified, below 2.1 " in text
+    assert "one-sided 95 % upper limit" in text
+
+
+def test_a_tiny_limit_keeps_its_power_of_ten():
+    channel = channel_of()
+    estimates = (absent("Q", 2e-5, "arcsec"), *channel.fit.estimates[1:])
+    fit = Fit(estimates, "whittle", channel.fit.signal, model=channel.fit.model)
+    assert "below 2.0e-5" in table(study_of(Channel(channel.record, channel.quality, None, fit)))
+
+
+def test_the_ramp_has_a_sign(study):
+    assert "-0.400  -0.480 .. -0.320" in table(study)
+
+
+def test_what_was_assumed_and_what_made_it_stand_in_the_header(study):
+    text = table(study)
+    for word in ("bench/fog.csv", "rate 10 Hz from column 'time [s]'", "ab" * 32, "allanite 1.2.3", "1 min"):
+        assert word in text.replace("60 s", "1 min")
+
+
+def test_warnings_and_a_model_that_explains_nothing_stand_above_the_numbers():
+    text = table(study_of(channel_of(p=1e-9, reasons=("a line at 3 Hz",), warnings=("12 spikes",))))
+    first = text.index("no model of these terms explains the record")
+    assert first < text.index("angle random walk")
+    assert text.index("12 spikes; look at them") < text.index("angle random walk")
+    assert "a line at 3 Hz" in text
+
+
+def test_a_refused_channel_says_why(study):
+    assert "no result: 'gyro_x' never changes; check the plug" in table(study)
+
+
+def test_names_cannot_drive_the_terminal():
+    text = table(study_of(channel_of("\x1b[31mred[/bold]")), color=False)
+    assert "\x1b" not in text
+    assert "[31mred[/bold]" in text
+
+
+def test_colour_is_for_terminals(study):
+    assert "\x1b[" in table(study, color=True)
+
+
+# words
+
+
+def test_an_accelerometer_has_its_own_words():
+    accelerometer = signal_named("accelerometer")
+    assert title("N", accelerometer) == "velocity random walk"
+    assert title("K", accelerometer) == "acceleration random walk"
+    assert printed_unit("ug/sqrt(Hz)") == "µg/√Hz"
+
+
+def test_the_verdict_is_a_plain_sentence():
+    assert verdict(channel_of(), 0.95) == (
+        "gyro_z is a gyroscope with angle random walk 0.0500 deg/√h, bias instability 0.50 deg/h (weak) and rate ramp "
+        "−0.400 deg/h². Not identified in 60 s of data: quantization noise, rate random walk."
+    )
+    assert "do not quote its numbers" in verdict(channel_of(p=1e-9), 0.95)
+    assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
+
+
+# figures
+
+
+def test_a_figure_has_a_panel_for_each_curve(study):
+    assert len(plot(study).axes) == 1
+    assert len(plot(study_of(channel_of("x"), channel_of("y"), channel_of("z"))).axes) == 3
+
+
+def test_labels_give_the_coefficients(study):
+    texts = [text.get_text() for text in plot(study).axes[0].texts]
+    assert "N = 0.0500 deg/√h" in texts
+    assert "R = −0.400 deg/h²" in texts
+    assert not any(text.startswith("K =") for text in texts)
+
+
+def test_few_degrees_of_freedom_and_doubt_are_said(study):
+    figure = plot(study_of(channel_of(p=1e-9)))
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "below 2 degrees of freedom" in legend
+    assert figure.axes[0].get_title("right") == "the model does not explain the record"
+    assert plot(study).axes[0].get_title("right") == ""
+
+
+def test_a_bare_curve_can_be_drawn(study):
+    curve = study.channels[0].curve
+    bare = Curve(curve.statistic, curve.m, curve.tau, curve.variance, curve.count, curve.unit, curve.rate)
+    assert plot(bare).axes[0].get_xlabel() == "averaging time τ (s)"
+    assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(deg/s)")
+
+
+def test_what_cannot_be_drawn_is_said():
+    with pytest.raises(UsageError, match="a int cannot be drawn"):
+        plot(3)
+    with pytest.raises(UsageError, match="no curve to draw"):
+        plot(study_of(refused()))
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_a_saved_figure_is_the_same_every_time(study, tmp_path, suffix):
+    for name in ("a", "b"):
+        plot(study, path=tmp_path / f"{name}.{suffix}")
+    first = (tmp_path / f"a.{suffix}").read_bytes()
+    assert first == (tmp_path / f"b.{suffix}").read_bytes()
+    assert len(first) > 5000
+
+
+def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
+    with pytest.raises(UsageError, match="png, svg, pdf"):
+        plot(study, path=tmp_path / "a.jpg")
+    (tmp_path / "a.png").touch()
+    with pytest.raises(UsageError, match="--force"):
+        plot(study, path=tmp_path / "a.png")
+    plot(study, path=tmp_path / "a.png", force=True)
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_alone(study):
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    plot(study)
+    assert dict(mpl.rcParams) == before
+
+
+# the page
+
+
+@pytest.fixture(scope="module")
+def text():
+    channels = (channel_of(HOSTILE, p=1e-9, warnings=(HOSTILE,)), channel_of("b$x_{\\evil$"), refused(f"r{HOSTILE}"))
+    return page(study_of(*channels, source=f"bench/{HOSTILE.replace('/', '')}.csv", notes=(HOSTILE,), unit="deg/h"))
+
+
+def test_the_page_loads_nothing(text):
+    tags = Tags(text).tags
+    names = {tag for tag, _ in tags}
+    assert not names & {"script", "iframe", "img", "object", "embed", "base", "form"}
+    links = [value for _, attrs in tags for key, value in attrs.items() if key in ("src", "href", "xlink:href", "data")]
+    assert all(link.startswith(("#", "data:")) for link in links)
+    assert not any(key.startswith("on") for _, attrs in tags for key in attrs)
+    assert "@import" not in text
+    assert all(part.startswith("#") for part in text.split("url(")[1:])
+    policy = next(a["content"] for t, a in tags if t == "meta" and a.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'")
+
+
+def test_the_pictures_are_in_the_page_and_share_no_names(text):
+    tags = Tags(text).tags
+    assert [tag for tag, _ in tags].count("svg") == 4
+    ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
+    # within one picture matplotlib names a glyph once; between pictures the prefix differs
+    assert len(ids) == len(set(ids))
+
+
+def test_hostile_names_come_out_as_text(text):
+    assert "<script" not in text
+    assert HOSTILE in "".join(Tags(text).text)
+
+
+def test_the_page_tells_the_whole_story(text):
+    words = "".join(Tags(text).text)
+    for part in (
+        "do not quote its numbers", "not identified, below 2.1 deg/h/√h", "N² / τ", "Whittle", "upper limit",
+        'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "No result",
+    ):  # fmt: skip
+        assert part in words, part
+    assert words.index("do not quote") < words.index("angle random walk")
+
+
+def test_warnings_stand_above_the_numbers_of_the_page(text):
+    assert text.index('class="alert"') < text.index('<table class="terms">')
+
+
+def test_the_page_is_not_overwritten(study, tmp_path):
+    report(study, tmp_path / "page.html")
+    with pytest.raises(UsageError, match="--force"):
+        report(study, tmp_path / "page.html")
+    report(study, tmp_path / "page.html", force=True)
+
+
+def test_the_recipe_can_be_read_again(tmp_path):
+    recipe = Recipe(unit='a"b\\', channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
+    (tmp_path / "recipe.toml").write_text(toml(recipe), encoding="utf-8")
+    assert Recipe.load(tmp_path / "recipe.toml") == recipe
+
+
+# for machines
+
+
+def test_json_is_strict_and_complete(study):
+    broken = study_of(channel_of(), refused())
+    m = broken.channels[0].curve.m.size
+    object.__setattr__(broken.channels[0].curve, "law", lambda level: tuple(np.full(m, math.nan) for _ in range(3)))
+    data = json.loads(to_json(broken), parse_constant=pytest.fail)
+    assert data["channels"][0]["curves"][0]["edf"] == [None] * m
+    assert json.loads(to_json(study)) == json.loads(json.dumps(study.to_dict()))
+
+
+def test_csv_holds_the_curves_in_the_units_of_data_sheets(study):
+    rows = list(csv.DictReader(io.StringIO(to_csv(study))))
+    curve = study.channels[0].curve
+    assert len(rows) == curve.m.size
+    assert rows[0]["unit"] == "deg/h"
+    assert float(rows[3]["deviation"]) == pytest.approx(curve.to("deg/h").deviation[3])
+    assert float(rows[3]["low"]) < float(rows[3]["deviation"]) < float(rows[3]["high"])

@@ -1,0 +1,69 @@
+"""Files are never overwritten unasked, and never half written."""
+
+import os
+
+import pytest
+
+from allanite.errors import UsageError
+from allanite.report.files import demand_writable, write
+
+
+def test_an_existing_file_is_refused_and_kept(tmp_path):
+    path = tmp_path / "page.html"
+    path.write_bytes(b"old")
+    with pytest.raises(UsageError, match=r"exists already.*--force"):
+        write(path, b"new")
+    assert path.read_bytes() == b"old"
+
+
+def test_force_replaces_and_leaves_nothing_else(tmp_path):
+    path = tmp_path / "page.html"
+    path.write_bytes(b"old")
+    write(path, b"new", force=True)
+    assert path.read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_missing_folder_and_a_folder_are_named(tmp_path):
+    with pytest.raises(UsageError, match=r"'.*missing' of 'page.html' does not exist"):
+        demand_writable(tmp_path / "missing" / "page.html")
+    with pytest.raises(UsageError, match=r"is a folder"):
+        demand_writable(tmp_path, force=True)
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "page.html"
+    path.write_bytes(b"old")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(UsageError, match=r"cannot be written .No space left"):
+        write(path, b"new", force=True)
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_link_stays_a_link(tmp_path):
+    target, link = tmp_path / "target.html", tmp_path / "link.html"
+    target.write_bytes(b"old")
+    link.symlink_to(target)
+    write(link, b"new", force=True)
+    assert link.is_symlink()
+    assert target.read_bytes() == b"new"
+
+
+def test_a_new_file_has_ordinary_permissions(tmp_path):
+    umask = os.umask(0o022)
+    try:
+        write(tmp_path / "page.html", b"new")
+    finally:
+        os.umask(umask)
+    assert (tmp_path / "page.html").stat().st_mode & 0o777 == 0o644
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/null"), reason="needs a device")
+def test_a_device_is_written_into_not_replaced():
+    write("/dev/null", b"gone")
+    assert not os.path.isfile("/dev/null")

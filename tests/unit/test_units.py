@@ -1,0 +1,82 @@
+"""The one table of units."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.units import ATOMS, SIGNALS, convert, unit_of
+
+DEGREE = math.pi / 180
+
+SAME = [
+    ("deg/sqrt(h)", 2.908882e-4, "rad/sqrt(s)"),
+    ("deg/h", 4.848137e-6, "rad/s"),
+    ("arcsec", 4.848137e-6, "rad"),
+    ("deg/h^1.5", 8.080228e-8, "rad/s^1.5"),
+    ("deg/h^2", 1.346705e-9, "rad/s^2"),
+    ("deg/h/sqrt(Hz)", 4.848137e-6, "rad/s/sqrt(Hz)"),
+    ("ug/sqrt(Hz)", 9.80665e-6, "m/s^2/sqrt(Hz)"),
+    ("ug/sqrt(Hz)", 5.88399e-4, "m/s/sqrt(h)"),
+]
+
+
+@pytest.mark.parametrize(("unit", "factor", "to"), SAME)
+def test_published_conversions(unit, factor, to):
+    assert convert(1.0, unit, to) == pytest.approx(factor, rel=2e-7)
+
+
+SPELLINGS = [
+    ("deg/sqrt(h)", ["°/√h", "deg/rth", "deg/h^0.5", "deg h^-0.5", "deg/sqrt(hr)"]),
+    ("deg/h", ["°/h", "dph", "deg/hr", "deg h^-1", "Deg/H"]),
+    ("deg/s", ["dps", "DPS", "deg/sec", "°/s", "deg s-1"]),
+    ("rad/sqrt(s)", ["rad/s/sqrt(Hz)", "rad/s/√Hz", "rad/(s*sqrt(Hz))", "rad*s^-0.5"]),
+    ("rad/s^1.5", ["rad/s^2/sqrt(Hz)", "rad/s/sqrt(s)"]),
+    ("deg/h/sqrt(Hz)", ["deg/h*sqrt(s)", "(deg/h)/rtHz"]),
+    ("ug/sqrt(Hz)", ["µg/√Hz", "ug/rtHz"]),
+    ("m/s^2", ["m/s²", "m s^-2", "m/s2", "m s-2", "mps2"]),
+]
+
+
+@pytest.mark.parametrize(("unit", "others"), SPELLINGS)
+def test_every_spelling_is_one_unit(unit, others):
+    for other in others:
+        assert unit_of(other).dimension == unit_of(unit).dimension
+        assert unit_of(other).factor == pytest.approx(unit_of(unit).factor, rel=1e-15)
+
+
+@given(st.text(max_size=30))
+def test_any_text_is_a_unit_or_an_error_that_lists_units(text):
+    try:
+        unit = unit_of(text)
+    except al.UnitError as error:
+        said = str(error)
+    else:
+        said = "arcsec" if unit.factor > 0 else ""
+    assert "arcsec" in said
+
+
+@given(st.sampled_from(list(ATOMS)), st.sampled_from(list(ATOMS)))
+def test_products_and_quotients_undo_each_other(a, b):
+    whole = unit_of(f"{a}*{b}/{b}")
+    assert whole.dimension == unit_of(a).dimension
+    assert whole.factor == pytest.approx(unit_of(a).factor, rel=1e-14)
+
+
+def test_units_that_do_not_fit_are_refused():
+    with pytest.raises(al.UnitError, match="different things"):
+        convert(1.0, "deg/h", "arcsec")
+    with pytest.raises(al.UnitError, match=r"no unit of N .*deg/sqrt\(h\)"):
+        al.N(1.0, "deg/h")
+    with pytest.raises(al.UnitError, match="different signals"):
+        al.N(1.0, "deg/sqrt(h)") + al.B(1.0, "ug")
+
+
+@pytest.mark.parametrize("signal", SIGNALS, ids=lambda s: s.name)
+def test_coefficient_units_are_signal_times_time_to_the_power(signal):
+    for power in (1, 0.5, 0, -0.5, -1):
+        expected = unit_of(signal.unit) * unit_of("s") ** power
+        assert unit_of(signal.si[power]) == expected
+        assert unit_of(signal.sheet[power]).dimension == expected.dimension

@@ -1,0 +1,211 @@
+"""The central values: what they accept, what they refuse, and that they survive being written down."""
+
+import json
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.prepare import inspect, trim
+
+MODEL = al.N(0.1, "deg/sqrt(h)") + al.B(1.0, "deg/h")
+
+
+def record(n=5000, **options):
+    return al.simulate(MODEL, n, 100.0, rng=np.random.default_rng(1), **options)
+
+
+WRONG = [
+    ({"rate": 0}, "positive number of Hz, not 0"),
+    ({"rate": -1.0}, "positive"),
+    ({"rate": float("nan")}, "positive"),
+    ({"rate": "100"}, "positive"),
+    ({"unit": "furlong"}, "unknown unit"),
+    ({"unit": "deg"}, "does not fit kind 'rate'"),
+    ({"kind": "speed"}, "unknown kind 'speed'"),
+    ({"kind": "count", "unit": "arcsec"}, "worth of one pulse"),
+    ({"scale": -2.0}, "positive"),
+    ({"values": [[1.0, 2.0]]}, r"shape \(n,\)"),
+    ({"values": ["a", "b", "c"]}, "not real numbers"),
+    ({"values": [1.0 + 2j, 2.0]}, "not real numbers"),
+    ({"values": [1.0]}, "too few"),
+    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts are integers"),
+    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, np.inf, 3.0]}, "finite"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "words"), WRONG)
+def test_the_door_refuses(wrong, words):
+    good = {"values": [1.0, 2.0, 3.0], "rate": 1.0, "unit": "deg/s", "kind": "rate"}
+    with pytest.raises(al.AllaniteError, match=words):
+        al.Record(**(good | wrong))
+
+
+def test_a_record_cannot_be_changed():
+    with pytest.raises(AttributeError):
+        record().rate = 5.0
+
+
+class Quantity:
+    """What pint's and astropy's quantities have in common."""
+
+    def __init__(self, magnitude, unit):
+        self.magnitude, self.unit = magnitude, unit
+
+    def to(self, unit):
+        return Quantity(self.magnitude * al.units.convert(1.0, self.unit, unit), unit)
+
+
+def test_quantities_bring_their_unit():
+    found = al.Record(Quantity(np.array([1.0, 2.0]), "rad/s"), 1.0, "deg/s")
+    np.testing.assert_allclose(found.values, np.degrees([1.0, 2.0]))
+    np.testing.assert_allclose(found.rate_values, [1.0, 2.0])
+
+
+def test_rate_and_angle_are_names_of_one_thing():
+    y = np.array([1.0, -2.0, 4.0])
+    rate = al.Record(y, 10.0, "rad/s")
+    angle = al.Record(np.concatenate(([5.0], 5.0 + np.cumsum(y / 10))), 10.0, "rad", kind="angle")
+    np.testing.assert_allclose(angle.rate_values, y)
+    np.testing.assert_allclose(rate.angle, angle.angle, atol=1e-15)
+    assert rate.size == angle.size == 3
+
+
+def test_recordings_by_name_and_number():
+    recording = al.Recording((record(name="x"), record(name="y")))
+    assert recording["y"] is recording[1]
+    assert [r.name for r in recording] == ["x", "y"]
+    with pytest.raises(al.UsageError, match="there are x, y"):
+        recording["z"]
+    with pytest.raises(al.UsageError, match="must differ"):
+        al.Recording((record(name="x"), record(name="x")))
+    with pytest.raises(al.DataError, match="at least one"):
+        al.Recording(())
+
+
+def test_models_add_and_come_back():
+    model = al.Q(0.1, "arcsec") + MODEL + al.R(-1.0, "deg/h^2")
+    assert [t.symbol for t in model] == ["Q", "N", "B", "R"]
+    assert model["R"].to("deg/h^2") == pytest.approx(-1.0)
+    assert str(model["B"]) == "B = 1 deg/h"
+    assert al.Model.from_dict(json.loads(json.dumps(model.to_dict()))) == model
+    with pytest.raises(al.UsageError, match="once"):
+        model + al.N(1.0, "deg/sqrt(h)")
+    with pytest.raises(al.UsageError, match="not negative"):
+        al.N(-1.0, "deg/sqrt(h)")
+    with pytest.raises(al.UsageError, match="there are Q, N, B, R"):
+        model["K"]
+
+
+def test_curves_come_back_with_their_limits_as_numbers():
+    curve = al.deviation(record(name="z"), taus="octave", noise=MODEL).to("deg/h")
+    again = al.Curve.from_dict(json.loads(json.dumps(curve.to_dict())))
+    for name in ("m", "tau", "deviation", "count", "edf"):
+        np.testing.assert_allclose(getattr(again, name), getattr(curve, name), rtol=1e-14)
+    np.testing.assert_allclose(again.interval(0.95), curve.interval(0.95), rtol=1e-12)
+    assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
+    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.95"):
+        again.interval(0.5)
+
+
+def test_confidence_needs_the_noise():
+    with pytest.raises(al.UsageError, match="identify"):
+        _ = al.deviation(record()).edf
+    with pytest.raises(al.UsageError, match="between 0 and 1"):
+        al.deviation(record(), noise=MODEL).interval(95)
+
+
+def test_intervals_are_chi_square():
+    """68.3 % of 400 records hold the truth at every octave: 400 trials, 4.5 standard errors, error probability 1e-4."""
+    inside = 0
+    for seed in range(1, 401):
+        simulated = al.simulate(MODEL, 512, 100.0, rng=np.random.default_rng(seed))
+        low, high = al.deviation(simulated, noise=MODEL).interval(0.683)
+        truth = np.sqrt(al.expected(MODEL, "oadev", 2.0 ** np.arange(low.size) / 100))
+        inside = inside + ((low <= truth) & (truth <= high))
+    # few degrees of freedom make chi-square wide, never narrow
+    assert np.all(inside / 400 > 0.683 - 4.5 * 0.0233)
+    assert np.all(inside[:5] / 400 < 0.683 + 4.5 * 0.0233)
+
+
+def test_fits_are_plain_data():
+    fit = al.identify(record(20_000, name="z"))
+    data = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
+    assert [term["symbol"] for term in data["terms"]] == list("QNBKR")
+    noise = data["terms"][1]
+    assert noise["status"] == "identified"
+    assert noise["low"] < noise["value"] < noise["high"]
+    assert noise["shown"]["unit"] == "deg/sqrt(h)"
+    absent = data["terms"][3]
+    assert (absent["value"], absent["low"], absent["high"]) == (None, 0.0, absent["upper"])
+    headings, rows = fit.rows()
+    assert len(rows) == 5
+    assert all(len(row) == len(headings) for row in rows)
+    with pytest.raises(al.UsageError, match="not asked for"):
+        fit["GM"]
+    with pytest.raises(al.UnitError, match="no unit of N"):
+        fit["N"].to("deg/h")
+
+
+def test_windows():
+    recording = al.Recording((record(name="x"),))
+    part = trim(recording, 10, 20)["x"]
+    assert part.size == 1000
+    assert part.start == 10.0
+    assert "cut from 10 s to 20 s" in part.history
+    np.testing.assert_array_equal(part.values, recording["x"].values[1000:2000])
+    assert trim(recording) is recording
+    for start, until in [(5, 5), (-1, 5), (0, 51), (60, None)]:
+        with pytest.raises(al.UsageError, match="window"):
+            trim(recording, start, until)
+
+
+def test_what_cannot_support_the_job_is_refused():
+    y = record().values
+    for values, words in [
+        (np.where(np.arange(5000) == 17, np.nan, y), "1 of 5000 readings of '' are not finite, the first at sample 17"),
+        (np.full(5000, 2.0), "never changes"),
+        (y[:50], "too few"),
+        (np.full(5000, 1e308), "too large"),
+    ]:
+        assert words in inspect(al.Record(values, 1.0, "deg/s")).refusal
+    assert inspect(record()).refusal == ""
+
+
+def test_a_study_takes_no_more_than_six_times_the_records_memory():
+    import tracemalloc
+
+    long = record(1_000_000)
+    al.analyze(long)
+    tracemalloc.start()
+    al.analyze(long)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 6 * long.values.nbytes
+
+
+def test_recipes_are_plain_data(tmp_path):
+    recipe = al.Recipe(rate=100.0, channels=("x", "y"), band=(0.0, 5.0))
+    assert al.Recipe.from_dict(json.loads(json.dumps(recipe.to_dict()))) == recipe
+    path = tmp_path / "recipe.toml"
+    path.write_text('rate = 100.0\nchannels = ["x", "y"]\nband = [0.0, 5.0]\n')
+    assert al.Recipe.load(path) == recipe
+    path.write_text("speed = 1\n")
+    with pytest.raises(al.UsageError, match="unknown key 'speed'"):
+        al.Recipe.load(path)
+    path.write_text("rate = = 1\n")
+    with pytest.raises(al.UsageError, match="cannot be read"):
+        al.Recipe.load(path)
+
+
+def test_a_study_is_the_documented_json():
+    study = al.analyze(al.Recording((record(20_000, name="x"), record(20_000, name="y"))), al.Recipe(taus="octave"))
+    data = json.loads(json.dumps(study.to_dict(), allow_nan=False))
+    assert (data["allanite"], data["type"]) == (1, "Study")
+    assert {"channels", "recipe", "provenance"} <= set(data)
+    channel = data["channels"][0]
+    assert {"name", "quality", "curves", "fit"} <= set(channel)
+    curve = channel["curves"][0]
+    assert {"statistic", "unit", "m", "tau", "deviation", "edf", "low", "high"} <= set(curve)
+    assert {"method", "terms", "gof_p", "lines"} <= set(channel["fit"])
+    assert data["provenance"]["allanite"] == al.__version__
