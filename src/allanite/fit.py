@@ -143,10 +143,11 @@ class Goodness:
     @property
     def verdict(self) -> str:
         """One sentence."""
+        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
         if self.explained:
-            return f"the model explains the record (goodness of fit p = {self.p:.2g})"
+            return f"the model explains the record (goodness of fit {p})"
         why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record (goodness of fit p = {self.p:.2g}){why}"
+        return f"no model of these terms explains the record (goodness of fit {p}){why}"
 
 
 @dataclass(frozen=True, eq=False)

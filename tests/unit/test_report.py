@@ -16,8 +16,10 @@ from allanite.model import B, N, R, term
 from allanite.prepare import Finding, Quality
 from allanite.record import Record
 from allanite.report import plot, report, table
+from allanite.report.goodness import plot_goodness
 from allanite.report.html import page, toml
 from allanite.report.plain import to_csv, to_json
+from allanite.report.style import encode
 from allanite.report.words import printed_unit, title, verdict
 from allanite.statistics import expected
 from allanite.study import Channel, Recipe, Study
@@ -235,6 +237,16 @@ def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
     with pytest.raises(UsageError, match="--force"):
         plot(study, path=tmp_path / "a.png")
     plot(study, path=tmp_path / "a.png", force=True)
+
+
+@pytest.mark.parametrize("least", [1e-9, 0.0, 0.9])
+def test_a_cell_without_power_does_not_spoil_the_strips(least):
+    z = np.linspace(-4, 1.5, 24)
+    ratio = np.where(z == z.min(), least, 1.0)
+    figure = plot_goodness(Goodness(np.geomspace(1e-4, 5, 25), ratio, z, 0.2), "x")
+    encode(figure, "svg")  # lays it out
+    assert all(ax.get_position().height > 0.2 for ax in figure.axes)
+    assert figure.axes[0].get_ylim()[0] > 0.04
 
 
 def test_drawing_leaves_the_settings_of_matplotlib_alone(study):

@@ -58,12 +58,16 @@ class Profile:
 
     def lower(self, drop: float) -> float:
         """Where the excess is `drop` below the minimum; 0 if it is less at 0."""
+        if drop < 1e-3:
+            return self.best
         if self.best <= 0 or self.at(0.0, self.subset.theta)[0] <= drop:
             return 0.0
         return self._solve(drop, 0.0, max(self.best - self._width * math.sqrt(drop), 0.1 * self.best))
 
     def upper(self, drop: float) -> float:
         """Where the excess is `drop` above the minimum."""
+        if drop < 1e-3:
+            return self.best
         guess = self.best + self._width * math.sqrt(drop)
         high = guess
         while self.at(high, self.subset.theta)[0] < drop:
@@ -123,8 +127,8 @@ class Profiles:
         return min(p.lower(drop) for p, drop in within), max(p.upper(drop) for p, drop in within)
 
     def upper(self, which: int, level: float = 0.95) -> float:
-        """One-sided upper limit of theta."""
-        return max(p.upper(drop) for p, drop in self._within(which, _quantile(level) ** 2))
+        """One-sided upper limit of theta; the estimate itself for levels up to 0.5."""
+        return max(p.upper(drop) for p, drop in self._within(which, max(0.0, _quantile(level)) ** 2))
 
     def excludes_zero(self, which: int, level: float = 0.95) -> bool:
         """Whether theta = 0 lies below the limits even if every other term is let in without doubt."""
@@ -151,7 +155,7 @@ class Profiles:
         having = [subset for subset in self.fitted if subset.free[which]]
         best = min(subset.score(self.doubt) for subset in having)
         left = [(subset, drop - (subset.score(self.doubt) - best)) for subset in having]
-        return [(Profile(self.likelihood, subset, which), rest) for subset, rest in left if rest > 1e-3]
+        return [(Profile(self.likelihood, subset, which), rest) for subset, rest in left if rest >= 0]
 
 
 def standard_error(likelihood: Likelihood, subset: Subset, which: int) -> float:

@@ -12,7 +12,8 @@ from . import style, words
 SURPRISING = 3.0
 """Standard deviations beyond which a cell is marked: one in 370 by chance."""
 
-OUTSIDE = "#B00020"
+LEAST = 0.05
+"""Ratio below which a cell is drawn at the edge."""
 
 
 def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
@@ -44,13 +45,16 @@ def _draw_ratio(ax: Axes, goodness: Goodness) -> None:
     style.grid(ax)
     ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
+    # a cell of one coefficient may be as good as empty by chance: it stands at the edge, with an arrow
+    ratio = np.maximum(np.nan_to_num(goodness.ratio), LEAST)
     odd = np.abs(goodness.z) > SURPRISING
-    for where, color in ((~odd, style.DATA), (odd, OUTSIDE)):
-        ax.hlines(goodness.ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
-    seen = goodness.ratio[goodness.ratio > 0]
-    reach = max(2.0, *(1.3 * seen), *(1.3 / seen)) if seen.size else 2.0
-    ax.set_ylim(1 / reach, reach)
-    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if reach < 30 else (1.0,)))
+    for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
+        ax.hlines(ratio[where], low[where], high[where], color=color, lw=2.2, zorder=3)
+        edge = where & (ratio == LEAST)
+        ax.plot(np.sqrt(low * high)[edge], ratio[edge], "v", color=color, ms=5, zorder=3)
+    ax.set_ylim(min(0.5, ratio.min() / 1.2), max(2.0, 1.3 * ratio.max()))
+    wide = ratio.max() / ratio.min() > 300
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
     ax.yaxis.set_minor_formatter(NullFormatter())
     style.plain_ticks(ax.yaxis)
 
@@ -62,7 +66,7 @@ def _draw_surprise(ax: Axes, goodness: Goodness) -> None:
     ax.axhline(0.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
     odd = np.abs(goodness.z) > SURPRISING
-    for where, color in ((~odd, style.DATA), (odd, OUTSIDE)):
+    for where, color in ((~odd, style.DATA), (odd, style.ALARM)):
         ax.bar(low[where], goodness.z[where], (high - low)[where], align="edge", color=color, alpha=0.85, zorder=3)
     reach = max(4.0, 1.15 * float(np.nanmax(np.abs(goodness.z), initial=0.0)))
     ax.set_ylim(-reach, reach)

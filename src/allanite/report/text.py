@@ -123,7 +123,8 @@ def _table(fit: Fit, level: float, *, wide: bool) -> Iterator[Text]:
             yield row + Text("  ") + second + Text("  ") + status
         else:
             yield row
-            yield Text("     ") + status + Text(" " * (first - 1 - len(e.status))) + second
+            same = in_si.unit == cell.unit  # the data sheet is in SI already
+            yield Text("     ") + status + Text(" " * (first - 1 - len(e.status))) + (Text() if same else second)
 
 
 def _width(fit: Fit, level: float) -> int:

@@ -21,6 +21,10 @@ STATISTICS: dict[str, Statistic] = {
 }
 
 
+MOST = 300_000
+"""Averaging times that are computed one by one; their cost is the square of the record's length."""
+
+
 def statistic_named(name: str) -> Statistic:
     """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
     if name not in STATISTICS:
@@ -149,6 +153,8 @@ def _grid(taus: str | Sequence[float], record: Record, row: Statistic) -> IntArr
     if isinstance(taus, str):
         if taus not in GRIDS:
             raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
+        if taus == "all" and largest > MOST:
+            raise UsageError(f"all {largest} averaging times of {row.name} would take hours; choose 'log', or give m")
         return GRIDS[taus](largest)
     wanted = np.atleast_1d(np.asarray(taus, dtype=np.float64)) * record.rate
     factors = np.rint(wanted)
