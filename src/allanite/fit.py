@@ -154,9 +154,8 @@ class Goodness:
 class Fit:
     """Coefficients of a record or curve.
 
-    ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what
-    describes the
-    record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
+    ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
+    the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
     """
 
     estimates: tuple[Estimate, ...]

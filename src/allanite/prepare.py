@@ -6,10 +6,7 @@ from typing import Any
 import numpy as np
 
 from .errors import DataError, UsageError
-from .record import Record, Recording
-
-SHORTEST = 200
-"""Readings below which no coefficient is worth printing."""
+from .record import SHORTEST, Record, Recording
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,10 @@ KINDS: dict[str, tuple[int, int, str]] = {
 }
 
 
+SHORTEST = 200
+"""Readings below which no noise coefficient is worth printing."""
+
+
 def explain_kinds() -> str:
     """One sentence for each kind of record, for error messages."""
     return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())

@@ -38,6 +38,20 @@ class Recipe:
     band: tuple[float, float] | None = None
     level: float = 0.95
 
+    def __post_init__(self) -> None:
+        for key in ("rate", "scale", "start", "until", "level"):
+            value = getattr(self, key)
+            if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+                raise UsageError(f"{key} is a number, not {value!r}")
+        for key in ("unit", "kind", "time", "statistic", "terms", "method"):
+            value = getattr(self, key)
+            if value is not None and not isinstance(value, str):
+                raise UsageError(f"{key} is a word, not {value!r}")
+        if not 0 < self.level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
+        if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
+            raise UsageError(f"a band is two frequencies in Hz, not {self.band!r}")
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data; what was left open is left out."""
         return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items() if v is not None}

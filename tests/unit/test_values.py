@@ -193,6 +193,16 @@ def test_recipes_are_plain_data(tmp_path):
     path.write_text("speed = 1\n")
     with pytest.raises(al.UsageError, match="unknown key 'speed'"):
         al.Recipe.load(path)
+    for line, words in [
+        ('level = "0.95"', "level is a number"),
+        ("level = 95", "between 0 and 1"),
+        ("unit = 3", "unit is a word"),
+        ("band = [1.0]", "two frequencies"),
+        ("rate = true", "rate is a number"),
+    ]:
+        path.write_text(line + "\n")
+        with pytest.raises(al.UsageError, match=words):
+            al.Recipe.load(path)
     path.write_text("rate = = 1\n")
     with pytest.raises(al.UsageError, match="cannot be read"):
         al.Recipe.load(path)

@@ -48,8 +48,7 @@ def identify(
     method : {"whittle", "ls", "slopes"}, optional
         "whittle" for a record, the default there: reaches the Cramer-Rao bound and gives intervals. The others read an
         Allan curve (that of the record, at octaves, if a record is given) and give numbers only; "ls" is the default
-        for
-        a curve.
+        for a curve.
     terms : str
         "auto" for Q, N, B, K and R, or their symbols, for example "QNK".
     band : (low, high), optional

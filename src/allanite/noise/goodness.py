@@ -23,8 +23,7 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
-    deviate is
-    z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom.
+    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import numpy as np
 from allanite.errors import DataError
 from allanite.fit import WEAK, Estimate, Fit
 from allanite.model import Model, Term
-from allanite.record import Record
+from allanite.record import SHORTEST, Record
 from allanite.terms import TERMS
 
 from .goodness import goodness
@@ -19,16 +19,12 @@ from .whittle import Spectrum, likelihood, spectrum
 
 Limits = Callable[[float], tuple[float, float]]
 
-SHORTEST = 200
-"""Samples below which no coefficient is worth printing."""
-
 
 def whittle(record: Record, symbols: str, band: tuple[float, float] | None = None) -> Fit:
     """Identify terms by the binned DCT-II Whittle likelihood.
 
     Selection of noise terms by 2 L + 4 per term over all subsets, with the ramp integrated out; profile intervals;
-    upper
-    limits for what is absent; the signed ramp by generalised least squares with Student's t.
+    upper limits for what is absent; the signed ramp by generalised least squares, averaged over what hides it.
 
     Parameters
     ----------
@@ -106,8 +102,7 @@ def _ramp_estimate(symbol: str, profiles: Profiles, noise: list[str], scale: _Sc
     """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    Student's
-    t, and holds where the noise was not seen at all.
+    Student's t, and holds where the noise was not seen at all.
     """
     part = profiles.likelihood
     if not part.flat.any():  # the band leaves out the frequencies where a ramp lives

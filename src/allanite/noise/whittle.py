@@ -128,8 +128,8 @@ def _directions(spectrum: Spectrum, with_ramp: bool) -> tuple[FloatArray, FloatA
     """Products of the loose directions: the even and the odd half of the first sample, and the ramp.
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
-    halves
-    are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one coefficient each.
+    halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
+    coefficient each.
     """
     n, bins = spectrum.size, spectrum.first.size
     centre = spectrum.first + (spectrum.count - 1) / 2

@@ -50,8 +50,7 @@ def deviation(
         A name in `STATISTICS`.
     taus : {"octave", "decade", "log", "all"} or sequence of float
         Averaging times: 1, 2, 4, 8 ... samples; 1, 2, 4, 10, 20, 40 ...; about 100, spaced evenly in the logarithm;
-        every
-        one; or seconds. The named grids reach to the statistic's largest averaging factor.
+        every one; or seconds. The named grids reach to the statistic's largest averaging factor.
     m : sequence of int, optional
         Averaging factors instead of times.
     noise : Model, optional
