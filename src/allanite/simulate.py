@@ -45,7 +45,7 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Genera
     --------
     >>> from allanite.model import N
     >>> record = simulate(N(1.0, "rad/sqrt(s)"), 10_000, 100.0, rng=np.random.default_rng(1))
-    >>> 9.8 < record.values.std() < 10.2
+    >>> bool(9.8 < record.values.std() < 10.2)
     True
     """
     model = model if isinstance(model, Model) else Model((model,))

@@ -46,7 +46,9 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
     bounds = np.append(edges[:-1][filled], edges[-1])
     reasons = [*_lines(spectrum, used, m)]
     if p < EXPLAINED:
-        reasons += _roll_off(spectrum, used, m) or _where(bounds, ratio, z)
+        moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
+        named = _where(bounds, ratio, z * moving) + _roll_off(spectrum, used, m)
+        reasons += named or _where(bounds, ratio, z)
     return Goodness(bounds, ratio, z, p, tuple(reasons))
 
 
@@ -108,19 +110,18 @@ def _roll_off(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> lis
 
 
 def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
-    """The cell that is furthest off and its neighbours of the same sign."""
+    """The cell that is furthest off and its neighbours of the same sign; nothing if all z are zero."""
     worst = int(np.abs(z).argmax())
-    same = np.sign(z) == np.sign(z[worst])
-    strong = same & (np.abs(z) > max(3.0, 0.2 * abs(z[worst])))
+    if z[worst] == 0:
+        return []
+    strong = (np.sign(z) == np.sign(z[worst])) & (np.abs(z) > max(3.0, 0.1 * abs(z[worst])))
     left = right = worst
     while left > 0 and strong[left - 1]:
         left -= 1
     while right < z.size - 1 and strong[right + 1]:
         right += 1
     mean = math.exp(float(np.log(ratio[left : right + 1]).mean()))
-    what = (
-        "motion, vibration or a term that is missing" if mean > 1 else "a filter, or a term that does not belong here"
-    )
+    what = "motion, sway, vibration or a missing term" if mean > 1 else "a filter, or a term that does not belong here"
     return [
         f"from {bounds[left]:.3g} to {bounds[right + 1]:.3g} Hz there is {mean:.3g} times the model's power: {what}"
     ]
