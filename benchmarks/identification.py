@@ -70,7 +70,9 @@ def bounds(model: al.Model, n: int) -> dict[str, float]:
     else:
         information = exact.information(theta)
     errors = np.sqrt(np.diag(np.linalg.inv(information * np.outer(theta, theta))))
-    return {t.symbol: float(e) / 2 for t, e in zip(noise, errors, strict=True)}
+    found = {t.symbol: float(e) / 2 for t, e in zip(noise, errors, strict=True)}
+    slope = math.sqrt(exact.directions(theta)[1][-1, -1]) if with_ramp else math.inf
+    return found | {t.symbol: slope / abs(t.value * RATE**t.row.power) for t in model if t.row.waveform is not None}
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ def summary(sensor: str, n: int, which: int, found: list[tuple]) -> tuple[str, .
     cells += [f"{100 * (status == 'identified').mean():.1f}"]
     cells += [f"{100 * ((low <= truth) & (truth <= high)).mean():.1f}"]
     cells += [f"{100 * ((profile_low <= truth) & (truth <= profile_high)).mean():.1f}"]
-    if symbol not in present or math.isnan(bound):
+    if symbol not in present:
         return (*cells, "-", "-", "-")
     relative = value / truth - 1
     cells += [f"{np.median(high - low) / truth / 3.92 / bound:.3f}"]

@@ -1,0 +1,73 @@
+"""The committed tables hold what is claimed of them, and a part of them can be made again."""
+
+import math
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "benchmarks" / "results"
+
+
+def rows_of(name):
+    lines = [line for line in (RESULTS / name).read_text().splitlines() if line.startswith("| ")]
+    headings, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return [dict(zip(headings, row, strict=True)) for row in rows]
+
+
+@pytest.mark.parametrize("name", ["identification.md", "speed.md"])
+def test_tables_say_how_they_were_made(name):
+    head = (RESULTS / name).read_text().split("\n| ")[0]
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
+    assert "seed" in head
+    assert "command: `python benchmarks/" in head
+
+
+@pytest.mark.parametrize("row", rows_of("identification.md"), ids=lambda r: f"{r['sensor']}-{r['n']}-{r['term']}")
+def test_identification_meets_its_demands(row):
+    if row["term"].endswith("(absent)"):
+        assert float(row["claimed %"]) <= 7
+        return
+    bound = float(row["bound %"])
+    if bound <= 40:
+        assert 91.5 <= float(row["profile %"]) <= 98
+    if bound < 12:
+        assert float(row["width"]) <= 1.25
+    if bound <= 10:
+        assert float(row["identified %"]) >= 98
+
+
+def test_every_sensor_length_and_term_is_there():
+    found = {(r["sensor"], r["n"], r["term"][0]) for r in rows_of("identification.md")}
+    assert found == {(s, n, t) for s in ("MEMS", "FOG", "RLG") for n in ("65536", "262144") for t in "QNBKR"}
+
+
+def binomial_tail(k, n, p):
+    """Smaller of P(X <= k) and P(X >= k)."""
+    terms = [math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(n + 1)]
+    return min(sum(terms[: k + 1]), sum(terms[k:]))
+
+
+@pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG"])
+def test_a_part_made_again_agrees(sensor):
+    """The first 25 records of each sensor; each count within the table's share at an error probability of 1e-5."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        from identification import Job, identified, summary
+    finally:
+        sys.path.pop(0)
+    records = 25
+    found = [identified(Job(sensor, 65536, seed)) for seed in range(1, records + 1)]
+    table = [row for row in rows_of("identification.md") if (row["sensor"], row["n"]) == (sensor, "65536")]
+    for which, row in enumerate(table):
+        made = summary(sensor, 65536, which, [record[which] for record in found])
+        for column, heading in ((4, "claimed %"), (6, "cover %"), (7, "profile %")):
+            share = min(max(float(row[heading]) / 100, 0.002), 0.998)
+            assert binomial_tail(round(float(made[column]) * records / 100), records, share) > 1e-5
+        assert made[3] == row["bound %"]
+
+
+def test_speed_meets_its_demands():
+    assert {row["measured"] and list(row.values())[3] for row in rows_of("speed.md")} == {"met"}
