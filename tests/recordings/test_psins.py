@@ -1,8 +1,6 @@
 """A real laser-gyro recording in PSINS text: figures found independently of this package."""
 
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,17 +8,6 @@ import pytest
 from allanite.readers import read
 
 DEG_PER_HOUR = 180 / math.pi * 3600
-
-
-@pytest.fixture(scope="module")
-def recordings():
-    beside = Path(__file__).resolve().parents[2].parent / "shared" / "recordings"
-    folder = Path(os.environ.get("ALLANITE_RECORDINGS", beside))
-    if not (folder / "psins_lasergyro.imu").is_file():
-        pytest.skip(
-            f"no real recordings in {folder}; set ALLANITE_RECORDINGS to the folder that holds psins_lasergyro.imu"
-        )
-    return folder
 
 
 @pytest.fixture(scope="module")
