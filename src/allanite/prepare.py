@@ -1,48 +1,12 @@
 """Is the record fit for the job, and cutting it to what is."""
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from .errors import DataError, UsageError
+from .finding import Finding, Quality
 from .record import SHORTEST, Record, Recording
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something about a record that the reader of its numbers must know."""
-
-    name: str
-    fatal: bool
-    what: str
-    remedy: str
-
-    def __str__(self) -> str:
-        return f"{self.what}; {self.remedy}"
-
-
-@dataclass(frozen=True)
-class Quality:
-    """What was found about a record before anything was computed."""
-
-    findings: tuple[Finding, ...]
-
-    @property
-    def refusal(self) -> str:
-        """Why the record cannot support the job; empty if it can."""
-        return "; ".join(str(f) for f in self.findings if f.fatal)
-
-    @property
-    def warnings(self) -> tuple[Finding, ...]:
-        """What must stand beside the numbers."""
-        return tuple(f for f in self.findings if not f.fatal)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "findings": [{"name": f.name, "fatal": f.fatal, "what": f.what, "remedy": f.remedy} for f in self.findings]
-        }
 
 
 def inspect(record: Record) -> Quality:
@@ -57,23 +21,20 @@ def _not_finite(record: Record) -> Finding | None:
             return None
     bad = ~np.isfinite(record.values)
     if not bad.any():
-        return Finding(
-            "range", True, f"the readings of {record.name!r} are too large to be added", "check the unit and type"
-        )
-    which = f"{bad.sum()} of {bad.size} readings of {record.name!r} are not finite"
+        what = f"the readings of {record.name!r} are too large to be added"
+        return Finding("range", what, remedy="check the unit and type", fatal=True)
+    what = f"{bad.sum()} of {bad.size} readings of {record.name!r} are not finite"
     if bad.all():
-        return Finding("not finite", True, which, "check the column and the reader's options")
-    first = int(bad.argmax())
-    return Finding(
-        "not finite", True, f"{which}, the first at sample {first}", "choose a window without them (from, until)"
-    )
+        return Finding("not finite", what, remedy="check the column and the reader's options", fatal=True)
+    what += f", the first at sample {int(bad.argmax())}"
+    return Finding("not finite", what, remedy="choose a window without them (from, until)", fatal=True)
 
 
 def _too_short(record: Record) -> Finding | None:
     if record.size >= SHORTEST:
         return None
     what = f"{record.name!r} has {record.size} readings, too few for noise coefficients (at least {SHORTEST})"
-    return Finding("too short", True, what, "record for longer")
+    return Finding("too short", what, remedy="record for longer", fatal=True)
 
 
 def _constant(record: Record) -> Finding | None:
@@ -81,7 +42,7 @@ def _constant(record: Record) -> Finding | None:
     if steps.min() != steps.max():
         return None
     what = f"{record.name!r} never changes (always {steps[0]!r})"
-    return Finding("constant", True, what, "check that the sensor is connected and this is its column")
+    return Finding("constant", what, remedy="check that the sensor is connected and this is its column", fatal=True)
 
 
 CHECKS = (_not_finite, _too_short, _constant)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import DataError, UsageError
+from .finding import Finding
 from .units import Signal, signal_with, unit_of
 
 FloatArray = NDArray[np.float64]
@@ -189,7 +190,8 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
 class Recording:
     """Records on one clock, by name and in channel order.
 
-    `notes` say what was assumed when reading, `source` and `digest` where the data came from (path, sha256).
+    `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
+    where the data came from (path, sha256).
 
     Examples
     --------
@@ -203,6 +205,7 @@ class Recording:
     source: str = ""
     digest: str = ""
     notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.channels

@@ -7,9 +7,10 @@ from typing import Any
 
 from .curve import Curve
 from .errors import DataError, UsageError
+from .finding import Quality
 from .fit import Fit
 from .noise import identify
-from .prepare import Quality, inspect, trim
+from .prepare import inspect, trim
 from .readers import read
 from .record import Record, Recording
 from .statistics import deviation

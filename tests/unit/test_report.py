@@ -11,9 +11,9 @@ import pytest
 
 from allanite.curve import Curve
 from allanite.errors import UsageError
+from allanite.finding import Finding, Quality
 from allanite.fit import Estimate, Fit, Goodness
 from allanite.model import B, N, R, term
-from allanite.prepare import Finding, Quality
 from allanite.record import Record
 from allanite.report import plot, report, table
 from allanite.report.goodness import plot_goodness
@@ -62,7 +62,7 @@ def channel_of(name="gyro_z", p=0.4, reasons=(), warnings=()):
     curve = curve_of(model, name)
     record = Record(np.sin(np.arange(600.0)), 10.0, "deg/h", name=name)
     fit = Fit(estimates, "whittle", signal_named("gyro"), model=model, name=name, goodness=good, curve=curve)
-    quality = Quality(tuple(Finding("spikes", False, what, "look at them") for what in warnings))
+    quality = Quality(tuple(Finding("spikes", what, remedy="look at them") for what in warnings))
     return Channel(record, quality, curve, fit)
 
 

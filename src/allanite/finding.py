@@ -1,0 +1,71 @@
+"""Finding: what the reader of a record's numbers must know before them. Quality: all of it, for one channel."""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record.
+
+    Attributes
+    ----------
+    name : str
+        One of few fixed words, for programs: "gaps", "stuck", "lines" ...
+    what : str
+        What was found, with its numbers.
+    consequence, remedy : str
+        What it does to the numbers, and what the user can do.
+    place : (start, end) or None
+        Seconds after the record's first sample; None for the whole record.
+    fatal : bool
+        Whether the record cannot support the job.
+    """
+
+    name: str
+    what: str
+    consequence: str = ""
+    remedy: str = ""
+    place: tuple[float, float] | None = None
+    fatal: bool = False
+
+    def __str__(self) -> str:
+        return "; ".join(part for part in (self.what, self.consequence, self.remedy) if part)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        place = None if self.place is None else list(self.place)
+        return {
+            "name": self.name,
+            "what": self.what,
+            "consequence": self.consequence,
+            "remedy": self.remedy,
+            "place": place,
+            "fatal": self.fatal,
+        }
+
+
+@dataclass(frozen=True)
+class Quality:
+    """What was found about a record before anything was computed."""
+
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def refusal(self) -> str:
+        """Why the record cannot support the job; empty if it can."""
+        return ". ".join(str(f) for f in self.findings if f.fatal)
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """What must stand beside the numbers."""
+        return tuple(f for f in self.findings if not f.fatal)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the findings."""
+        return tuple(f.name for f in self.findings)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"findings": [f.to_dict() for f in self.findings]}
