@@ -2,24 +2,33 @@
 # make test   everything that must hold
 # Both set up what they need in .venv first; python3 (3.11 or later), pip and make are enough.
 
-PYTHON ?= python3
-FILE   ?= examples/tactical_gyro.csv
-ARGS   ?=
-OUT    := build/demo
-BIN    := .venv/bin
+PYTHON  ?= python3
+FILE    ?= examples/tactical_gyro.csv
+ARGS    ?=
+OUT     := build/demo
+BIN     := .venv/bin
+PIP     := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
 THREADS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
+# through the environment, so that blanks, quotes and dollars in a name reach the program as they are
+export FILE
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
 .PHONY: help demo test lint setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
 	@echo "make demo FILE=path    ... of your own record; options of 'allanite analyze' go into ARGS='--rate 100 --unit deg/s'"
 	@echo "make test              lint, types, layers and all tests"
+	@echo "make lint              lint, types and layers only"
+	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
+	@echo "PYTHON=python3.12      behind any of these: another Python than python3 (for a new .venv)"
 
 demo: .venv/run
 	@mkdir -p $(OUT)
-	@$(BIN)/allanite analyze "$(FILE)" --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS)
+	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
 test: lint
 	$(THREADS) $(BIN)/python -m pytest -n 2 -q
@@ -32,20 +41,30 @@ lint: .venv/test
 
 setup: .venv/test
 
-.venv/bin/python:
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
-	  { echo "allanite needs Python 3.11 or later, and '$(PYTHON)' is older or missing; try: make PYTHON=python3.12 ..." >&2; exit 1; }
-	@$(PYTHON) -m venv .venv 2>/dev/null || $(PYTHON) -m virtualenv -q .venv 2>/dev/null || \
-	  { rm -rf .venv; echo "'$(PYTHON)' has no working venv module. Install it and run make again:" >&2; \
-	    echo "  Debian, Ubuntu:  apt install python3-venv" >&2; \
-	    echo "  others:          $(PYTHON) -m pip install --user virtualenv" >&2; exit 1; }
-
-.venv/run: .venv/bin/python pyproject.toml constraints.txt
-	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e .
+# A .venv that works is kept; the Python is asked what it can do before anything is written.
+.venv/made:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+	  echo "allanite needs Python 3.11 or later, and '$(PYTHON)' is older or missing." >&2; \
+	  echo "Install one, or name it: make PYTHON=python3.12 ..." >&2; exit 1; }
+	@if $(BIN)/python -m pip --version >/dev/null 2>&1; then :; \
+	elif $(PYTHON) -c 'import ensurepip, venv' 2>/dev/null; then $(PYTHON) -m venv .venv; \
+	elif $(PYTHON) -c 'import virtualenv' 2>/dev/null; then $(PYTHON) -m virtualenv -q .venv; \
+	else \
+	  echo "'$(PYTHON)' cannot make a virtual environment. Install what is missing, then run make again:" >&2; \
+	  echo "  Debian, Ubuntu:  apt install python3-venv" >&2; \
+	  echo "  Fedora:          dnf install python3 python3-pip" >&2; \
+	  echo "  anywhere:        $(PYTHON) -m pip install --user virtualenv" >&2; exit 1; \
+	fi
 	@touch $@
 
-.venv/test: .venv/bin/python pyproject.toml constraints.txt
-	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test]'
+.venv/run: .venv/made pyproject.toml constraints.txt
+	@echo "installing allanite into .venv (once; some 250 MB on disk)" >&2
+	@$(PIP) -e .
+	@touch $@
+
+.venv/test: .venv/made pyproject.toml constraints.txt
+	@echo "installing allanite and what its tests need into .venv (once)" >&2
+	@$(PIP) -e '.[test]'
 	@touch .venv/run $@
 
 clean:

@@ -39,6 +39,19 @@ def test_identification_meets_its_demands(row):
         assert float(row["identified %"]) >= 98
 
 
+def test_the_readme_quotes_the_table():
+    present = [r for r in rows_of("identification.md") if not r["term"].endswith("(absent)")]
+    seen = [r for r in present if float(r["bound %"]) <= 40]
+    profile, printed = ([float(r[column]) for r in seen] for column in ("profile %", "cover %"))
+    widest = max(float(r["width"]) for r in present if float(r["bound %"]) < 12)
+    claimed = max(float(r["claimed %"]) for r in rows_of("identification.md") if r["term"].endswith("(absent)"))
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"the truth in {min(profile):.1f} to {max(profile):.1f} % of records" in readme
+    assert f"hold the truth in {min(printed):.1f} to {max(printed):.1f} %" in readme
+    assert f"at most {widest:.2f} times as wide" in readme
+    assert f"claimed in at most {claimed:.1f} %" in readme
+
+
 def test_every_sensor_length_and_term_is_there():
     found = {(r["sensor"], r["n"], r["term"][0]) for r in rows_of("identification.md")}
     assert found == {(s, n, t) for s in ("MEMS", "FOG", "RLG") for n in ("65536", "262144") for t in "QNBKR"}
