@@ -146,7 +146,8 @@ def main() -> None:
         "",
         f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
         f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python {' '.join(sys.argv)}`",
+        f"- command: `python benchmarks/identification.py --sensors {' '.join(options.sensors)} "
+        f"--sizes {' '.join(map(str, options.sizes))} --records {options.records} --first {options.first}`",
         f"- seeds {options.first}..{options.first + options.records - 1}; 100 Hz; "
         "Monte-Carlo standard error of a coverage of 95 %: "
         f"{100 * math.sqrt(0.05 * 0.95 / options.records):.1f} %",
