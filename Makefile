@@ -58,7 +58,7 @@ setup: .venv/test
 	@touch $@
 
 .venv/run: .venv/made pyproject.toml constraints.txt
-	@echo "installing allanite into .venv (once; some 250 MB on disk)" >&2
+	@echo "installing allanite into .venv (once; it takes about 0.7 GB of disk)" >&2
 	@$(PIP) -e .
 	@touch $@
 

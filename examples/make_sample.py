@@ -14,7 +14,7 @@ RATE, SAMPLES, SEED = 10.0, 36_000, 1
 TRUTH = {
     "gx": al.N(0.12, "deg/sqrt(h)") + al.B(3.0, "deg/h"),
     "gy": al.N(0.15, "deg/sqrt(h)") + al.K(40.0, "deg/h/sqrt(h)"),
-    "gz": al.N(0.10, "deg/sqrt(h)") + al.B(1.5, "deg/h") + al.R(-25.0, "deg/h^2"),
+    "gz": al.N(0.10, "deg/sqrt(h)") + al.B(1.5, "deg/h") + al.R(-60.0, "deg/h^2"),
 }
 BIAS = {"gx": 4.2, "gy": -7.9, "gz": 1.3}
 

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 import traceback
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -114,18 +115,54 @@ def _band(_: click.Context, __: click.Parameter, text: str | None) -> tuple[floa
     return numbers
 
 
-@click.command()
-@click.argument("file", type=click.Path())
-@click.option("--rate", type=float, metavar="HZ", help="Sampling rate; wins over what the file says.")
-@click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ...")
-@click.option("--kind", help="What a reading is: rate, increment, angle or count.")
-@click.option("--scale", type=float, help="Worth of one step of the readings, in --unit.")
-@click.option(
-    "--channels", callback=_names, metavar="A,B,...", help="Columns by name or number; all that fit if left out."
+def _reading(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command its file, and the options that say what is in it."""
+    for option in reversed(READING):
+        command = option(command)
+    return command
+
+
+READING = (
+    click.argument("file", type=click.Path()),
+    click.option("--rate", type=float, metavar="HZ", help="Sampling rate; wins over what the file says."),
+    click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
+    click.option("--kind", help="What a reading is: rate, increment, angle or count."),
+    click.option("--scale", type=float, help="Worth of one step of the readings, in --unit."),
+    click.option(
+        "--channels", callback=_names, metavar="A,B,...", help="Columns by name or number; all that fit if left out."
+    ),
+    click.option("--time", help="The column of time stamps."),
+    click.option(
+        "--from", "start", type=float, metavar="S", help="Start of the window, seconds after the first sample."
+    ),
+    click.option("--until", type=float, metavar="S", help="End of the window."),
+    click.option("--quiet-window", type=float, metavar="S", help="Take the stillest stretch of this length, seconds."),
 )
-@click.option("--time", help="The column of time stamps.")
-@click.option("--from", "start", type=float, metavar="S", help="Start of the window, seconds after the first sample.")
-@click.option("--until", type=float, metavar="S", help="End of the window.")
+
+
+@click.command()
+@_reading
+@click.option("--json", metavar="PATH", type=click.Path(), help="Write everything as JSON; - is standard output.")
+@click.option("--force", is_flag=True, help="Overwrite files that exist.")
+def info(file: str, *, json: str | None, force: bool, **choices: Any) -> None:
+    """Say what is in FILE, and whether it is fit for the job."""
+    paths = {} if json is None else {"json": json}
+    demand_outputs(paths, inputs=[file], force=force)
+    from allanite.report.progress import bar
+    from allanite.study import examine
+
+    with bar(shown=sys.stderr.isatty()) as progress:
+        study = examine(file, _recipe(None, choices), progress=progress)
+    if json != STDOUT:
+        _print_table(study)
+    if json is not None:
+        _put(json, OUTPUTS["json"](study, json), force=force)
+    if all(channel.refusal for channel in study.channels):
+        raise click.exceptions.Exit(DATA)
+
+
+@click.command()
+@_reading
 @click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [oadev]")
 @click.option("--taus", callback=_taus, metavar="GRID", help="octave, decade, log, all, or seconds as 1,10,100.  [log]")
 @click.option("--terms", metavar="QNBKR", help="Terms to look for.  [auto]")
@@ -190,6 +227,7 @@ def _print_table(study: "Study") -> None:
 
 
 VERBS: dict[str, click.Command] = {
+    "info": info,
     "analyze": analyze,
 }
 

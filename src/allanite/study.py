@@ -10,7 +10,7 @@ from .errors import DataError, UsageError
 from .finding import Quality
 from .fit import Fit
 from .noise import identify
-from .prepare import inspect, trim
+from .prepare import inspect, quiet_window, trim
 from .readers import read
 from .record import Record, Recording
 from .statistics import deviation
@@ -32,6 +32,7 @@ class Recipe:
     time: str | None = None
     start: float | None = None
     until: float | None = None
+    quiet_window: float | None = None
     statistic: str = "oadev"
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
@@ -40,7 +41,7 @@ class Recipe:
     level: float = 0.95
 
     def __post_init__(self) -> None:
-        for key in ("rate", "scale", "start", "until", "level"):
+        for key in ("rate", "scale", "start", "until", "quiet_window", "level"):
             value = getattr(self, key)
             if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
                 raise UsageError(f"{key} is a number, not {value!r}")
@@ -164,18 +165,55 @@ def analyze(
     recipe = recipe or Recipe()
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    recording = trim(_recording(source, recipe), recipe.start, recipe.until)
+    recording = _recording(source, recipe)
     channels = []
     for i, record in enumerate(recording):
         tell(f"analysing {record.name}", (i + 0.3) / (len(recording) + 0.3))
-        channels.append(_analyze_channel(record, recipe))
-    if all(channel.refusal for channel in channels):
-        raise DataError("; ".join(channel.refusal for channel in channels))
+        channels.append(_analyze_channel(_looked_at(record, recording), recipe))
+    tell("done", 1.0)
+    return _study(channels, recipe, recording)
+
+
+def examine(
+    source: Recording | Record | str | os.PathLike[str],
+    recipe: Recipe | None = None,
+    *,
+    progress: Callable[[str, float], None] | None = None,
+) -> Study:
+    """What is in a recording, and whether it is fit for the job: a study without numbers.
+
+    Parameters, errors and result are those of `analyze`; no channel has a curve or a fit.
+    """
+    recipe = recipe or Recipe()
+    tell = progress or (lambda what, fraction: None)
+    tell("reading", 0.0)
+    recording = _recording(source, recipe)
+    channels = []
+    for i, record in enumerate(recording):
+        tell(f"looking at {record.name}", (i + 0.3) / (len(recording) + 0.3))
+        channels.append(_looked_at(record, recording))
     tell("done", 1.0)
     return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
 
 
+def _study(channels: list[Channel], recipe: Recipe, recording: Recording) -> Study:
+    if all(channel.refusal for channel in channels):
+        raise DataError("; ".join(f"{channel.record.name or 'the record'}: {channel.refusal}" for channel in channels))
+    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+
+
+def _looked_at(record: Record, recording: Recording) -> Channel:
+    quality = Quality((*recording.findings, *inspect(record).findings))
+    return Channel(record, quality, refusal=quality.refusal)
+
+
 def _recording(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
+    """The part of the recording that the recipe wants."""
+    whole = trim(_whole(source, recipe), recipe.start, recipe.until)
+    return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+
+
+def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
     if isinstance(source, Recording):
         return source
     if isinstance(source, Record):
@@ -184,16 +222,16 @@ def _recording(source: Recording | Record | str | os.PathLike[str], recipe: Reci
     return read(source, **options)
 
 
-def _analyze_channel(record: Record, recipe: Recipe) -> Channel:
-    quality = inspect(record)
-    if quality.refusal:
-        return Channel(record, quality, refusal=quality.refusal)
+def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
+    if seen.refusal:
+        return seen
+    record = seen.record
     try:
         fit = identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band)
         curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=fit.model)
     except DataError as error:
-        return Channel(record, quality, refusal=str(error))
-    return Channel(record, quality, curve, replace(fit, curve=curve))
+        return replace(seen, refusal=str(error))
+    return replace(seen, curve=curve, fit=replace(fit, curve=curve))
 
 
 def _provenance(recording: Recording) -> dict[str, str]:

@@ -1,8 +1,11 @@
 """What a checkout promises."""
 
+import os
 import re
+import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,10 @@ import pytest
 import allanite
 
 ROOT = Path(__file__).resolve().parents[2]
+BIN = Path(sys.executable).parent
+MAKE = shutil.which("make")
+OF_MAKE = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "FILE", "ARGS")
+TEXT = (".py", ".md", ".toml", ".txt", ".cff", ".j2", "")
 
 
 def tracked():
@@ -19,24 +26,33 @@ def tracked():
     return [ROOT / name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
 
 
+def make(*words, folder=ROOT):
+    if MAKE is None:
+        pytest.skip("no make here")
+    surroundings = {k: v for k, v in os.environ.items() if k not in OF_MAKE}
+    return subprocess.run([MAKE, *words], cwd=folder, env=surroundings, capture_output=True, text=True, check=False)
+
+
 def test_constraints_name_no_host_and_cover_the_dependencies():
     text = (ROOT / "constraints.txt").read_text()
+    pins = [line for line in text.splitlines() if line and not line.startswith("#")]
     assert "://" not in text
-    pinned = {line.split("==")[0].lower() for line in text.splitlines() if "==" in line}
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.]+", pin) for pin in pins)
+    pinned = {pin.split("==")[0].lower() for pin in pins}
     wanted = re.findall(r'^  "([A-Za-z0-9_-]+)>=', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
     assert {name.lower() for name in wanted} <= pinned
+    assert "allanite" not in pinned
 
 
 def test_no_machine_paths_and_no_large_files():
     for path in tracked():
         assert path.stat().st_size < 2**20, path
-        if path.suffix in (".py", ".md", ".toml", ".txt", ".cff", ".j2", "") and path != Path(__file__).resolve():
+        if path.suffix in TEXT and path != Path(__file__).resolve():
             assert not re.search(r"/(root|home|work|tmp)/", path.read_text(encoding="utf-8")), path
 
 
 def test_the_version_is_one():
-    command = [str(Path(sys.executable).with_name("allanite")), "--version"]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    said = subprocess.run([str(BIN / "allanite"), "--version"], capture_output=True, text=True, check=True).stdout
     assert allanite.__version__ in said
     assert f"version: {allanite.__version__}" in (ROOT / "CITATION.cff").read_text()
 
@@ -50,4 +66,61 @@ def test_starting_imports_nothing_heavy():
 
 
 def test_continuous_integration_is_make_test():
-    assert "make test" in (ROOT / ".ci" / "run").read_text()
+    script = ROOT / ".ci" / "run"
+    assert "make test" in script.read_text().splitlines()
+    assert os.access(script, os.X_OK)
+
+
+def test_make_alone_says_what_there_is():
+    said = make().stdout
+    for target in ("make demo", "make test", "make lint", "make setup", "make clean"):
+        assert target in said
+
+
+def test_the_last_words_of_make_test_are_those_of_pytest():
+    recipe = make("-n", "test", "-o", ".venv/test").stdout.splitlines()
+    assert "-m pytest" in recipe[-1]
+    assert all(tool in "\n".join(recipe) for tool in ("ruff check", "ruff format --check", "mypy", "lint-imports"))
+
+
+def test_the_demo_takes_any_file_name(tmp_path):
+    """A set-up .venv is stood in for by this test's own."""
+    path = tmp_path / "my gyro's $1 file.csv"
+    lines = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines()[4:2000]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    name = str(path).replace("$", "$$")
+    out = tmp_path / "demo"
+    done = make("demo", "-o", ".venv/run", f"BIN={BIN}", f"OUT={out}", f"FILE={name}", "ARGS=--channels gz")
+    assert done.returncode == 0, done.stderr
+    assert "angle random walk" in done.stdout
+    assert done.stdout.splitlines()[-2:] == [f"report: {out}/report.html", f"plot: {out}/curve.png"]
+    assert (out / "report.html").stat().st_size > 10_000
+    assert (out / "curve.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("can", "words"),
+    [("nothing", "Python 3.11 or later"), ("version", "apt install python3-venv")],
+    ids=["an old python", "a python without venv"],
+)
+def test_make_says_what_to_install(tmp_path, can, words):
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    python = tmp_path / "python"
+    python.write_text('#!/bin/sh\ncase "$CAN$2" in version*version_info*) exit 0;; *) exit 1;; esac\n')
+    python.chmod(0o755)
+    done = make(".venv/made", "PYTHON=./python", f"CAN={can}", folder=tmp_path)
+    assert done.returncode != 0
+    assert words in done.stderr
+    assert not (tmp_path / ".venv").exists()
+
+
+def test_the_wheel_holds_what_the_package_needs(tmp_path):
+    pytest.importorskip("hatchling", reason="the build backend is not installed here")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    for needed in ("allanite/py.typed", "allanite/report/page.html.j2", "allanite/cli.py"):
+        assert needed in names
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert not [name for name in names if not name.startswith(("allanite/", "allanite-"))]

@@ -1,6 +1,7 @@
 """What the README says is run."""
 
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -10,32 +11,61 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+SAMPLE = "examples/tactical_gyro.csv"
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+PYTHON = blocks("python")
+COMMANDS = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("allanite ")]
 
 
 @pytest.fixture
 def desk(tmp_path):
-    """A folder with the sample, as somebody who follows the README has it."""
+    """A folder as somebody who follows the README has it: the sample, the recipe, and a plain column of numbers."""
     (tmp_path / "examples").mkdir()
-    shutil.copy(ROOT / "examples" / "tactical_gyro.csv", tmp_path / "examples")
+    shutil.copy(ROOT / SAMPLE, tmp_path / SAMPLE)
+    (recipe,) = blocks("toml")
+    (tmp_path / "choices.toml").write_text(recipe, encoding="utf-8")
+    rows = (ROOT / SAMPLE).read_text(encoding="utf-8").splitlines()[5:]
+    (tmp_path / "FILE").write_text("\n".join(row.split(",")[1] for row in rows), encoding="utf-8")
     return tmp_path
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=range(len(BLOCKS)))
+def run(command, desk):
+    return subprocess.run(command, cwd=desk, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("block", PYTHON, ids=range(len(PYTHON)))
 def test_python_blocks_run_and_print_what_they_say(desk, block):
-    done = subprocess.run([sys.executable, "-c", block], cwd=desk, capture_output=True, text=True, check=False)
+    done = run([sys.executable, "-c", block], desk)
     assert done.returncode == 0, done.stderr
-    for said in re.findall(r"print\(.*\)\s*# (.*)", block):
-        if not said.startswith("interval"):
-            assert said in done.stdout
+    for said in re.findall(r"^print\(.*\)  # (.*)$", block, re.MULTILINE):
+        assert said in done.stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_run_and_leave_what_they_name(desk, command):
+    program, *words = shlex.split(command)
+    done = run([str(Path(sys.executable).with_name(program)), *words], desk)
+    assert done.returncode == 0, done.stderr
+    for option in ("--report", "--plot", "--csv"):
+        if option in words:
+            assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+def test_there_are_examples_to_run():
+    assert len(PYTHON) >= 2
+    assert "allanite analyze FILE --rate 100 --unit deg/s" in COMMANDS
+    assert len(COMMANDS) >= 4
 
 
 def test_the_excerpt_is_what_the_demo_prints(desk):
-    command = [str(Path(sys.executable).with_name("allanite")), "analyze", "examples/tactical_gyro.csv"]
-    done = subprocess.run(command, cwd=desk, capture_output=True, text=True, check=True)
-    excerpt = re.search(r"```text\n(.*?)```", README, re.DOTALL)[1]
-    for line in excerpt.splitlines():
-        assert " ".join(line.split()) in " ".join(done.stdout.split())
+    done = run([str(Path(sys.executable).with_name("allanite")), "analyze", SAMPLE], desk)
+    (excerpt,) = blocks("text")
+    assert excerpt in done.stdout
 
 
 def test_both_commands_stand_on_the_first_screen():
@@ -44,15 +74,40 @@ def test_both_commands_stand_on_the_first_screen():
         assert words in first
 
 
+def test_links_lead_somewhere():
+    links = [link for link in re.findall(r"\]\(([^)#]+)", README) if "://" not in link]
+    assert links
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
 def test_the_sample_is_what_its_script_makes():
     sys.path.insert(0, str(ROOT / "examples"))
     try:
         from make_sample import sample
     finally:
         sys.path.pop(0)
-    kept = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines()
+    kept = (ROOT / SAMPLE).read_text(encoding="utf-8").splitlines()
     made = sample().splitlines()
     assert made[:5] == kept[:5]
     # the transform's last digit is the library's: a hundredth of a deg/h may round the other way
     for a, b in zip(made[5:], kept[5:], strict=True):
         assert [float(v) for v in a.split(",")] == pytest.approx([float(v) for v in b.split(",")], abs=0.0101)
+
+
+def test_the_sample_teaches_what_it_should():
+    """Every channel's terms are found, no other is, and every interval holds its truth."""
+    import allanite as al
+
+    sys.path.insert(0, str(ROOT / "examples"))
+    try:
+        from make_sample import TRUTH
+    finally:
+        sys.path.pop(0)
+    recording = al.read(ROOT / SAMPLE)
+    for name, truth in TRUTH.items():
+        fit = al.identify(recording[name])
+        assert fit.goodness.explained
+        assert all(e.status == ("identified" if e.symbol in {t.symbol for t in truth} else "absent") for e in fit)
+        for term in truth:
+            low, high = fit[term.symbol].interval(0.95)
+            assert low <= term.value <= high

@@ -163,7 +163,7 @@ def test_windows():
 def test_what_cannot_support_the_job_is_refused():
     y = record().values
     for values, words in [
-        (np.where(np.arange(5000) == 17, np.nan, y), "1 of 5000 readings of '' are not finite, the first at sample 17"),
+        (np.where(np.arange(5000) == 17, np.nan, y), "1 of 5000 readings are not finite, the first at sample 17"),
         (np.full(5000, 2.0), "never changes"),
         (y[:50], "too few"),
         (np.full(5000, 1e308), "too large"),

@@ -1,4 +1,9 @@
-"""Before the numbers: is the record fit for the job, and cutting it to what is."""
+"""Before the numbers: is the record fit for the job, and making it so, record to record."""
 
 from .quality import inspect as inspect
+from .transform import block_means as block_means
+from .transform import decimate as decimate
+from .transform import detrend as detrend
+from .transform import mark_outliers as mark_outliers
+from .trim import quiet_window as quiet_window
 from .trim import trim as trim

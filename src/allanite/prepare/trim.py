@@ -1,9 +1,15 @@
 """Cutting a record to the part that is fit for the job."""
 
+import math
 from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from allanite.errors import DataError, UsageError
 from allanite.record import Record, Recording
+
+FloatArray = NDArray[np.float64]
 
 
 def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:
@@ -16,7 +22,6 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
 
     Examples
     --------
-    >>> import numpy as np
     >>> record = Record(np.arange(10.0), rate=2.0, unit="deg/s", name="z")
     >>> trim(Recording((record,)), 1.0, 3.0)["z"].values.tolist()
     [2.0, 3.0, 4.0, 5.0]
@@ -38,3 +43,37 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
     return record.with_values(record.values[first : last + extra], f"cut from {start:g} s to {end:g} s", start=origin)
+
+
+def quiet_window(recording: Recording, length: float) -> Recording:
+    """The stillest stretch of `length` seconds: where the loudest channel's fast noise and motion are least.
+
+    Each channel's power about its mean, in blocks of a second, is compared with that of its own quietest stretch; the
+    window chosen is the one whose worst channel is best.
+
+    Raises
+    ------
+    UsageError
+        The recording is shorter than `length`.
+    """
+    record = recording[0]
+    span = max(1, round(record.rate))
+    blocks = record.size // span
+    wanted = math.ceil(length * record.rate / span)
+    if not 1 <= wanted <= blocks:
+        raise UsageError(f"a quiet window of {length:g} s does not fit into a recording of {record.duration:.6g} s")
+    worst = np.zeros(blocks - wanted + 1)
+    for channel in recording:
+        steps = channel.values if channel.kind != "angle" else np.diff(channel.values)
+        pieces = np.asarray(steps[: blocks * span], dtype=np.float64).reshape(blocks, span)
+        power = np.nan_to_num(pieces.var(axis=1), nan=np.inf) + _wander(pieces.mean(axis=1))
+        sums = np.convolve(power, np.ones(wanted), "valid")
+        worst = np.maximum(worst, sums / sums.min() if 0 < sums.min() < np.inf else sums)
+    first = int(worst.argmin()) * span / record.rate
+    return trim(recording, first, min(first + length, record.duration))
+
+
+def _wander(means: FloatArray) -> FloatArray:
+    """Squared step to the neighbouring block's mean."""
+    steps = np.abs(np.diff(np.nan_to_num(means), prepend=np.nan_to_num(means[:1])))
+    return np.asarray(steps**2)

@@ -1,8 +1,7 @@
 """NumPy's own files: .npy with one array, .npz with several."""
 
-import re
-import warnings
-from collections.abc import Iterator
+import math
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +11,15 @@ from numpy.typing import NDArray
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from .column import Column, headed
+from .arrays import RATE_NAMES, column, split, turned, turned_note
+from .column import Column
+from .guard import demand_size, worded
 from .options import Options
-from .table import Table, numbers
+from .table import Table
 
 TITLE = "NumPy .npy and .npz"
 
 NPY, ZIP, PICKLE = b"\x93NUMPY", b"PK\x03\x04", b"\x80"
-_UNIT = re.compile(r"(\s*[\[(][^\[\]()]*[\])])?$")
-_RATE_NAMES = ("rate", "fs", "sample_rate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency")
 
 
 def sniff(head: bytes, suffix: str) -> bool:
@@ -44,11 +43,12 @@ def read(path: str, options: Options) -> Recording:
     arrays, notes = _loaded(path), list[str]()
     columns = list[Column]()
     rate = next(
-        (float(a) for name, a in arrays if name.lower() in _RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
+        (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
     )
     for name, array in arrays:
-        for header, values in _columns(name, array, notes):
-            columns.append(_column(header, values, len(columns) + 1))
+        notes += _notes(name, array)
+        for header, values in split(name, array):
+            columns.append(column(header, values, len(columns) + 1))
     if not columns:
         raise DataError("the file holds no array of readings")
     return Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes)).recording(options)
@@ -64,14 +64,8 @@ def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
         raise DataError(
             f"the file does not begin like a NumPy file (it begins with {head[:8]!r}); check that it is complete"
         )
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # numpy warns of headers that Python 2 wrote, and of odd ones
-            return _members(path) if head.startswith(ZIP) else [("", _copied(path))]
-    except DataError:
-        raise
-    except Exception as error:  # numpy, zipfile and zlib raise a dozen types for a damaged file
-        raise DataError(f"the file is damaged or was cut off: {type(error).__name__}: {str(error)[:200]}") from None
+    with worded():
+        return _members(path) if head.startswith(ZIP) else [("", _copied(path))]
 
 
 def _copied(path: str) -> NDArray[Any]:
@@ -81,6 +75,7 @@ def _copied(path: str) -> NDArray[Any]:
 
 
 def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
+    _demand_sizes(path)
     # numpy leaves a file open whose archive is damaged, if it opened the file itself
     with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
         return [(name, _member(archive, name)) for name in archive.files]
@@ -105,31 +100,29 @@ def _objects(what: str) -> str:
     )
 
 
-def _columns(name: str, array: NDArray[Any], notes: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Headers and one-dimensional arrays."""
-    if array.dtype.names:
-        for field in array.dtype.names:
-            yield from _columns(field, array[field], notes)
-    elif array.ndim == 1:
-        yield name, array
-    elif array.ndim == 2:
-        if array.shape[0] < array.shape[1]:
-            where = f" in {name!r}" if name else ""
-            notes.append(f"the {array.shape[0]} rows of {array.shape[1]} values{where} are taken as channels")
-            array = array.T
-        for i in range(array.shape[1]):
-            yield _UNIT.sub(rf" {i + 1}\1", name, count=1) if name else "", array[:, i]
-    elif array.ndim > 2:
-        raise DataError(f"array {name!r} has the shape {array.shape}; a column for each channel is expected")
-    elif name.lower() not in _RATE_NAMES:
-        notes.append(f"the single value {name!r} was not used")
+def _demand_sizes(path: str) -> None:
+    """Numpy takes the memory that the header of a member claims before it reads the member."""
+    with zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+        demand_size(sum(member.file_size for member in members), path, "the archive")
+        for member in members:
+            with archive.open(member) as stream:
+                claimed = _claimed(stream) if member.filename.endswith(".npy") else 0
+            if claimed > member.file_size:
+                raise DataError(
+                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
+                    f"{member.file_size}: the file is damaged"
+                )
 
 
-def _column(header: str, values: NDArray[Any], position: int) -> Column:
-    if values.dtype.kind in "Mm":
-        return headed(
-            values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), position, header or "time", unit="ns"
-        )
-    if values.dtype.kind in "USb?":
-        return headed(np.empty(0), position, header, text=str(values[0]) if len(values) else "text")
-    return headed(numbers(values, header or f"column {position}"), position, header)
+def _claimed(stream: Any) -> int:
+    form = np.lib.format
+    one = form.read_magic(stream) == (1, 0)
+    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
+    return 0 if dtype.hasobject else math.prod(shape) * dtype.itemsize  # objects are refused by their own words
+
+
+def _notes(name: str, array: NDArray[Any]) -> list[str]:
+    if array.ndim == 0 and not array.dtype.names and name.lower() not in RATE_NAMES:
+        return [f"the single value {name!r} was not used"]
+    return [turned_note(name, array)] if turned(array) else []

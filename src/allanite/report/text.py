@@ -93,8 +93,10 @@ def _channel(channel: Channel, level: float, *, width: int, wide: bool) -> Itera
         yield from _prose(step, width, first="  ", indent=2, style="dim")
     for alert in words.alerts(channel):
         yield from _prose(alert, width, first="  ! ", indent=4, style="bold red")
-    if channel.fit is None:
+    if channel.refusal:
         yield from _prose(f"no result: {channel.refusal}", width, first="  ! ", indent=4, style="bold red")
+    if channel.fit is None:
+        yield from _prose(words.fitness(channel), width, first="  ", indent=2)
         return
     for note in channel.fit.notes:
         yield from _prose(note, width, first="  ", indent=2)

@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
+
 from allanite.fit import Estimate
 from allanite.model import coefficient_factor
 from allanite.record import Record
 from allanite.study import Channel
 from allanite.terms import TERMS
-from allanite.units import SIGNALS, Signal
+from allanite.units import SIGNALS, Signal, convert
 
 from .digits import Digits, digits
 
@@ -108,6 +110,17 @@ def about(record: Record) -> str:
     scale = "" if record.scale is None else f"{record.scale:g} "
     length = duration(record.duration)
     return f"{sensor}, {record.kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
+
+
+def fitness(channel: Channel) -> str:
+    """Mean and spread of a channel, and that it may be analysed if it may."""
+    record = channel.record
+    unit = record.signal.sheet[0]
+    values = record.rate_values / convert(1.0, unit, record.signal.unit)
+    facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"
+    return (
+        facts if channel.refusal else f"{facts}; fit for the job" + (", with care" if channel.quality.warnings else "")
+    )
 
 
 def alerts(channel: Channel) -> list[str]:

@@ -1,0 +1,166 @@
+"""Checks of the whole record: motion, a noise level that changes, lines, and curves that no five terms can make."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.finding import Finding
+from allanite.statistics import deviation
+
+from .view import View, stretches
+
+FloatArray = NDArray[np.float64]
+
+MOVING = 20.0
+"""Rms about the record's median, over that of its quietest tenth, from which a block is called moving."""
+
+TOO_BUSY = 0.02
+"""Share of moving blocks above which the record cannot support the job."""
+
+PARTS = 8
+"""Parts of a record whose noise levels are compared."""
+
+UNEQUAL = 1.3
+"""Ratio of power from which parts are called different, beyond what chance does."""
+
+
+def moving(view: View) -> Finding | None:
+    """Blocks of a second whose rms about the record's median is more than 20 times that of the quietest tenth."""
+    rms = _block_rms(view)
+    busy = rms > MOVING * max(float(np.quantile(rms, 0.1)), view.fast)
+    if busy.sum() < max(2, 0.002 * busy.size):
+        return None
+    first = int(busy.argmax()) * view.span
+    return Finding(
+        "moving",
+        f"moves from {view.seconds(first):.4g} s (rms over {MOVING:g} times that of the quietest tenth in "
+        f"{100 * busy.mean():.2g} % of the blocks)",
+        "noise can only be told from a sensor at rest",
+        f"the longest still stretch: {_stillest(view, busy)}",
+        (view.seconds(first), view.seconds((busy.size - int(busy[::-1].argmax())) * view.span)),
+        fatal=bool(busy.mean() > TOO_BUSY),
+    )
+
+
+def _stillest(view: View, busy: NDArray[np.bool_]) -> str:
+    """Options that cut out the longest stretch without a busy block; the quietest tenth is never busy."""
+    still = stretches(~busy) * view.span
+    start, end = (view.seconds(v) for v in still[np.diff(still, axis=1)[:, 0].argmax()])
+    return (f"--from {math.ceil(start):g} " if start > 0 else "") + f"--until {math.floor(end):g}"
+
+
+def _block_rms(view: View) -> FloatArray:
+    """Rms of each block about the record's median."""
+    centre = float(np.median(view.blocks.mean(axis=1)))
+    return np.asarray(np.sqrt(np.square(view.blocks - centre, dtype=np.float64).mean(axis=1)))
+
+
+def level(view: View) -> Finding | None:
+    """Fast noise that is not the same in all of eight parts of the record."""
+    size = view.bends.size // PARTS
+    power = np.array([np.square(view.bends[i * size : (i + 1) * size]).mean() for i in range(PARTS)])
+    # second differences of white noise: 35/18 readings make one degree of freedom; outliers and vibration make it less
+    error = math.sqrt(2 * 35 / 18 / size)
+    ratio = power / np.median(power)
+    loud = ratio > UNEQUAL * (1 + 6 * error)
+    quiet = ratio < 1 / (UNEQUAL * (1 + 6 * error))
+    if not (loud.any() or quiet.any()):
+        return None
+    odd = stretches(loud if loud.any() else quiet)[0] * size
+    lowest, highest = math.sqrt(ratio.min()), math.sqrt(ratio.max())
+    return Finding(
+        "level",
+        f"the noise level changes: {highest / lowest:.3g} times between parts, it differs from "
+        f"{view.seconds(odd[0]):.4g} s to {view.seconds(odd[1]):.4g} s",
+        "one set of coefficients describes neither part",
+        "analyse the parts apart (--from, --until)",
+        (view.seconds(odd[0]), view.seconds(odd[1])),
+    )
+
+
+def lines(view: View) -> Finding | None:
+    """Peaks of the averaged periodogram above the median of the octave around them."""
+    frequency, power, segments = _periodogram(view)
+    if frequency.size < 64:
+        return None
+    from scipy.special import gammaincinv
+
+    around = _octave_medians(power)
+    threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
+    peaks = stretches(power > threshold * around)
+    peaks = peaks[peaks[:, 0] >= 6]
+    if not peaks.size:
+        return None
+    excess = np.array([float((power[a:b] - around[a:b]).sum()) for a, b in peaks])
+    tops = [float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks]
+    share = float(excess.sum() / power.sum())
+    named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
+    return Finding(
+        "lines",
+        f"lines at {named} Hz hold {100 * share:.2g} % of the power",
+        "vibration or sway makes humps on the curve that no noise term describes",
+        "isolate the sensor, or use a part of the spectrum without them (--band)",
+    )
+
+
+def _strongest(tops: list[float], excess: FloatArray, most: int = 5) -> list[float]:
+    """Frequencies of the most powerful peaks, ascending; of those within a twentieth of each other only one."""
+    chosen: list[float] = []
+    for i in np.argsort(excess)[::-1]:
+        if all(abs(tops[i] / f - 1) > 0.05 for f in chosen):
+            chosen.append(tops[i])
+    return sorted(chosen[:most])
+
+
+def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
+    """Frequencies (Hz), mean periodogram of Hann-windowed segments, and their number."""
+    from scipy.fft import rfft
+
+    y = view.steps
+    length = 1 << int(np.clip(math.log2(max(y.size // 8, 2)), 1, 14))
+    segments = min(y.size // length, 64)
+    starts = np.linspace(0, y.size - length, segments).astype(int)
+    window = np.hanning(length)
+    total = np.zeros(length // 2 + 1)
+    for start in starts:
+        piece = y[start : start + length] - float(y[start : start + length].mean())
+        total += np.abs(rfft(piece * window)) ** 2
+    return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / segments, segments
+
+
+def _octave_medians(power: FloatArray) -> FloatArray:
+    """Median of the octave around each bin: at half-octave centres, joined by straight lines in the logarithms."""
+    centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
+    levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
+    floor = np.maximum(np.array(levels), 1e-300)
+    return np.asarray(np.exp(np.interp(np.log(np.arange(1, power.size + 1)), np.log(centres), np.log(floor))))
+
+
+def slope(view: View) -> Finding | None:
+    """A curve that falls more steeply after it fell less steeply: sums of power laws never do.
+
+    Slopes over two octaves, where the record has a hundred windows and more.
+    """
+    record = view.record
+    factors = 2 ** np.arange(max(1, int(math.log2(max(record.size / 100, 1)))))
+    if factors.size < 5:
+        return None
+    curve = deviation(record, "oadev", m=factors.tolist())
+    sigma = np.log2(np.maximum(curve.deviation, 1e-300))
+    slopes = (sigma[2:] - sigma[:-2]) / 2
+    error = np.sqrt(1.5 * factors[2:] / record.size)
+    before = np.maximum.accumulate(slopes)
+    drop = before - slopes
+    significant = drop > 0.35 + 8 * error
+    if not significant.any():
+        return None
+    worst = int(np.where(significant, drop, 0).argmax())
+    tau = curve.tau[worst + 1]
+    return Finding(
+        "slope",
+        f"slope near {slopes[worst]:.1f} at {tau:.3g} s, {before[worst]:+.1f} before: no five-term model does that",
+        "N is not meaningful here",
+        "look for motion or vibration; choose a quieter window (--quiet-window)",
+        (0.0, record.duration),
+    )

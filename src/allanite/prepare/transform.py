@@ -1,0 +1,113 @@
+"""From a record to a record, each with what was done in its history."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import UsageError
+from allanite.record import KINDS, Record
+from allanite.statistics import statistic_named
+
+from .view import View
+
+
+def mark_outliers(record: Record, *, threshold: float = 8.0) -> Record:
+    """Readings off the line between their neighbours by more than `threshold` standard deviations become NaN.
+
+    Nothing is put in their place: the record then has gaps, and its history says how many and where the first is. A
+    reading counts as an outlier if the bend at it is the largest of the three bends it takes part in.
+
+    Examples
+    --------
+    >>> y = np.random.default_rng(1).standard_normal(1000)
+    >>> y[500] = 50.0
+    >>> marked = mark_outliers(Record(y, rate=1.0, unit="deg/s"))
+    >>> np.flatnonzero(np.isnan(marked.values)).tolist(), marked.history
+    ([500], ('1 outlier(s) above 8 standard deviations marked as lost, the first at sample 500',))
+    """
+    if record.kind == "angle":
+        raise UsageError("outliers are marked in rates and increments; an angle's would have to be its steps")
+    view = View(record)
+    bends = np.abs(view.bends)
+    beside = np.concatenate(([0.0], bends, [0.0]))
+    peak = (bends >= beside[:-2]) & (bends >= beside[2:])
+    at = 1 + np.flatnonzero(peak & (bends > threshold * np.sqrt(6.0) * view.fast))
+    if not at.size:
+        return record
+    values = np.array(record.values, dtype=np.float64)
+    values[at] = np.nan
+    what = f"{at.size} outlier(s) above {threshold:g} standard deviations marked as lost, the first at sample {at[0]}"
+    return _floating(record, values, what)
+
+
+def detrend(record: Record, statistic: str) -> Record:
+    """The record less its least squares ramp, for a statistic that is blind to one.
+
+    Raises
+    ------
+    UsageError
+        The statistic sees a ramp (all of the Allan family do): its R^2 tau^2 / 2 is part of what is measured.
+    """
+    if statistic_named(statistic).order < 3:
+        raise UsageError(
+            f"{statistic} sees a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be removed only for statistics "
+            "of third differences"
+        )
+    y = np.asarray(record.values, dtype=np.float64)
+    t = np.arange(y.size) - (y.size - 1) / 2
+    slope = float(t @ y / (t @ t))
+    what = f"ramp of {slope * record.rate:.6g} {record.unit} per second removed"
+    return _floating(record, y - slope * t, what)
+
+
+def block_means(record: Record, m: int) -> Record:
+    """Means (for increments and counts: sums) of `m` neighbouring readings, at the rate divided by `m`.
+
+    Exact for the Allan family: the curve at averaging factors k m is kept. Readings beyond the last whole block are
+    left out, and the history says so.
+    """
+    if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
+        raise UsageError(f"blocks have between 1 and {record.size // 2} readings, not {m!r}")
+    if record.kind == "angle":
+        kept = record.values[:: int(m)]
+    else:
+        count = record.size // m
+        blocks = record.values[: count * m].reshape(count, m)
+        kept = blocks.mean(axis=1) if record.kind == "rate" else blocks.sum(axis=1)
+    left = record.size - (len(kept) - KINDS[record.kind][1]) * m
+    what = f"blocks of {m} readings" + (f", the last {left} readings left out" if left else "")
+    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, what))
+
+
+def decimate(record: Record, factor: int) -> Record:
+    """Every `factor`-th reading of a rate after a linear-phase low-pass filter at 0.4 of the new rate.
+
+    Unlike block means it lets no vibration fold into the band; the filter's edges are cut off. The first averaging
+    times of the result show the filter, not the sensor.
+    """
+    if record.kind != "rate":
+        raise UsageError(f"decimation is for rates; of {record.kind}s take block_means, which keeps every angle")
+    if not isinstance(factor, (int, np.integer)) or factor < 2 or record.size < 64 * factor:
+        raise UsageError(f"a factor between 2 and {record.size // 64} is wanted, not {factor!r}")
+    from scipy.signal import firwin, oaconvolve
+
+    taps = firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
+    offset = record.constant
+    filtered = oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
+    start = (record.start or 0.0) + (taps.size // 2) / record.rate
+    what = f"low-pass filtered at {0.4 * record.rate / factor:.6g} Hz and every {factor}th reading kept"
+    return replace(
+        record,
+        values=np.ascontiguousarray(filtered[:: int(factor)]),
+        rate=record.rate / factor,
+        start=start,
+        history=(*record.history, what),
+    )
+
+
+def _floating(record: Record, values: NDArray[Any], what: str) -> Record:
+    """A record of these values; counts, which are integers, become increments of the same size."""
+    kind = "increment" if record.kind == "count" else record.kind
+    return replace(record, values=values, kind=kind, history=(*record.history, what))

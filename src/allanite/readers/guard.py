@@ -1,0 +1,67 @@
+"""What a file may not do: claim sizes that it cannot have, break the library that reads it, or need one unnamed."""
+
+import importlib
+import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from allanite.errors import AllaniteError, DataError, UsageError
+
+RATIO = 100
+"""Bytes of readings that one byte of a file may stand for: coarse readings pack 30-fold, a bomb 1000-fold."""
+
+ROOM = 32 << 20
+"""Bytes that any file may unpack to, whatever its size."""
+
+
+def most(path: str) -> int:
+    """Bytes that the contents of a file may take."""
+    return RATIO * os.path.getsize(path) + ROOM
+
+
+def demand_size(size: int, path: str, what: str) -> None:
+    """Refuse what claims to be larger than its file can hold, before memory is taken.
+
+    Raises
+    ------
+    DataError
+        `size` bytes are more than `most` of the file.
+    """
+    if size > most(path):
+        raise DataError(
+            f"{what} claims {size / 1e6:.6g} MB, over {RATIO} times the {os.path.getsize(path) / 1e6:.3g} MB of the file: "
+            "the file is damaged or a decompression bomb; if it is neither, write it again without compression"
+        )
+
+
+@contextmanager
+def worded(what: str = "the file") -> Iterator[None]:
+    """Whatever a library raises over a damaged file becomes a `DataError`; the dozens of types are its own affair."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is odd about the file and harmless
+            yield
+    except (AllaniteError, MemoryError):
+        raise
+    except Exception as error:
+        said = " ".join(str(error).split())[:200]
+        raise DataError(f"{what} is damaged or was cut off: {type(error).__name__}: {said}") from None
+
+
+def library(name: str, extra: str) -> Any:
+    """A library that only one format needs.
+
+    Raises
+    ------
+    UsageError
+        It is not installed; the message says how to install it.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        package = name.partition(".")[0]
+        raise UsageError(
+            f"this format is read by {package}, which is not installed: pip install 'allanite[{extra}]'"
+        ) from None
