@@ -155,11 +155,11 @@ def slope(view: View) -> Finding | None:
     significant = drop > 0.35 + 8 * error
     if not significant.any():
         return None
-    worst = int(np.where(significant, drop, 0).argmax())
-    tau = curve.tau[worst + 1]
+    last = int(np.flatnonzero(significant)[-1])
+    tau = curve.tau[last + 1]
     return Finding(
         "slope",
-        f"slope near {slopes[worst]:.1f} at {tau:.3g} s, {before[worst]:+.1f} before: no five-term model does that",
+        f"slope near {slopes[last]:.1f} at {tau:.3g} s, {before[last]:+.1f} before: no five-term model does that",
         "N is not meaningful here",
         "look for motion or vibration; choose a quieter window (--quiet-window)",
         (0.0, record.duration),

@@ -93,9 +93,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
         array = dataset.load()
         notes += [turned_note(dataset.path, array)] if turned(array) else []
         pieces = split(dataset.path, array, dataset.names)
-        columns += [
-            _column(piece, places[dataset.path] + i, dataset, stem) for i, piece in enumerate(pieces)
-        ]
+        columns += [_column(piece, places[dataset.path] + i, dataset, stem) for i, piece in enumerate(pieces)]
     rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
     return Table(tuple(columns), rate, source, tuple(notes)).recording(_spelled_out(options, family))
 

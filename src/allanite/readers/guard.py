@@ -31,8 +31,8 @@ def demand_size(size: int, path: str, what: str) -> None:
     """
     if size > most(path):
         raise DataError(
-            f"{what} claims {size / 1e6:.6g} MB, over {RATIO} times the {os.path.getsize(path) / 1e6:.3g} MB of the file: "
-            "the file is damaged or a decompression bomb; if it is neither, write it again without compression"
+            f"{what} claims {size / 1e6:.6g} MB, over {RATIO} times the {os.path.getsize(path) / 1e6:.3g} MB of the "
+            "file: it is damaged or a decompression bomb; if it is neither, write it again without compression"
         )
 
 

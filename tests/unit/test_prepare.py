@@ -1,0 +1,137 @@
+"""Record to record: what each step does, and that its history says so."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
+from allanite.prepare.view import View, stretches
+
+MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
+
+
+def record(n=20_000, seed=1, **options):
+    return al.simulate(MODEL, n, 100.0, rng=np.random.default_rng(seed), **options)
+
+
+@pytest.mark.parametrize("m", [1, 2, 7, 50])
+@pytest.mark.parametrize("kind", ["rate", "count", "angle"])
+def test_block_means_keep_the_curve(m, kind):
+    counts = np.random.default_rng(1).integers(-50, 50, 10_003)
+    forms = {
+        "rate": al.Record(counts * 1.0, 100.0, "deg/h"),
+        "count": al.Record(counts, 100.0, "arcsec", kind="count", scale=0.1),
+        "angle": al.Record(np.concatenate(([0], np.cumsum(counts))) * 0.1, 100.0, "arcsec", kind="angle"),
+    }
+    whole = forms[kind]
+    blocks = block_means(whole, m)
+    used = 10_003 // m * m
+    extra = 1 if kind == "angle" else 0
+    same = whole.with_values(whole.values[: used + extra], "cut")
+    assert blocks.rate == pytest.approx(100.0 / m)
+    assert blocks.size == 10_003 // m
+    found = al.deviation(blocks, "adev", m=[1, 2, 5]).variance
+    np.testing.assert_allclose(found, al.deviation(same, "adev", m=[m, 2 * m, 5 * m]).variance, rtol=1e-9)
+    assert f"blocks of {m} readings" in blocks.history[-1]
+    assert ("left out" in blocks.history[-1]) == (10_003 % m > 0)
+
+
+def test_block_means_refuse_what_is_no_block():
+    for m in (0, 10_001, 2.0):
+        with pytest.raises(al.UsageError, match="between 1 and"):
+            block_means(record(), m)
+
+
+def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
+    t = np.arange(100_000) / 1000.0
+    for frequency, kept in ((1.0, 1.0), (30.0, 1.0), (72.0, 0.0), (130.0, 0.0), (391.0, 0.0)):
+        line = al.Record(np.sin(2 * np.pi * frequency * t) + 1e4, 1000.0, "deg/s")
+        small = decimate(line, 10)
+        assert small.rate == 100.0
+        assert np.std(small.values) * 2**0.5 == pytest.approx(kept, abs=2e-3)
+        assert small.values.mean() == pytest.approx(1e4, abs=1e-2)
+        assert "low-pass filtered at 40 Hz" in small.history[-1]
+        assert small.start > 0
+    with pytest.raises(al.UsageError, match="between 2 and"):
+        decimate(line, 1)
+    with pytest.raises(al.UsageError, match="block_means"):
+        decimate(al.Record(np.arange(1000.0), 1.0, "deg", kind="angle"), 2)
+
+
+@pytest.mark.parametrize("statistic", list(al.STATISTICS))
+def test_a_ramp_is_not_removed_for_a_statistic_that_sees_it(statistic):
+    if al.STATISTICS[statistic].order < 3:
+        with pytest.raises(al.UsageError, match="sees a ramp"):
+            detrend(record(), statistic)
+
+
+def test_outliers_are_marked_not_replaced():
+    plain = record()
+    sigma = np.std(np.diff(plain.values, 2)) / 6**0.5
+    at = [50, 7000, 7001, 15_000]
+    y = plain.values.copy()
+    y[at] += 40 * sigma * np.array([1, 1, -1, -1])
+    marked = mark_outliers(al.Record(y, 100.0, "rad/s", name="z"))
+    found = np.flatnonzero(np.isnan(marked.values)).tolist()
+    assert {50, 15_000} <= set(found) <= set(at)
+    assert "first at sample 50" in marked.history[-1]
+    assert inspect(marked).names == ("gaps",)
+    np.testing.assert_array_equal(np.delete(marked.values, found), np.delete(y, found))
+    assert mark_outliers(plain) is plain
+
+
+def test_marking_counts_keeps_their_size():
+    counts = np.random.default_rng(1).integers(-5, 6, 5000)
+    counts[100] = 900
+    raw = al.Record(counts, 100.0, "arcsec", kind="count", scale=0.1)
+    marked = mark_outliers(raw)
+    assert marked.kind == "increment"
+    good = np.isfinite(marked.values)
+    np.testing.assert_allclose(marked.rate_values[good], raw.rate_values[good])
+
+
+def test_the_quiet_window_is_the_quiet_one():
+    rng = np.random.default_rng(1)
+    y = rng.standard_normal((2, 60_000))
+    y[0, :30_000] *= 3
+    y[1, 45_000:] += 20 * np.sin(np.arange(15_000) / 40)
+    both = al.Recording((al.Record(y[0], 100.0, "deg/h", name="x"), al.Record(y[1], 100.0, "deg/h", name="y")))
+    window = quiet_window(both, 120.0)
+    start = window["x"].start
+    assert start >= 300
+    assert start + 120 <= 450
+    assert window["x"].duration == window["y"].duration == 120.0
+    assert "cut from" in window["x"].history[-1]
+    for length in (601.0, 0.0):
+        with pytest.raises(al.UsageError, match="does not fit"):
+            quiet_window(both, length)
+
+
+def test_runs_of_true():
+    mask = np.array([True, True, False, True, False, False, True])
+    assert stretches(mask).tolist() == [[0, 2], [3, 4], [6, 7]]
+    assert stretches(np.zeros(3, dtype=bool)).shape == (0, 2)
+
+
+def test_fast_noise_is_the_white_part():
+    y = np.random.default_rng(1).standard_normal(50_000)
+    for bias, scale in ((0.0, 1.0), (1e6, 1.0), (5.0, 1e-3)):
+        view = View(al.Record(scale * y + bias + 0.01 * scale * np.arange(50_000), 100.0, "deg/s"))
+        assert view.fast == pytest.approx(scale, rel=0.02)
+
+
+def test_a_gap_names_the_longest_whole_stretch():
+    y = record(10_000).values.copy()
+    y[[100, 8000, 8001]] = np.nan
+    quality = inspect(al.Record(y, 100.0, "rad/s"))
+    assert quality.names == ("gaps",)
+    assert "--from 1.01 --until 80" in quality.refusal
+    assert "2 gap(s)" in quality.refusal
+
+
+def test_findings_are_plain_data():
+    import json
+
+    data = json.loads(json.dumps(inspect(record(3000)).to_dict()))
+    assert data["findings"][0]["name"] == "short"
+    assert set(data["findings"][0]) == {"name", "what", "consequence", "remedy", "place", "fatal"}
