@@ -37,7 +37,10 @@ class NoiseTerm:
     structure : t -> D(t)
         For t >= 0.
     derivative : (order, t) -> d^order D/dt^order
-        For t > 0 and orders 2 to 8: the far field of D, where differences of D itself would cancel.
+        For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
+    summed : l -> E(l)
+        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for even powers of l below the sixth,
+        which the statistics remove; for l >= 0, and between the integers from l = 3 on.
     increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate's mean over tau0 (aliases included where
     closed).
@@ -58,6 +61,7 @@ class NoiseTerm:
     level: float
     structure: Callable[[FloatArray], FloatArray]
     derivative: Callable[[int, FloatArray], FloatArray]
+    summed: Callable[[FloatArray], FloatArray]
     increments: Callable[[FloatArray], FloatArray]
     spectrum: Callable[[FloatArray, float], FloatArray]
     dct: Callable[[FloatArray, int], FloatArray]
@@ -93,6 +97,8 @@ def _flicker_structure(t: FloatArray) -> FloatArray:
 
 
 def _flicker_derivative(order: int, t: FloatArray) -> FloatArray:
+    if order == 1:
+        return -(2 * np.log(t) + 1) * t / math.pi
     if order == 2:
         return -(2 * np.log(t) + 3) / math.pi
     sign = 1 if order % 2 else -1
@@ -107,6 +113,33 @@ def _flicker_increments(h: FloatArray) -> FloatArray:
     # fourth difference of h^2 ln h in powers of 1/h: the direct form loses (h^4) digits
     series = -far * (2 + far * (2 + far * (3 + far * 17 / 3))) / (2 * math.pi)
     return np.where(h < 30, direct, series)
+
+
+def _flicker_series(t: FloatArray) -> FloatArray:
+    """Euler-Maclaurin series of the second sum of t^2 ln t."""
+    log = np.log(t)
+    powers = 1 / (3024 * t**2) - 1 / (14400 * t**4) + 4.5094e-5 / t**6
+    return t**4 * (log / 12 - 7 / 144) - t * t * log / 12 + log / 120 + powers + ZETA3 / (4 * math.pi**2) * t
+
+
+def _flicker_near() -> FloatArray:
+    """The second sum at 0 .. 13: the recursion down from where the series is exact."""
+    e = np.zeros(14)
+    e[12:] = _flicker_series(np.array([12.0, 13.0]))
+    for k in range(12, 0, -1):
+        e[k - 1] = k * k * math.log(k) + 2 * e[k] - e[k + 1]
+    return e
+
+
+ZETA3 = 1.2020569031595942
+_FLICKER_NEAR = _flicker_near()
+
+
+def _flicker_summed(t: FloatArray) -> FloatArray:
+    t = np.asarray(t, dtype=np.float64)
+    near = (t < 12) & (t == np.floor(t))
+    table = _FLICKER_NEAR[np.where(near, t, 0).astype(np.int64)]
+    return -np.where(near, table, _flicker_series(np.where(near, 12.0, t))) / math.pi
 
 
 FLICKER_EDGE = np.array([0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747])
@@ -157,6 +190,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=3.0,
         structure=lambda t: np.where(np.asarray(t) > 0, 2.0, 0.0),
         derivative=_monomial(2.0, 0),
+        summed=lambda t: -np.asarray(t, dtype=np.float64),
         increments=_at_small_lags(6.0, -4.0, 1.0),
         spectrum=lambda f, tau0: 4 / tau0 * np.sin(math.pi * f * tau0) ** 2,
         dct=lambda k, n: 4 * _sine_squared(k, n),
@@ -174,6 +208,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=1.0,
         structure=lambda t: np.asarray(t, dtype=np.float64),
         derivative=_monomial(1.0, 1),
+        summed=lambda t: (np.asarray(t) ** 3 - t) / 6,
         increments=_at_small_lags(2.0, -1.0),
         spectrum=lambda f, tau0: np.ones_like(f),
         dct=lambda k, _: np.ones_like(k),
@@ -190,6 +225,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=2 * LN2 / math.pi,
         structure=_flicker_structure,
         derivative=_flicker_derivative,
+        summed=_flicker_summed,
         increments=_flicker_increments,
         spectrum=lambda f, tau0: 1 / _two_pi(f),
         dct=_flicker_dct,
@@ -206,6 +242,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=1 / 3,
         structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 3) / 6,
         derivative=_monomial(-1 / 6, 3),
+        summed=lambda t: -(np.asarray(t) ** 5 / 20 - np.asarray(t) ** 3 / 12 + np.asarray(t) / 30) / 6,
         increments=_at_small_lags(2 / 3, 1 / 6),
         spectrum=lambda f, tau0: _two_pi(f) ** -2,
         dct=_random_walk_dct,
@@ -222,6 +259,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=0.5,
         structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 4) / 12,
         derivative=_monomial(-1 / 12, 4),
+        summed=lambda t: -(np.asarray(t, dtype=np.float64) ** 6) / 360,
         increments=_at_small_lags(0.0),
         spectrum=lambda f, tau0: np.zeros_like(f),
         dct=lambda k, _: np.zeros_like(k),
