@@ -28,7 +28,7 @@ FAR = 20
 NOTHING = 1e-11
 """What is left of an expectation, relative to its summands, where the window removes the term altogether."""
 
-TINY = 1e-200
+TINY = 1e-60
 
 Structure = Callable[[FloatArray], FloatArray]
 
