@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -232,3 +234,21 @@ def test_any_record_has_at_least_one_degree_of_freedom(name, data):
     assert np.all(E[:4] > 0)
     np.testing.assert_allclose(r, r.T)
     assert np.all(degrees(shares_of(E), r) >= 0.995)
+
+
+TABLE = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "window_moments.md"
+
+
+def test_the_committed_table_holds_what_is_claimed():
+    text = TABLE.read_text(encoding="utf-8")
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", text)
+    assert "command: `python benchmarks/window_moments.py" in text
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line[:2] == "| "]
+    errors = [row for row in rows if len(row) == 8 and row[0] != "statistic"]
+    times = [row for row in rows if len(row) == 6 and row[0] != "statistic"]
+    names = set(ROWS) - {"ttotdev"}
+    assert {(r[0], r[1]) for r in errors} == {(k, n) for k in names for n in ("128", "256", "513", "3600000")}
+    assert {(r[0], r[1]) for r in times} == {(k, n) for k in names for n in ("3600000", "1000000000")}
+    assert max(float(cell) for row in errors for cell in row[3:7]) <= 1.0
+    assert max(float(row[7]) for row in errors if row[7] != "-") <= 1e-5
+    assert max(float(row[3]) for row in times) <= 10

@@ -102,6 +102,7 @@ def expectation(mean: FloatArray, structure: Structure) -> float:
     return 0.0 if abs(total) <= NOTHING * float(np.abs(mean) @ np.abs(D)) else total
 
 
+@lru_cache(maxsize=16)
 def lattice(points: int, step: float, count: int) -> tuple[FloatArray, FloatArray]:
     """Lags and weights of ``L^-2 sum_|l|<L (L - |l|) f(step l)`` for even f.
 

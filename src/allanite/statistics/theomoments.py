@@ -3,6 +3,8 @@
 A window of m = 2M intervals holds the differences ``x_-M + x_M - x_-d - x_d``, d = M - v, of weight 1/v, v = 1..M.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from allanite.terms import NoiseTerm
@@ -11,14 +13,17 @@ from .lags import lag_nodes
 from .row import FloatArray
 
 
-def _powers_of_two(end: int) -> list[float]:
-    """1, 2, 4, ... and `end`: between such kinks the nodes follow 1/v to ten digits."""
-    return sorted({float(2**k) for k in range(end.bit_length())} | {float(end)})
+@lru_cache(maxsize=256)
+def _nodes(end: int, bends: frozenset[int] = frozenset()) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of a sum over v = 1 .. end: with kinks at 1, 2, 4, ... they follow 1/v to ten digits."""
+    powers = {1 << k for k in range(end.bit_length())}
+    kinks = powers | {end} | {k for k in bends if 1 <= k <= end}
+    return lag_nodes([float(k) for k in sorted(kinks)], float(end))
 
 
 def theo_response(term: NoiseTerm, m: int) -> float:
     """E of a window of m intervals: sum over v of [2D(v) + 2D(m - v) - D(m) - D(m - 2v)]/v."""
-    v, weight = lag_nodes(_powers_of_two(m // 2), float(m // 2))
+    v, weight = _nodes(m // 2)
     D = term.structure
     return float(weight / v @ (2 * D(v) + 2 * D(m - v) - D(np.full_like(v, m)) - D(m - 2 * v)))
 
@@ -51,8 +56,7 @@ def white_ratio(m: int, count: int) -> float:
     def n(lag: FloatArray) -> FloatArray:
         return np.maximum(L - lag, 0.0)
 
-    bends = {float(k) for k in (count, 2 * M - count, M - count, M // 2) if 1 <= k <= M}
-    v, weight = lag_nodes(sorted(bends | set(_powers_of_two(M))), float(M))
+    v, weight = _nodes(M, frozenset((count, 2 * M - count, M - count, M // 2)))
     whole = float(H(np.array(float(M))))
     below, above = np.maximum(v - L, 0.0), np.minimum(v + L, M)
     # sum over u of n(|u - v|)/u and of n(2M - u - v)/u, as sums of 1/u and of 1
