@@ -133,7 +133,7 @@ def test_any_structure_function_will_do(name, T):
         np.testing.assert_allclose(ours, r, rtol=0.006)
 
 
-# C_ij at lambda = windows/m for NN NB NK BB BK KK, of windows of any length; confidence.md gives five digits
+# r_ij of NN NB NK BB BK KK in the limit of long windows, by the number of windows over m (totdev: n/m)
 SPOTS = {
     ("theo1", 1): (0.11786, 0.17429, 0.17388, 0.29302, 0.33881, 0.47011),
     ("theo1", 4): (0.03956, 0.05514, 0.04469, 0.09216, 0.09341, 0.13886),
@@ -180,6 +180,16 @@ def test_an_hour_at_1_khz_of_the_total_deviation(m):
     ours = folded.relative(TERMS, m, HOUR)
     p = shares_of(np.ones(5))
     np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
+
+
+@pytest.mark.parametrize("n", [20, 31, 60, 89])
+def test_white_angle_noise_in_the_total_deviation_is_a_whole_number(n):
+    for m in range(1, n):
+        if abs(2 * m - n) <= 2 or abs(3 * m - 2 * n) <= 6:
+            continue
+        E, r = moments(quadratic_form(al.STATISTICS["totdev"], m, n), TERMS[:1])
+        assert folded.white_mean(m, n) == pytest.approx(E[0] * 2 * m**2 * (n - 1), rel=1e-12)
+        assert folded.white_ratio(m, n) == pytest.approx(r[0, 0], rel=1e-12)
 
 
 def test_theo1_closed_forms():
