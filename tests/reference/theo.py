@@ -7,7 +7,7 @@ from .terms import indices, mean, require
 def theo1(x, m, tau0):
     """Theo1 at tau = 0.75 m tau0, m even, 2 <= m <= N.
 
-    1/(0.75 (m tau0)^2 (N + 1 - m)) sum_i sum_{d=0}^{m/2-1} 1/(m/2 - d) [(x_i - x_{i-d+m/2}) + (x_{i+m} - x_{i+d+m/2})]^2.
+    With h = m/2: 1/(0.75 (m tau0)^2) mean_i sum_{d=0}^{h-1} 1/(h-d) [(x_i - x_{i-d+h}) + (x_{i+m} - x_{i+d+h})]^2.
     D. A. Howe, T. K. Peppler, FCS 2003; NIST SP 1065 eq. 30, which prints it without the 0.75.
     """
     require(m % 2 == 0, "m is even")

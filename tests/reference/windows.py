@@ -31,7 +31,7 @@ def _parabolic(m):
     weights = np.zeros(2 * m - 1)
     for k in range(m):
         weights[k : k + m] -= (m - 1) / 2 - k
-    return [(36, weights / m**3)]
+    return [(144, weights / m**3)]
 
 
 def _theo1(m):
@@ -57,7 +57,7 @@ WINDOWS = {
     "theo1": (_theo1, 0.75, lambda m: 1, lambda m: m),
     "haar": (_allan, 4, lambda m: 1, lambda m: 2 * m),
 }
-"""The width says how many windows there are; a parabolic window of 2m intervals has 2m - 1 weights (see `parabolic`)."""
+"""The width says how many windows there are; a parabolic one of 2m intervals has 2m - 1 weights (see `parabolic`)."""
 
 
 def windowed(y, m, name):
