@@ -22,7 +22,7 @@ LARGEST = {
     "htotdev": lambda n: n // 3,
     "theo1": lambda n: n // 2 * 2,
     "theobr": lambda n: n // 2 * 2 if n >= 89 else 0,
-    "theoh": lambda n: n // 2 * 2 if n >= 89 else 0,
+    "theoh": lambda n: n // 2 * 2 if n >= 89 else n // 5,
     "pdev": lambda n: n // 2,
     "mtie": lambda n: n,
     "tierms": lambda n: n,

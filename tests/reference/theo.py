@@ -40,7 +40,6 @@ def theoh(x, m, tau0, divisor=30):
     """
     join = (len(x) - 1) // 5
     if m <= join:
-        require(len(x) >= 3 * divisor, f"{3 * divisor} points")
         return oadev(x, m, tau0)
     require(3 * m > 4 * join, "a tau beyond the join")
     return theobr(x, m, tau0, divisor)
