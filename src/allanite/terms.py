@@ -39,8 +39,8 @@ class NoiseTerm:
     derivative : (order, t) -> d^order D/dt^order
         For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
     summed : l -> E(l)
-        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for even powers of l below the sixth,
-        which the statistics remove; for l >= 0, and between the integers from l = 3 on.
+        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for a square of l, which the statistics
+        remove; for l >= 0, and between the integers from l = 3 on.
     increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate's mean over tau0 (aliases included where
     closed).
@@ -259,7 +259,7 @@ TERMS: dict[str, NoiseTerm] = {
         level=0.5,
         structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 4) / 12,
         derivative=_monomial(-1 / 12, 4),
-        summed=lambda t: -(np.asarray(t, dtype=np.float64) ** 6) / 360,
+        summed=lambda t: -(np.asarray(t) ** 6 / 30 - np.asarray(t) ** 4 / 12 + np.asarray(t) ** 2 / 20) / 12,
         increments=_at_small_lags(0.0),
         spectrum=lambda f, tau0: np.zeros_like(f),
         dct=lambda k, _: np.zeros_like(k),

@@ -41,9 +41,9 @@ def field_of(row: Statistic, term: NoiseTerm) -> Field:
 
     def second_sum(order: int, t: FloatArray) -> FloatArray:
         # the inverse of a second difference, 1 / (2 cosh x - 2), in powers of the derivative x
-        return -(D(order - 2, t) - D(order, t) / 12 + D(order + 2, t) / 240 - D(order + 4, t) / 6048)
+        return np.asarray(D(order, t) / 12 - D(order - 2, t) - D(order + 2, t) / 240 + D(order + 4, t) / 6048)
 
-    return Field(lambda t: -term.summed(t), second_sum)
+    return Field(lambda t: np.asarray(-term.summed(t)), second_sum)
 
 
 def responses(row: Statistic, terms: Sequence[NoiseTerm], m: int) -> FloatArray:
@@ -53,7 +53,9 @@ def responses(row: Statistic, terms: Sequence[NoiseTerm], m: int) -> FloatArray:
     return np.asarray(C / (row.norm(np.array([m])) * float(m) ** 2))
 
 
-def products(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], runs: Sequence[tuple[int, int]]) -> FloatArray:
+def products(
+    row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], runs: Sequence[tuple[int, int]]
+) -> FloatArray:
     """T, shape (t, t), over runs of (samples, how many such runs), for m[0] <= m[1]; unit sample interval and norm 1.
 
     Windows of different runs are independent but for a trace of flicker. The square of the mean that deterministic
@@ -68,7 +70,7 @@ def products(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], run
             total += times * _one_run(row, terms, m, (int(M[0]), int(M[1])))
     deterministic = np.array([term.waveform is not None for term in terms])
     total[np.outer(deterministic, deterministic)] = 0.0
-    return total / whole.prod()
+    return np.asarray(total / whole.prod())
 
 
 def _one_run(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], M: tuple[int, int]) -> FloatArray:

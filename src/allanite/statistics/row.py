@@ -80,6 +80,8 @@ class Statistic:
 
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""
+        if self.parts:
+            return self.parts[-1].largest(n)
         per, fixed = self.span
         most = (n - fixed) // per if per else n - 1
         return max(0, most - most % self.step)
