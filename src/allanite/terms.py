@@ -39,8 +39,8 @@ class NoiseTerm:
     derivative : (order, t) -> d^order D/dt^order
         For t > 0 and orders 2 to 8: the far field of D, where differences of D itself would cancel.
     increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
-    spectrum : (f, tau0) -> two-sided spectral density of the sampled rate's mean over tau0 (aliases included where
-    closed).
+    spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
+        For 0 < f <= 1 / (2 tau0).
     dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
     edge : float
         Variance that the first and the last rate have beyond that.
@@ -112,21 +112,25 @@ def _flicker_increments(h: FloatArray) -> FloatArray:
 FLICKER_EDGE = np.array([0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747])
 
 
-def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
+def _flicker_spectrum(f: FloatArray, tau0: float) -> FloatArray:
     from scipy.special import zeta
 
-    u = k / (2.0 * n)
-    aliased = 4 * _sine_squared(k, n) * (zeta(3, u) + zeta(3, 1 - u)) / (2 * math.pi) ** 3
+    x = np.asarray(f, dtype=np.float64) * tau0
+    aliases = zeta(3, x) + zeta(3, 1 - x)
+    return np.asarray(4 * tau0 * np.sin(math.pi * x) ** 2 * aliases / (2 * math.pi) ** 3)
+
+
+def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
     # DCT-II does not quite diagonalise flicker: a factor of k alone, whatever n (computed exactly for k <= 8)
     edge = np.where(
         k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
     )
-    return np.asarray(aliased * edge)
+    return np.asarray(_flicker_spectrum(k / (2.0 * n), 1.0) * edge)
 
 
-def _random_walk_dct(k: FloatArray, n: int) -> FloatArray:
-    s = _sine_squared(k, n)
-    return np.asarray((1 - 2 * s / 3) / (4 * s))
+def _random_walk_spectrum(f: FloatArray, tau0: float) -> FloatArray:
+    s = np.sin(math.pi * tau0 * np.asarray(f, dtype=np.float64)) ** 2
+    return np.asarray(tau0**2 * (1 - 2 * s / 3) / (4 * s))
 
 
 def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
@@ -138,10 +142,6 @@ def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
 
 def _ramp(n: int) -> FloatArray:
     return np.arange(n, dtype=np.float64) - (n - 1) / 2
-
-
-def _two_pi(f: FloatArray) -> FloatArray:
-    return 2 * math.pi * np.asarray(f, dtype=np.float64)
 
 
 TERMS: dict[str, NoiseTerm] = {
@@ -191,7 +191,7 @@ TERMS: dict[str, NoiseTerm] = {
         structure=_flicker_structure,
         derivative=_flicker_derivative,
         increments=_flicker_increments,
-        spectrum=lambda f, tau0: 1 / _two_pi(f),
+        spectrum=_flicker_spectrum,
         dct=_flicker_dct,
     ),
     "K": NoiseTerm(
@@ -207,8 +207,8 @@ TERMS: dict[str, NoiseTerm] = {
         structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 3) / 6,
         derivative=_monomial(-1 / 6, 3),
         increments=_at_small_lags(2 / 3, 1 / 6),
-        spectrum=lambda f, tau0: _two_pi(f) ** -2,
-        dct=_random_walk_dct,
+        spectrum=_random_walk_spectrum,
+        dct=lambda k, n: _random_walk_spectrum(k / (2.0 * n), 1.0),
     ),
     "R": NoiseTerm(
         symbol="R",
