@@ -7,25 +7,19 @@ _FAST = {"reassoc", "nsz", "contract"}
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
-def second(x, m, start, stop):  # type: ignore[no-untyped-def]
-    """Sum over i in start ... stop - 1 of (x[i+2m] - 2 x[i+m] + x[i])^2."""
+def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
+    """Sum over i in start ... stop - 1 of the squared second or third difference x[i], x[i+m], x[i+2m] (, x[i+3m])."""
     a, b, c = x[start:stop], x[start + m : stop + m], x[start + 2 * m : stop + 2 * m]
     total = 0.0
-    for i in range(a.size):
-        difference = (c[i] - b[i]) - (b[i] - a[i])
-        total += difference * difference
-    return total
-
-
-@njit(cache=True, nogil=True, fastmath=_FAST)
-def third(x, m, start, stop):  # type: ignore[no-untyped-def]
-    """Sum over i in start ... stop - 1 of (x[i+3m] - 3 x[i+2m] + 3 x[i+m] - x[i])^2."""
-    a, b = x[start:stop], x[start + m : stop + m]
-    c, d = x[start + 2 * m : stop + 2 * m], x[start + 3 * m : stop + 3 * m]
-    total = 0.0
-    for i in range(a.size):
-        difference = (d[i] - a[i]) - 3 * (c[i] - b[i])
-        total += difference * difference
+    if order == 2:
+        for i in range(a.size):
+            difference = (c[i] - b[i]) - (b[i] - a[i])
+            total += difference * difference
+    else:
+        d = x[start + 3 * m : stop + 3 * m]
+        for i in range(a.size):
+            difference = (d[i] - a[i]) - 3 * (c[i] - b[i])
+            total += difference * difference
     return total
 
 
@@ -51,20 +45,22 @@ def sliding(blocks, f):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def windowed(x, m, windows, step, count, squares):  # type: ignore[no-untyped-def]
+def windowed(x, m, count, order, step):  # type: ignore[no-untyped-def]
     """Sum of the squared differences that start at w step ... w step + count[j] - 1, shape (windows, m.size).
 
     Every difference is taken once: its square goes into the sum of a block of `step` of them, of which the first
     ``count mod step`` are added up apart, as the end of a window.
     """
+    windows = (x.size - order * m[0] - count[0]) // step + 1
     result = np.empty((windows, m.size))
     for j in range(m.size):
         f, rest = count[j] // step, count[j] % step
-        heads, blocks = np.empty(windows + f), np.empty(windows + f)
+        heads, blocks = np.empty(windows + f), np.zeros(windows + f)
         for b in range(windows + f):
-            heads[b] = squares(x, m[j], b * step, b * step + rest)
-            # the last block only ends windows: what follows its head may lie beyond the record
-            blocks[b] = heads[b] + squares(x, m[j], b * step + rest, (b + 1) * step) if b + 1 < windows + f else 0.0
+            heads[b] = squares(x, m[j], order, b * step, b * step + rest)
+            # the last block only ends a window: what follows its head may lie beyond the record
+            if b + 1 < windows + f:
+                blocks[b] = heads[b] + squares(x, m[j], order, b * step + rest, (b + 1) * step)
         result[:, j] = heads[f:]
         if f:
             result[:, j] += sliding(blocks[: windows + f - 1], f)

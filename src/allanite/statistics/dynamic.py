@@ -1,7 +1,7 @@
 """A statistic in windows that slide along a record: the dynamic Allan variance and its relatives."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -18,20 +18,8 @@ FEWEST = 8
 """Samples below which a window is no window."""
 
 
-def _second() -> Callable[..., float]:
-    from allanite.kernels.dynamic import second
-
-    return second  # type: ignore[no-any-return]
-
-
-def _third() -> Callable[..., float]:
-    from allanite.kernels.dynamic import third
-
-    return third  # type: ignore[no-any-return]
-
-
-SLIDING: dict[str, Callable[[], Callable[..., float]]] = {"oadev": _second, "ohdev": _third}
-"""Statistics whose windows share their squared differences: each is taken once, and windows are sums of blocks."""
+SLIDING = ("oadev", "ohdev")
+"""Overlapped differences, which neighbouring windows share: each is taken once, and windows are sums of blocks."""
 
 
 def dynamic(
@@ -80,21 +68,21 @@ def dynamic(
     >>> y = np.random.default_rng(1).standard_normal(10_000)
     >>> y[5000:] *= 3
     >>> surface = dynamic(Record(y, rate=10.0, unit="deg/h", name="z"), window=100.0, step=50.0).to("deg/h")
-    >>> surface.deviation.shape, (surface.deviation[-1, 0] / surface.deviation[0, 0]).round(1)
-    ((19, 9), np.float64(3.0))
+    >>> surface.deviation.shape, float((surface.deviation[-1, 0] / surface.deviation[0, 0]).round(1))
+    ((19, 9), 3.0)
     """
     row = statistic_named(statistic)
     samples, stride = _samples(record, window, step)
-    first = _template(record, samples, row.name, taus, m, noise)
+    first = _template(_part(record, 0, samples), partial(deviation, statistic=row.name, taus=taus, m=m, noise=noise))
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.name in SLIDING and np.isfinite(record.values.sum(dtype=np.float64)):
-        variance = _all_at_once(record, row.name, first, starts.size, stride)
+        variance = _all_at_once(record, first, stride)
         count = np.broadcast_to(first.count, variance.shape)
     else:
         variance, count = _one_by_one(record, first, starts, samples)
     return Surface(
         statistic=row.name,
-        time=(starts + samples / 2) / record.rate,
+        time=np.asarray((starts + samples / 2) / record.rate),
         m=first.m,
         tau=first.tau,
         variance=variance,
@@ -129,19 +117,17 @@ def _part(record: Record, start: int, samples: int) -> Record:
     return record.with_values(record.values[start:stop], f"window of {samples} samples at sample {start}")
 
 
-def _template(record: Record, samples: int, name: str, taus: Any, m: Any, noise: Model | None) -> Curve:
+def _template(part: Record, measure: Callable[[Record], Curve]) -> Curve:
     """The curve of a window without lost samples: the grid, the counts and the law of all windows."""
-    ones = _part(record, 0, samples)
-    whole = ones.with_values(np.arange(ones.values.size) % 2, "")
-    return deviation(whole, name, taus=taus, m=m, noise=noise)
+    return measure(part.with_values(np.arange(part.values.size) % 2, "no sample is lost"))
 
 
-def _all_at_once(record: Record, name: str, first: Curve, windows: int, stride: int) -> FloatArray:
+def _all_at_once(record: Record, first: Curve, stride: int) -> FloatArray:
     from allanite.kernels.dynamic import windowed
 
-    row = statistic_named(name)
+    row = statistic_named(first.statistic)
     x, scale = integrated(record)
-    sums = windowed(x, first.m, windows, stride, first.count, SLIDING[name]())
+    sums = windowed(x, first.m, first.count, row.order, stride)
     return np.asarray(sums * (scale**2 / row.norm) / (first.count * first.tau**2))
 
 
