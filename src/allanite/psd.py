@@ -82,15 +82,16 @@ class Spectrum:
         low, high = (self.density * half / gammaincinv(half, p) for p in ((1 + level) / 2, (1 - level) / 2))
         return low, high
 
-    def expected(self, model: Model | Term) -> FloatArray:
-        """The density that a model leads one to expect at `frequency`, in the unit and sides of this spectrum.
+    def expected(self, model: Model | Term, frequency: FloatArray | None = None) -> FloatArray:
+        """The density that a model leads one to expect, in the unit and sides of this spectrum.
 
-        It is that of the sampled rate, aliases included. The estimator smears a steep spectrum over its resolution,
-        which this does not.
+        At `frequency`, Hz, or at those of the spectrum. It is that of the sampled rate, aliases included. The estimator
+        smears a steep spectrum over its resolution, which this does not.
         """
         model = model if isinstance(model, Model) else Model((model,))
         factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]
-        return model.spectrum(self.frequency, 1 / self.rate) * factor
+        f = self.frequency if frequency is None else frequency
+        return model.spectrum(f, 1 / self.rate) * factor
 
     def to(self, unit: str) -> "Spectrum":
         """The same spectrum in another unit of the signal."""

@@ -96,8 +96,8 @@ class Surface:
         ]  # fmt: skip
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data; a value that is not there is None."""
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data; a value that is not there is None. `low` and `high` are limits over the deviation."""
         deviation = [[v if v == v else None for v in row] for row in self.deviation.tolist()]  # noqa: PLR0124 - NaN
         data: dict[str, Any] = {
             "allanite": 1,
@@ -112,6 +112,10 @@ class Surface:
         }
         if self.noise is not None:
             data["noise"] = self.noise.to_dict()
+        if self.law is not None:
+            edf, low, high = self.law(level)
+            data |= {"level": level, "edf": edf.tolist()}
+            data |= {"low": np.sqrt(low).tolist(), "high": np.sqrt(high).tolist()}
         return data
 
     @classmethod

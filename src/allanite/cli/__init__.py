@@ -5,11 +5,15 @@ import click
 from allanite import __version__
 
 from .analyze import analyze, info
+from .curves import deviation, dynamic, spectrum
 from .front import Front
 
 VERBS: dict[str, click.Command] = {
     "info": info,
     "analyze": analyze,
+    "deviation": deviation,
+    "spectrum": spectrum,
+    "dynamic": dynamic,
 }
 
 

@@ -12,6 +12,7 @@ from allanite.report.outputs import STDOUT
 
 if TYPE_CHECKING:
     from allanite.study import Recipe, Study
+    from allanite.survey import Survey
 
 WIDTH = 120
 """Columns of text that no terminal bounds."""
@@ -33,13 +34,13 @@ def recipe_of(path: str | None, choices: dict[str, Any]) -> "Recipe":
     return Recipe.from_dict(base | {key: value for key, value in choices.items() if value is not None})
 
 
-def print_table(study: "Study") -> None:
+def print_table(value: "Study | Survey") -> None:
     """Print a result as wide as the terminal is."""
     from allanite.report import table
 
     terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    text = table(study, width=width, color=terminal and "NO_COLOR" not in os.environ)
+    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ)
     # a terminal that does not know a letter gets its number, not an error
     encoding = sys.stdout.encoding or "utf-8"
     click.echo(text.encode(encoding, "backslashreplace").decode(encoding), nl=False)

@@ -56,3 +56,33 @@ READING = (
     click.option("--until", type=float, metavar="S", help="End of the window."),
     click.option("--quiet-window", type=float, metavar="S", help="Take the stillest stretch of this length, seconds."),
 )
+
+
+def results(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that say where its result goes."""
+    for option in reversed(RESULTS):
+        command = option(command)
+    return command
+
+
+RESULTS = (
+    click.option("--to", "unit_shown", metavar="UNIT", help="Unit of the result.  [deg/h, ug]"),
+    click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
+    click.option("--plot", metavar="PATH", type=click.Path(), help="Write the figure: .png, .svg or .pdf."),
+    click.option("--json", metavar="PATH", type=click.Path(), help="Write everything as JSON; - is standard output."),
+    click.option("--csv", metavar="PATH", type=click.Path(), help="Write all values as CSV; - is standard output."),
+    click.option("--force", is_flag=True, help="Overwrite files that exist."),
+    click.option(
+        "--quiet", is_flag=True, help="Print nothing but errors, and what goes to standard output by --json or --csv."
+    ),
+)
+
+
+def factors(_: click.Context, __: click.Parameter, text: str | None) -> tuple[int, ...] | None:
+    """Averaging factors between commas."""
+    if text is None:
+        return None
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"integers are wanted, as 1,10,100, not {text!r}") from None

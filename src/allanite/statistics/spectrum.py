@@ -1,6 +1,8 @@
 """Power spectral density of a record: the methods by name, and their averages over bands."""
 
 import math
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -59,7 +61,7 @@ def spectrum(
     3
     """
     factor = side_factor(sides)
-    chosen = _method(method)
+    chosen = method_named(method) if isinstance(method, str) else method
     raw = chosen.estimate(record)
     starts = _starts(raw.first, raw.density.size, bins)
     size = np.diff(np.append(starts, raw.density.size))
@@ -79,12 +81,22 @@ def spectrum(
     )
 
 
-def _method(method: str | Method) -> Method:
-    if not isinstance(method, str):
-        return method
-    if method not in METHODS:
-        raise UsageError(f"unknown method {method!r}; known are {', '.join(METHODS)}")
-    return METHODS[method]
+def method_named(name: str, **settings: Any) -> Method:
+    """The method of `METHODS` with other settings; one that it does not have is an error that lists those it has.
+
+    Examples
+    --------
+    >>> method_named("welch", segment=20.0)
+    Welch(segment=20.0, window='hann')
+    """
+    if name not in METHODS:
+        raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
+    method: Any = METHODS[name]
+    known = [field.name for field in fields(method)]
+    for key in settings:
+        if key not in known:
+            raise UsageError(f"{key!r} is no setting of {name!r}; it has {', '.join(known)}")
+    return replace(method, **settings)  # type: ignore[no-any-return]
 
 
 def _starts(first: int, size: int, bins: int | None) -> IntArray:
