@@ -45,6 +45,10 @@ class NoiseTerm:
     edge : float
         Variance that the first and the last rate have beyond that.
     waveform : n -> the rate itself, for a deterministic term of coefficient 1; None for noise.
+    density : str
+        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
+    origin, advice : str
+        For the documentation: where it comes from, and how it is read off and used.
     """
 
     symbol: str
@@ -63,6 +67,9 @@ class NoiseTerm:
     dct: Callable[[FloatArray, int], FloatArray]
     edge: float = 0.0
     waveform: Callable[[int], FloatArray] | None = None
+    density: str = ""
+    origin: str = ""
+    advice: str = ""
 
 
 def _monomial(coefficient: float, power: int) -> Callable[[int, FloatArray], FloatArray]:
@@ -161,6 +168,15 @@ TERMS: dict[str, NoiseTerm] = {
         spectrum=lambda f, tau0: 4 / tau0 * np.sin(math.pi * f * tau0) ** 2,
         dct=lambda k, n: 4 * _sine_squared(k, n),
         edge=1.0,
+        density=r"S(f) = \frac{4 Q^2}{\tau_0} \sin^2(\pi f \tau_0) \approx (2 \pi f)^2 \tau_0 Q^2",
+        origin="Rounding of an angle output: the pulses of a ring laser gyroscope or of a rebalance loop, and the "
+        "jitter of the instant at which they are read. What one sample loses the next one gains, so that the "
+        "angle never errs by more than a step. Rounding of a rate output is something else: its errors add "
+        "up, and make angle random walk.",
+        advice="It rules the shortest averaging times with slope -1. The line has the value of Q at tau = sqrt(3). "
+        "Overlapped Allan and Hadamard deviation cannot tell it from other noise of the angle; in the "
+        "modified Allan deviation it falls faster, with slope -3/2. It does not grow with time: for "
+        "navigation beyond seconds it can mostly be ignored.",
     ),
     "N": NoiseTerm(
         symbol="N",
@@ -177,6 +193,14 @@ TERMS: dict[str, NoiseTerm] = {
         increments=_at_small_lags(2.0, -1.0),
         spectrum=lambda f, tau0: np.ones_like(f),
         dct=lambda k, _: np.ones_like(k),
+        density=r"S(f) = N^2",
+        origin="Everything that is faster than the sampling: shot noise of the light and spontaneous emission in "
+        "optical gyroscopes, thermal motion of the proof mass and noise of the amplifier in micromechanical "
+        "ones, dither of a ring laser, rounding of a rate output.",
+        advice="Slope -1/2; N is the value of the line at tau = 1, in the unit of time of the coefficient: one hour "
+        "for deg/sqrt(h). It is the square root of the two-sided density; a one-sided density "
+        "(scipy.signal.welch, many data sheets) gives sqrt(2) N. A sample of duration tau0 has the standard "
+        "deviation N / sqrt(tau0); after a time t the angle has wandered by N sqrt(t).",
     ),
     "B": NoiseTerm(
         symbol="B",
@@ -193,6 +217,13 @@ TERMS: dict[str, NoiseTerm] = {
         increments=_flicker_increments,
         spectrum=_flicker_spectrum,
         dct=_flicker_dct,
+        density=r"S(f) = \frac{B^2}{2 \pi f}",
+        origin="Flicker of electronics, of the discharge in a ring laser, of whatever has many relaxation times: a "
+        "spectrum that rises as 1/f towards low frequencies, so that every decade of time brings as much "
+        "wandering of the bias as the one before.",
+        advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random "
+        "walk make a minimum by themselves, at sqrt(2 N K / sqrt(3)), without any flicker. Kalman filters "
+        "have no state for it; it is stood in for by one or several Gauss-Markov processes.",
     ),
     "K": NoiseTerm(
         symbol="K",
@@ -209,6 +240,12 @@ TERMS: dict[str, NoiseTerm] = {
         increments=_at_small_lags(2 / 3, 1 / 6),
         spectrum=_random_walk_spectrum,
         dct=lambda k, n: _random_walk_spectrum(k / (2.0 * n), 1.0),
+        density=r"S(f) = \frac{K^2}{(2 \pi f)^2}",
+        origin="Slow change that adds up: temperature that wanders, ageing, the beginning of an exponentially "
+        "correlated process whose correlation time is longer than the record.",
+        advice="Slope +1/2; K is the value of the line at tau = 3. It lives at the long end, where the curve has few "
+        "degrees of freedom: one record of a length of 10 tau says little about it at tau. It is the driving "
+        "noise of the bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
     ),
     "R": NoiseTerm(
         symbol="R",
@@ -226,5 +263,12 @@ TERMS: dict[str, NoiseTerm] = {
         spectrum=lambda f, tau0: np.zeros_like(f),
         dct=lambda k, _: np.zeros_like(k),
         waveform=_ramp,
+        origin="A steady change during the record: warming up, ageing, a light source that fades, a platform that "
+        "turns ever faster. It is no noise, and the next record may have another one.",
+        advice="Slope +1; the size of R is the value of the line at tau = sqrt(2). A curve has no sign, so that here "
+        "R is estimated from the record. The Hadamard deviation does not see it: where the Allan deviation is "
+        "more than sqrt(2) times the Hadamard deviation, there is a ramp, or a noise steeper than a random "
+        "walk. Remove it by a model of its cause (temperature), not by a fitted line, before you speak of the "
+        "noise at long times.",
     ),
 }
