@@ -28,6 +28,8 @@ class Curve:
         Its name in `STATISTICS`.
     m, tau, variance, count : arrays, shape (k,)
         Averaging factor, averaging time (s), variance (unit squared), number of terms in the sum.
+    factor : array, shape (k,)
+        What the plain variance was multiplied with: the bias ratio kf of theobr and theoh, or one over a bias.
     unit : str
         Unit of the deviation.
     name, rate, history
@@ -43,6 +45,7 @@ class Curve:
     tau: FloatArray
     variance: FloatArray
     count: IntArray
+    factor: FloatArray
     unit: str
     rate: float
     name: str = ""
@@ -88,6 +91,9 @@ class Curve:
         """Headings and rows for any table; limits only where the noise is known."""
         headings = ["m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
         columns = [self.m, self.tau, self.deviation, self.count]
+        if np.any(self.factor != 1):
+            headings.append("bias factor")
+            columns.append(self.factor)
         if self.law is not None:
             headings += ["edf", f"low {level:.4g}", f"high {level:.4g}"]
             columns += [self.edf, *self.interval(level)]
@@ -107,6 +113,7 @@ class Curve:
             "tau": self.tau.tolist(),
             "deviation": self.deviation.tolist(),
             "count": self.count.tolist(),
+            "factor": self.factor.tolist(),
         }
         if self.noise is not None:
             data["noise"] = self.noise.to_dict()
@@ -125,6 +132,7 @@ class Curve:
             tau=np.array(data["tau"], dtype=np.float64),
             variance=variance,
             count=np.array(data["count"], dtype=np.int64),
+            factor=np.array(data["factor"], dtype=np.float64),
             unit=data["unit"],
             rate=data["rate"],
             name=data["name"],

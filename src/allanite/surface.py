@@ -1,5 +1,6 @@
 """Surface: a statistic over time and averaging time."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,8 +28,9 @@ class Surface:
         Centre of each window, s after the start of the record.
     m, tau : arrays, shape (k,)
         Averaging factor, averaging time (s).
-    variance, count : arrays, shape (w, k)
-        Variance (unit squared), NaN where a window does not support it, and number of terms in the sum.
+    variance, count, factor : arrays, shape (w, k)
+        Variance (unit squared), NaN where a window does not support it; number of terms in the sum; the bias factor
+        that is in the variance.
     window, step : float
         Length of the windows and distance between them, s.
     unit : str
@@ -47,6 +49,7 @@ class Surface:
     tau: FloatArray
     variance: FloatArray
     count: IntArray
+    factor: FloatArray
     window: float
     step: float
     unit: str
@@ -73,6 +76,7 @@ class Surface:
             tau=self.tau[there],
             variance=self.variance[i, there],
             count=self.count[i, there],
+            factor=self.factor[i, there],
             unit=self.unit,
             rate=self.rate,
             name=self.name,
@@ -98,7 +102,6 @@ class Surface:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; a value that is not there is None. `low` and `high` are limits over the deviation."""
-        deviation = [[v if v == v else None for v in row] for row in self.deviation.tolist()]  # noqa: PLR0124 - NaN
         data: dict[str, Any] = {
             "allanite": 1,
             "type": "Surface",
@@ -107,8 +110,9 @@ class Surface:
             "time": self.time.tolist(),
             "m": self.m.tolist(),
             "tau": self.tau.tolist(),
-            "deviation": deviation,
+            "deviation": _without_nan(self.deviation),
             "count": self.count.tolist(),
+            "factor": _without_nan(self.factor),
         }
         if self.noise is not None:
             data["noise"] = self.noise.to_dict()
@@ -130,8 +134,13 @@ class Surface:
             tau=np.array(data["tau"], dtype=np.float64),
             variance=np.array(data["deviation"], dtype=np.float64) ** 2,
             count=np.array(data["count"], dtype=np.int64),
+            factor=np.array(data["factor"], dtype=np.float64),
             noise=Model.from_dict(data["noise"]) if "noise" in data else None,
         )
+
+
+def _without_nan(values: FloatArray) -> list[list[float | None]]:
+    return [[None if math.isnan(value) else value for value in row] for row in values.tolist()]
 
 
 _WORDS = ("statistic", "window", "step", "unit", "rate", "name")

@@ -1,4 +1,4 @@
-"""Integration, and squared second differences of the angle at every averaging factor."""
+"""Integration, and squared differences of the angle at every averaging factor."""
 
 import numpy as np
 from numba import njit
@@ -8,7 +8,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 # the sum may be reordered (SIMD); NaN and infinity keep their meaning
-_FAST = {"reassoc", "nsz", "contract"}
+FAST = {"reassoc", "nsz", "contract"}
 
 BLOCK = 8192
 """Samples per block: what one averaging factor has loaded the next finds in the cache."""
@@ -29,32 +29,137 @@ def integrate(values, constant):  # type: ignore[no-untyped-def]
     return x
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
-def overlapped(x, m):  # type: ignore[no-untyped-def]
-    """Sum over i of (x[i+2m] - 2 x[i+m] + x[i])^2 for every m[j], shape of m; all in one pass over x."""
+@njit(cache=True, nogil=True, fastmath=FAST)
+def first_squares(a, b):  # type: ignore[no-untyped-def]
+    """Sum of (b - a)^2."""
+    total = 0.0
+    for i in range(a.size):
+        total += (b[i] - a[i]) * (b[i] - a[i])
+    return total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def second_squares(a, b, c):  # type: ignore[no-untyped-def]
+    """Sum of (c - 2 b + a)^2."""
+    total = 0.0
+    for i in range(a.size):
+        difference = (c[i] - b[i]) - (b[i] - a[i])
+        total += difference * difference
+    return total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def third_squares(a, b, c, d):  # type: ignore[no-untyped-def]
+    """Sum of (d - 3 c + 3 b - a)^2."""
+    total = 0.0
+    for i in range(a.size):
+        difference = (d[i] - a[i]) - 3.0 * (c[i] - b[i])
+        total += difference * difference
+    return total
+
+
+@njit(cache=True, nogil=True)
+def first(x, m):  # type: ignore[no-untyped-def]
+    """Sum over i of (x[i+m] - x[i])^2 for every m[j], shape of m."""
     sums = np.zeros(m.size)
-    for start in range(0, x.size, BLOCK):
-        for j in range(m.size):
-            stop = min(start + BLOCK, x.size - 2 * m[j])
-            if stop > start:
-                first = x[start:stop]
-                middle = x[start + m[j] : stop + m[j]]
-                last = x[start + 2 * m[j] : stop + 2 * m[j]]
-                part = 0.0
-                for i in range(first.size):
-                    difference = (last[i] - middle[i]) - (middle[i] - first[i])
-                    part += difference * difference
-                sums[j] += part
+    for j in range(m.size):
+        if m[j] < x.size:
+            sums[j] = first_squares(x[: x.size - m[j]], x[m[j] :])
     return sums
 
 
 @njit(cache=True, nogil=True)
-def strided(x, m):  # type: ignore[no-untyped-def]
+def second(x, m):  # type: ignore[no-untyped-def]
+    """Sum over i of (x[i+2m] - 2 x[i+m] + x[i])^2 for every m[j], shape of m; all in one pass over x."""
+    sums = np.zeros(m.size)
+    for start in range(0, x.size, BLOCK):
+        for j in range(m.size):
+            k = m[j]
+            stop = min(start + BLOCK, x.size - 2 * k)
+            if stop > start:
+                sums[j] += second_squares(x[start:stop], x[start + k : stop + k], x[start + 2 * k : stop + 2 * k])
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def third(x, m):  # type: ignore[no-untyped-def]
+    """Sum over i of (x[i+3m] - 3 x[i+2m] + 3 x[i+m] - x[i])^2 for every m[j], shape of m; all in one pass over x."""
+    sums = np.zeros(m.size)
+    for start in range(0, x.size, BLOCK):
+        for j in range(m.size):
+            k = m[j]
+            stop = min(start + BLOCK, x.size - 3 * k)
+            if stop > start:
+                sums[j] += third_squares(
+                    x[start:stop],
+                    x[start + k : stop + k],
+                    x[start + 2 * k : stop + 2 * k],
+                    x[start + 3 * k : stop + 3 * k],
+                )
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def strided_second(x, m):  # type: ignore[no-untyped-def]
     """Sum over j of (x[(j+2)m] - 2 x[(j+1)m] + x[jm])^2 for every m, shape of m."""
     sums = np.zeros(m.size)
     for k in range(m.size):
-        points = x[:: m[k]]
-        for j in range(points.size - 2):
-            difference = (points[j + 2] - points[j + 1]) - (points[j + 1] - points[j])
-            sums[k] += difference * difference
+        points = x[:: m[k]].copy()
+        if points.size > 2:
+            sums[k] = second_squares(points[:-2], points[1:-1], points[2:])
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def strided_third(x, m):  # type: ignore[no-untyped-def]
+    """Sum over j of (x[(j+3)m] - 3 x[(j+2)m] + 3 x[(j+1)m] - x[jm])^2 for every m, shape of m."""
+    sums = np.zeros(m.size)
+    for k in range(m.size):
+        points = x[:: m[k]].copy()
+        if points.size > 3:
+            sums[k] = third_squares(points[:-3], points[1:-2], points[2:-1], points[3:])
+    return sums
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _folded_squares(a, b, c, signs, shift):  # type: ignore[no-untyped-def]
+    """Sum of (shift + signs[0] a - 2 b + signs[1] c)^2."""
+    left, right = signs
+    total = 0.0
+    for i in range(b.size):
+        difference = (shift + right * c[i] - b[i]) + (left * a[i] - b[i])
+        total += difference * difference
+    return total
+
+
+@njit(cache=True, nogil=True)
+def folded(x, m):  # type: ignore[no-untyped-def]
+    """Sum over i = 1 .. x.size - 2 of x'[i-m] - 2 x[i] + x'[i+m] squared, x' folded back at the first and last point.
+
+    x'[-j] = 2 x[0] - x[j] and x'[last+j] = 2 x[last] - x[last-j] are read off the reversed record.
+    """
+    last = x.size - 1
+    back = x[::-1].copy()
+    sums = np.zeros(m.size)
+    for start in range(1, last, BLOCK):
+        stop = min(start + BLOCK, last)
+        for j in range(m.size):
+            k = m[j]
+            if k >= last:
+                continue
+            inner, outer = min(k, last - k), max(k, last - k)
+            for first, after in (
+                (start, min(stop, inner)),
+                (max(start, inner), min(stop, outer)),
+                (max(start, outer), stop),
+            ):
+                if after <= first:
+                    continue
+                a, left, shift = x[max(first - k, 0) :], 1.0, 0.0
+                if first < k:
+                    a, left, shift = back[last - k + first :], -1.0, 2 * x[0]
+                c, right = x[first + k :], 1.0
+                if after - 1 > last - k:
+                    c, right, shift = back[first + k - last :], -1.0, shift + 2 * x[last]
+                sums[j] += _folded_squares(a[: after - first], x[first:after], c, (left, right), shift)
     return sums

@@ -1,6 +1,6 @@
 """Statistics of a record over averaging time: the table, the estimates, their expectation and confidence."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,27 +9,16 @@ from allanite.errors import DataError, UsageError
 from allanite.model import Model, Term
 from allanite.record import Record
 
-from .allan import ADEV, OADEV
+from .angle import integrated
+from .estimate import estimate
+from .grids import GRIDS as GRIDS
+from .grids import checked, factors_of, times
 from .moments import covariance as covariance
 from .moments import edf as edf
 from .moments import expectation, law
-from .row import FloatArray, IntArray, Statistic
-
-STATISTICS: dict[str, Statistic] = {
-    "adev": ADEV,
-    "oadev": OADEV,
-}
-
-
-MOST = 300_000
-"""Averaging times that are computed one by one; their cost is the square of the record's length."""
-
-
-def statistic_named(name: str) -> Statistic:
-    """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
-    if name not in STATISTICS:
-        raise UsageError(f"unknown statistic {name!r}; known are {', '.join(STATISTICS)}")
-    return STATISTICS[name]
+from .row import BoolArray, FloatArray, IntArray, Statistic
+from .table import STATISTICS as STATISTICS
+from .table import statistic_named as statistic_named
 
 
 def deviation(
@@ -39,22 +28,28 @@ def deviation(
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
     noise: Model | None = None,
+    join: float = 0.2,
+    divisor: int = 30,
 ) -> Curve:
     """A statistic of a record, for many averaging times at once.
 
     Parameters
     ----------
     record : Record
-        All its samples finite.
+        NaN marks lost samples: windows that touch one are dropped, and `Curve.count` says how many are left.
     statistic : str
         A name in `STATISTICS`.
     taus : {"octave", "decade", "log", "all"} or sequence of float
         Averaging times: 1, 2, 4, 8 ... samples; 1, 2, 4, 10, 20, 40 ...; about 100, spaced evenly in the logarithm;
         every one; or seconds. The named grids reach to the statistic's largest averaging factor.
     m : sequence of int, optional
-        Averaging factors instead of times.
+        Averaging factors instead of times; of theoh, those of oadev up to the joint and of Theo1 beyond.
     noise : Model, optional
         The noise supposed for the confidence limits, ``identify(record).model``.
+    join : float
+        Share of the record up to which theoh is the overlapped Allan deviation.
+    divisor : {30, 6}
+        Of the record's length, for the number of ratios that make the bias ratio of theobr and theoh; 6 as Stable32.
 
     Returns
     -------
@@ -64,9 +59,9 @@ def deviation(
     Raises
     ------
     DataError
-        A sample is not finite.
+        No window is complete, or the record is too short for what is asked.
     UsageError
-        An unknown statistic or grid; a time that is not a multiple of the sample interval, or too long.
+        An unknown statistic or grid; a time that is not a multiple of what the statistic needs, or too long.
 
     Examples
     --------
@@ -75,24 +70,37 @@ def deviation(
     [91.22945, 85.95287]
     """
     row = statistic_named(statistic)
-    factors = _factors(m, record, row) if m is not None else _grid(taus, record, row)
-    x, scale = integrated(record)
-    count = np.asarray(row.count(record.size, factors), dtype=np.int64)
-    tau = factors / record.rate
-    variance = row.sums(x, factors) * (scale**2 / row.norm) / (count * tau**2)
+    if not 0 < join < 1:
+        raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
+    asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
+    factors = checked(asked, row, record.size, join)
+    angle = integrated(record, row.order)
+    variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor)
+    whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
+    factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
     return Curve(
         statistic=row.name,
         m=factors,
-        tau=tau,
-        variance=variance,
+        tau=times(row, factors, record.size, join) / record.rate,
+        variance=variance * (angle.scale / record.interval ** (1 - row.power)) ** 2,
         count=count,
-        unit=record.signal.unit,
+        factor=factor,
+        unit=record.signal.si[row.power],
         rate=record.rate,
         name=record.name,
         history=record.history,
         noise=noise,
         law=None if noise is None else law(row, noise, record, factors),
     )
+
+
+def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
+    """Which points have a window; a named grid leaves the others out, for a point that was asked for it is an error."""
+    whole = count > 0
+    if (named and whole.any()) or whole.all():
+        return whole
+    largest = f"; the largest with one is {m[whole].max()}" if whole.any() else ""
+    raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
 
 
 def expected(model: Model | Term, statistic: str, tau: float | Sequence[float] | FloatArray) -> FloatArray:
@@ -119,75 +127,3 @@ def expected(model: Model | Term, statistic: str, tau: float | Sequence[float] |
     """
     model = model if isinstance(model, Model) else Model((model,))
     return expectation(statistic_named(statistic), model.structure, np.atleast_1d(np.asarray(tau, dtype=np.float64)))
-
-
-def integrated(record: Record) -> tuple[FloatArray, float]:
-    """The angle with a constant rate removed, shape (n + 1,), and what it must be multiplied with to be SI."""
-    if not np.isfinite(record.values.sum(dtype=np.float64)):
-        bad = ~np.isfinite(record.values)
-        raise DataError(
-            f"{bad.sum()} of {bad.size} readings of {record.name!r} are not finite, the first at sample "
-            f"{int(bad.argmax())}; cut a window without them (prepare.trim, --from, --until)"
-        )
-    if record.kind == "angle":
-        return np.asarray(record.values - record.values[0], dtype=np.float64), record.factor
-    from allanite.kernels.allan import integrate
-
-    step = record.interval if record.kind == "rate" else 1.0
-    return integrate(record.values, record.constant), record.factor * step
-
-
-def _factors(m: Sequence[int], record: Record, row: Statistic) -> IntArray:
-    factors = np.atleast_1d(np.asarray(m))
-    if factors.size and factors.dtype.kind not in "iu":
-        raise UsageError(f"averaging factors are integers, not {factors.dtype}; give times in seconds as taus")
-    largest = row.largest(record.size)
-    if factors.size == 0 or factors.min() < 1 or factors.max() > largest:
-        raise UsageError(f"averaging factors of {row.name} lie between 1 and {largest} for {record.size} samples")
-    return factors.astype(np.int64)
-
-
-def _grid(taus: str | Sequence[float], record: Record, row: Statistic) -> IntArray:
-    largest = row.largest(record.size)
-    if isinstance(taus, str):
-        if taus not in GRIDS:
-            raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
-        if taus == "all" and largest > MOST:
-            raise UsageError(f"all {largest} averaging times of {row.name} would take hours; choose 'log', or give m")
-        return GRIDS[taus](largest)
-    wanted = np.atleast_1d(np.asarray(taus, dtype=np.float64)) * record.rate
-    factors = np.rint(wanted)
-    off = np.abs(factors - wanted) > 1e-6 * np.maximum(wanted, 1)
-    if off.any():
-        tau = wanted[off][0] / record.rate
-        raise UsageError(f"tau = {tau:g} s is no multiple of the sample interval {record.interval:g} s")
-    return _factors(factors.astype(np.int64).tolist(), record, row)
-
-
-def _octaves(largest: int) -> IntArray:
-    return 2 ** np.arange(largest.bit_length(), dtype=np.int64)
-
-
-def _decades(largest: int) -> IntArray:
-    steps = np.outer(10 ** np.arange(len(str(largest)), dtype=np.int64), [1, 2, 4]).ravel()
-    return steps[steps <= largest]
-
-
-def _logarithmic(largest: int, points: int = 100) -> IntArray:
-    """`points` distinct integers, spread as evenly in the logarithm as integers can be."""
-    if largest <= points:
-        return np.arange(1, largest + 1, dtype=np.int64)
-    total = points
-    while True:
-        factors = np.unique(np.rint(np.geomspace(1, largest, total)).astype(np.int64))
-        if factors.size >= points:
-            return factors
-        total += points - factors.size
-
-
-GRIDS: dict[str, Callable[[int], IntArray]] = {
-    "octave": _octaves,
-    "decade": _decades,
-    "log": _logarithmic,
-    "all": lambda largest: np.arange(1, largest + 1, dtype=np.int64),
-}

@@ -1,7 +1,6 @@
 """A statistic in windows that slide along a record: the dynamic Allan variance and its relatives."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,14 +10,17 @@ from allanite.model import Model
 from allanite.record import KINDS, Record
 from allanite.surface import Surface
 
-from . import deviation, integrated, statistic_named
-from .row import FloatArray, IntArray
+from . import deviation
+from .angle import integrated
+from .estimate import Estimate, estimate
+from .row import Statistic
+from .table import statistic_named
 
 FEWEST = 8
 """Samples below which a window is no window."""
 
 
-SLIDING = ("oadev", "ohdev")
+SLIDING = ("oadev", "haar", "ohdev")
 """Overlapped differences, which neighbouring windows share: each is taken once, and windows are sums of blocks."""
 
 
@@ -73,23 +75,24 @@ def dynamic(
     """
     row = statistic_named(statistic)
     samples, stride = _samples(record, window, step)
-    first = _template(_part(record, 0, samples), partial(deviation, statistic=row.name, taus=taus, m=m, noise=noise))
+    first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.name in SLIDING and np.isfinite(record.values.sum(dtype=np.float64)):
-        variance = _all_at_once(record, first, stride)
-        count = np.broadcast_to(first.count, variance.shape)
+        found = _all_at_once(record, row, first, stride)
     else:
-        variance, count = _one_by_one(record, first, starts, samples)
+        parts = [_part(record, int(start), samples) for start in starts]
+        found = _one_by_one(parts, row, first)
     return Surface(
         statistic=row.name,
         time=np.asarray((starts + samples / 2) / record.rate),
         m=first.m,
         tau=first.tau,
-        variance=variance,
-        count=count,
+        variance=found.variance,
+        count=found.number,
+        factor=found.factor,
         window=samples / record.rate,
         step=stride / record.rate,
-        unit=record.signal.unit,
+        unit=first.unit,
         rate=record.rate,
         name=record.name,
         history=record.history,
@@ -117,31 +120,34 @@ def _part(record: Record, start: int, samples: int) -> Record:
     return record.with_values(record.values[start:stop], f"window of {samples} samples at sample {start}")
 
 
-def _template(part: Record, measure: Callable[[Record], Curve]) -> Curve:
-    """The curve of a window without lost samples: the grid, the counts and the law of all windows."""
-    return measure(part.with_values(np.arange(part.values.size) % 2, "no sample is lost"))
+def _complete(record: Record, samples: int) -> Record:
+    """Any window without lost samples: its curve has the grid, the counts and the law of all windows."""
+    return Record(np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, name=record.name)
 
 
-def _all_at_once(record: Record, first: Curve, stride: int) -> FloatArray:
+def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> Estimate:
     from allanite.kernels.dynamic import windowed
 
-    row = statistic_named(first.statistic)
-    x, scale = integrated(record)
-    sums = windowed(x, first.m, first.count, row.order, stride)
-    return np.asarray(sums * (scale**2 / row.norm) / (first.count * first.tau**2))
+    angle = integrated(record, row.order)
+    sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
+    variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
+    shape = variance.shape
+    return Estimate(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
 
 
-def _one_by_one(record: Record, first: Curve, starts: IntArray, samples: int) -> tuple[FloatArray, IntArray]:
-    variance = np.full((starts.size, first.m.size), np.nan)
-    count = np.zeros(variance.shape, dtype=np.int64)
+def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve) -> Estimate:
+    shape = (len(parts), first.m.size)
+    found = Estimate(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
     reason: DataError | None = None
-    for i, start in enumerate(starts):
+    for i, part in enumerate(parts):
         try:
-            curve = deviation(_part(record, int(start), samples), first.statistic, m=first.m.tolist())
+            angle = integrated(part, row.order)
+            variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
         except DataError as error:  # this window has lost too much; the others have not
             reason = error
             continue
-        variance[i], count[i] = curve.variance, curve.count
-    if reason is not None and not np.isfinite(variance).any():
-        raise DataError(f"no window of {record.name!r} supports {first.statistic}: {reason}") from None
-    return variance, count
+        found.variance[i] = variance * (angle.scale / part.interval ** (1 - row.power)) ** 2
+        found.number[i], found.factor[i] = number, factor
+    if reason is not None and not found.number.any():
+        raise DataError(f"no window of {parts[0].name!r} supports {row.name}: {reason}") from None
+    return found

@@ -36,7 +36,7 @@ def expectation(row: Statistic, structure: Callable[[FloatArray], FloatArray], t
     total = np.zeros_like(tau)
     for lag in range(1, row.order + 1):
         total -= float(weights[lag:] @ weights[: weights.size - lag]) * structure(lag * tau)
-    return total / (row.norm * tau**2)
+    return total / (row.norm(np.ones(1, np.int64)) * tau**2)
 
 
 def edf(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
@@ -55,7 +55,7 @@ def covariance(row: Statistic, model: Model, m: IntArray, size: int, rate: float
             small, large = sorted((int(m[i]), int(m[j])))
             T, _ = _products(row, model, (small, large), size)
             powers = _sample_coefficients(model, rate)
-            scale = (row.norm * small * large / rate**2) ** 2
+            scale = np.prod(row.norm(np.array([small, large]))) * (small * large / rate**2) ** 2
             result[i, j] = result[j, i] = 2 * powers @ T @ powers / scale
     return result
 
@@ -95,7 +95,7 @@ def _relative_variance(row: Statistic, model: Model, m: int, size: int, rate: fl
 
 def _products(row: Statistic, model: Model, m: tuple[int, int], size: int) -> tuple[FloatArray, FloatArray]:
     """T_ij = sum_h n(h) C_i C_j / (M1 M2) without the deterministic squares, and E_i = C_i(0) for equal m."""
-    M1, M2 = (int(row.count(size, np.array([k]))[0]) for k in m)
+    M1, M2 = (int(k) for k in row.count(size, np.array(m)))
     h, weight = (_overlapped_lags if row.overlapped else _strided_lags)(row, m, (M1, M2))
     pairs = np.minimum(min(M1, M2), (M1 + M2) / 2 - h / (1 if row.overlapped else m[0]))
     weight = weight * pairs / (float(M1) * M2) * np.where(h > 0, 2.0, 1.0)

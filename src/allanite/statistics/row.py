@@ -8,34 +8,99 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+Window = tuple[FloatArray, FloatArray]
+"""Weights, shape (r,), and filters, shape (r, points): ``sum_r weights[r] (filters[r] . x)^2`` of a window's points."""
 
 
 @dataclass(frozen=True)
 class Statistic:
-    """A statistic as a quadratic form in the angle x.
+    """A statistic as a mean of squares over windows of the angle x.
+
+    ``variance(m) = sums / (count norm(m) (m tau0)^2) tau^(2 power)`` with ``tau = tau_factor m tau0``.
 
     Attributes
     ----------
     name, title, formula, reference
         The field's name, in words, LaTeX of the variance, source.
+    meaning, use, limits, cost
+        For the documentation: what it tells, when to take it, where it misleads, its time and memory.
     order : int
-        Differences of x it takes: 2 removes a constant rate, 3 a ramp of the rate too.
-    norm : float
-        The variance is the mean of squared differences over ``norm tau^2``.
+        Differences of x it takes: 1 removes a constant angle, 2 a constant rate, 3 a ramp of the rate too.
+    norm : m -> float
+    span : (int, int)
+        A window covers ``span[0] m + span[1]`` sample intervals; 0 m where it is folded back at the record's ends.
+    sums : (x, m) -> sums of squares over the windows of x, for ascending m, however large
+    window : m -> Window
+        The quadratic form whose mean over the windows is the sum; None where there is none (a maximum).
+    target : str
+        The statistic whose expectation this one estimates; empty if its own.
     overlapped : bool
         Whether windows start at every sample or every m samples.
-    largest : n intervals -> the largest averaging factor
-    count : (n, m) -> number of squared differences in the sum
-    sums : (x, m) -> sums of squared differences, all m at once
+    step : int
+        Averaging factors are multiples of it.
+    tau_factor : float
+    power : int
+        0 for a deviation of the rate, 1 for one of the angle.
+    summed : bool
+        Whether the differences are those of the running sum of x.
+    extreme : bool
+        Whether the windows' largest value counts, not their mean.
+    gaps : bool
+        Whether it has a meaning in a record with lost samples.
+    parts : tuple of Statistic
+        What a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf.
     """
 
     name: str
     title: str
     formula: str
     reference: str
+    meaning: str
+    use: str
+    limits: str
+    cost: str
     order: int
-    norm: float
-    overlapped: bool
-    largest: Callable[[int], int]
-    count: Callable[[int, IntArray], IntArray]
+    norm: Callable[[IntArray], FloatArray]
+    span: tuple[int, int]
     sums: Callable[[FloatArray, IntArray], FloatArray]
+    window: Callable[[int], Window] | None
+    target: str = ""
+    overlapped: bool = True
+    step: int = 1
+    tau_factor: float = 1.0
+    power: int = 0
+    summed: bool = False
+    extreme: bool = False
+    gaps: bool = True
+    parts: tuple["Statistic", ...] = ()
+
+    def largest(self, n: int) -> int:
+        """The largest averaging factor of a record of n intervals; 0 if there is none."""
+        per, fixed = self.span
+        most = (n - fixed) // per if per else n - 1
+        return max(0, most - most % self.step)
+
+    def count(self, n: int, m: IntArray) -> IntArray:
+        """Number of windows in n intervals, shape of m; 0 where none fits."""
+        per, fixed = self.span
+        room = n - (per * m + fixed)
+        return np.maximum(0, (room if self.overlapped else room // m) + 1)
+
+
+def constant(value: float) -> Callable[[IntArray], FloatArray]:
+    """A norm that is the same for every averaging factor."""
+    return lambda m: np.full(np.shape(m), value)
+
+
+def binomial_window(order: int) -> Callable[[int], Window]:
+    """The window of a difference of the angle at stride m."""
+    import math
+
+    def window(m: int) -> Window:
+        row = np.zeros((1, order * m + 1))
+        row[0, ::m] = [(-1.0) ** k * math.comb(order, k) for k in range(order + 1)]
+        return np.ones(1), row
+
+    return window

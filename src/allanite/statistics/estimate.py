@@ -1,0 +1,97 @@
+"""Estimates of a row from the pieces of a record: windows are dropped, never stretched, at its gaps."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.errors import DataError, UsageError
+
+from .angle import Angle
+from .grids import part_of
+from .row import FloatArray, IntArray, Statistic
+
+
+class Estimate(NamedTuple):
+    """Variances in squared steps of the angle over the sample interval, number of windows, factor that is in them."""
+
+    variance: FloatArray
+    number: IntArray
+    factor: FloatArray
+
+
+def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor: int) -> Estimate:
+    """A statistic of a record at averaging factors `m`, for a unit sample interval.
+
+    Raises
+    ------
+    DataError
+        The record has gaps and the statistic no meaning there, or is too short for the bias ratio of a hybrid.
+    """
+    if not row.parts:
+        return windows(row, angle, m)
+    which = part_of(row, m, angle.size, join)
+    variance, count, factor = np.empty(m.size), np.zeros(m.size, np.int64), np.ones(m.size)
+    for i, part in enumerate(row.parts):
+        here = which == i
+        if here.any():
+            variance[here], count[here], _ = windows(part, angle, m[here])
+            if i == len(row.parts) - 1:
+                factor[here] = bias_ratio(row.parts[-1], angle, divisor)
+    return Estimate(variance * factor, count, factor)
+
+
+def windows(row: Statistic, angle: Angle, m: IntArray) -> Estimate:
+    """The mean over all windows that are complete; NaN where there is none."""
+    if len(angle.pieces) > 1 and not row.gaps:
+        raise DataError(
+            f"{row.name} folds the record back at its ends and has no meaning in one with gaps; take another statistic "
+            "(oadev, theo1, mtotdev), or cut a window without gaps (prepare.trim, --from, --until)"
+        )
+    order = np.argsort(m, kind="stable")
+    sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
+    for start, x in angle.pieces:
+        found, number = _piece(row, x, m[order], start)
+        sums = np.maximum(sums, found) if row.extreme else sums + found
+        count += number
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
+    back = np.argsort(order)
+    variance = mean[back] / (row.norm(m) * np.asarray(m, dtype=np.float64) ** 2)
+    return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count[back], np.ones(m.size))
+
+
+def _piece(row: Statistic, x: FloatArray, m: IntArray, start: int) -> tuple[FloatArray, IntArray]:
+    """Sums and numbers of windows of one piece; windows that do not overlap start at multiples of m of the record."""
+    if row.overlapped or start == 0:
+        return row.sums(x, m), row.count(x.size - 1, m)
+    skip = -start % m
+    sums = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
+    return np.array(sums), np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
+
+
+def bias_ratio(theo1: Statistic, angle: Angle, divisor: int) -> float:
+    """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3.
+
+    Raises
+    ------
+    DataError
+        The record is too short for a single ratio.
+    """
+    from .allan import OADEV
+
+    if divisor not in (6, 30):
+        raise UsageError(
+            f"the divisor of TheoBR's ratio is 30 (as published) or 6 (as Stable32 runs it), not {divisor!r}"
+        )
+    last = (angle.size + 1) // divisor - 3
+    if last < 0:
+        raise DataError(
+            f"TheoBR needs {3 * divisor - 1} samples or more for its bias ratio, and there are "
+            f"{angle.size}; take theo1, or oadev"
+        )
+    i = np.arange(last + 1)
+    allan, theo = windows(OADEV, angle, 9 + 3 * i), windows(theo1, angle, 12 + 4 * i)
+    both = (allan.number > 0) & (theo.number > 0)
+    if not both.any():
+        raise DataError("the gaps leave no window of 12 samples for the bias ratio of TheoBR; take oadev")
+    return float(np.mean(allan.variance[both] / theo.variance[both]))

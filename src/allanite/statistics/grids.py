@@ -1,0 +1,128 @@
+"""Averaging factors: named grids, times in seconds, and what a statistic allows."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from allanite.errors import UsageError
+
+from .row import FloatArray, IntArray, Statistic
+
+MOST = 300_000
+"""Averaging times that are computed one by one; their cost is the square of the record's length."""
+
+
+def times(row: Statistic, m: IntArray, size: int, join: float) -> FloatArray:
+    """Tau over the sample interval, shape of m."""
+    parts = row.parts or (row,)
+    return np.asarray(m * np.array([part.tau_factor for part in parts])[part_of(row, m, size, join)])
+
+
+def part_of(row: Statistic, m: IntArray, size: int, join: float) -> IntArray:
+    """Which part of a hybrid makes the point, 0 for any other statistic, shape of m."""
+    return np.asarray((m > join * size) & (len(row.parts) > 1), dtype=np.int64)
+
+
+def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float, join: float) -> IntArray:
+    """Averaging factors of a named grid or of times in seconds.
+
+    Raises
+    ------
+    UsageError
+        The grid has no name, or a time is no multiple of the interval; it is never rounded.
+    """
+    if not isinstance(taus, str):
+        return _of_seconds(np.atleast_1d(np.asarray(taus, dtype=np.float64)), row, (size, rate), join)
+    if taus not in GRIDS:
+        raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
+    parts = row.parts or (row,)
+    if taus == "all" and (most := max(part.largest(size) // part.step for part in parts)) > MOST:
+        raise UsageError(f"all {most} averaging times of {row.name} would take hours; choose 'log', or give m")
+    made = [GRIDS[taus](part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
+    if len(made) < 2:
+        return made[0] if made else np.empty(0, np.int64)
+    early = made[0][made[0] <= join * size]
+    late = made[1][(made[1] > join * size) & (made[1] * parts[1].tau_factor > early[-1:].sum())]
+    return np.concatenate((early, late))
+
+
+def _of_seconds(taus: FloatArray, row: Statistic, clock: tuple[int, float], join: float) -> IntArray:
+    size, rate = clock
+    parts = row.parts or (row,)
+    part = np.array([parts[-1] if len(parts) > 1 and tau * rate > join * size else parts[0] for tau in taus])
+    factor = np.array([p.tau_factor for p in part])
+    step = np.array([p.step for p in part])
+    wanted = taus * rate / factor
+    m = np.rint(wanted / step) * step
+    off = ~(np.abs(m - wanted) <= 1e-6 * np.maximum(np.abs(wanted), 1))
+    if off.any():
+        i = int(off.argmax())
+        unit = step[i] * factor[i] / rate
+        near = m[i] * factor[i] / rate
+        raise UsageError(
+            f"tau = {taus[i]:g} s is no multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; "
+            f"the nearest is {max(near, unit):g} s"
+        )
+    return np.asarray(m, dtype=np.int64)
+
+
+def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float) -> IntArray:
+    """Averaging factors that the statistic allows for a record of `size` intervals.
+
+    Raises
+    ------
+    UsageError
+        A factor is no integer, too small, too large, or not even where it must be; the largest possible is named.
+    """
+    factors = np.atleast_1d(np.asarray(m))
+    if factors.size and factors.dtype.kind not in "iu":
+        raise UsageError(f"averaging factors are integers, not {factors.dtype}; give times in seconds as taus")
+    largest, least = (row.parts or (row,))[-1].largest(size), row.step
+    if largest < least:
+        raise UsageError(f"{row.name} needs {_least(row)} samples or more, and there are {size}")
+    if factors.size == 0 or factors.min() < least or factors.max() > largest:
+        given = f"{factors.min()} to {factors.max()} came" if factors.size else "none came"
+        raise UsageError(
+            f"averaging factors of {row.name} lie between {least} and {largest} for {size} samples; {given}"
+        )
+    step = np.array([part.step for part in row.parts or (row,)])[part_of(row, factors, size, join)]
+    odd = factors % step != 0
+    if odd.any():
+        raise UsageError(
+            f"averaging factors of {row.name} are even{' beyond the joint' * (len(row.parts) > 1)}, but "
+            f"{factors[odd][0]} came; the largest possible is {largest}"
+        )
+    return np.asarray(factors, dtype=np.int64)
+
+
+def _least(row: Statistic) -> int:
+    return next(n for n in range(1, 1000) if row.largest(n) >= row.step)
+
+
+def _octaves(largest: int) -> IntArray:
+    return 2 ** np.arange(largest.bit_length(), dtype=np.int64)
+
+
+def _decades(largest: int) -> IntArray:
+    steps = np.outer(10 ** np.arange(len(str(largest)), dtype=np.int64), [1, 2, 4]).ravel()
+    return steps[steps <= largest]
+
+
+def _logarithmic(largest: int, points: int = 100) -> IntArray:
+    """`points` distinct integers, spread as evenly in the logarithm as integers can be."""
+    if largest <= points:
+        return np.arange(1, largest + 1, dtype=np.int64)
+    total = points
+    while True:
+        factors = np.unique(np.rint(np.geomspace(1, largest, total)).astype(np.int64))
+        if factors.size >= points:
+            return factors
+        total += points - factors.size
+
+
+GRIDS: dict[str, Callable[[int], IntArray]] = {
+    "octave": _octaves,
+    "decade": _decades,
+    "log": _logarithmic,
+    "all": lambda largest: np.arange(1, largest + 1, dtype=np.int64),
+}
