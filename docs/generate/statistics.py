@@ -1,5 +1,6 @@
 """The pages of the statistics."""
 
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 import allanite as al
 from allanite.report.words import printed_unit
 from allanite.statistics import STATISTICS
+from allanite.statistics.row import Statistic
 
 from .markdown import figure, sections, table
 
@@ -19,7 +21,7 @@ BLIND = {1: "nothing but a constant angle", 2: "a constant rate", 3: "a constant
 def statistic_index() -> list[str]:
     """All statistics side by side."""
     rows = [
-        (f"[{name}]({name}.md)", row.title, BLIND.get(row.order, ""), _reach(row), getattr(row, "cost", ""))
+        (f"[{name}]({name}.md)", row.title, BLIND.get(row.order, ""), _reach(row), row.cost)
         for name, row in STATISTICS.items()
     ]
     return [
@@ -32,19 +34,18 @@ def statistic_index() -> list[str]:
     ]  # fmt: skip
 
 
-def _reach(row: object) -> str:
+def _reach(row: Statistic) -> str:
     """The longest averaging time as a part of the record."""
     n = 1_000_000
-    part = row.largest(n) * getattr(row, "tau_factor", 1.0) / n
-    return f"{part:.2g} of the record"
+    part = Fraction(row.largest(n) * row.tau_factor / n).limit_denominator(100)
+    return "the record" if part == 1 else f"{part} of the record"
 
 
 def statistic_page(name: str, folder: Path) -> list[str]:
     """What the statistic is, and what an example looks like in it."""
     row = STATISTICS[name]
-    factor = getattr(row, "tau_factor", 1.0)
     return [
-        f"# {name}: {row.title}", "", getattr(row, "meaning", ""), "", f"$$\n{row.formula}\n$$", "",
+        f"# {name}: {row.title}", "", row.meaning, "", f"$$\n{row.formula}\n$$", "",
         *figure(_statistic_figure(name, folder), f"{row.title} of an example"),
         "The same simulated record on the pages of all statistics: "
         + ", ".join(f"{symbol} = {value:g} {printed_unit(unit)}" for symbol, value, unit in EXAMPLE)
@@ -54,7 +55,7 @@ def statistic_page(name: str, folder: Path) -> list[str]:
         *table(("", ""), [
             ("blind to", BLIND.get(row.order, "")),
             ("windows", "start at every sample" if row.overlapped else "start every m samples"),
-            ("τ", "m τ₀" if factor == 1 else f"{factor:g} m τ₀"),
+            ("τ", "m τ₀" if row.tau_factor == 1 else f"{row.tau_factor:g} m τ₀"),
             ("longest τ", _reach(row)),
         ]),
         "```python", f'curve = al.deviation(record, "{name}", taus="octave")', "```", "",

@@ -184,8 +184,7 @@ def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     assert len(figure.axes) == 1
     assert figure.axes[0].get_title("left") == "gz"
     assert labels(figure) == [
-        "Allan deviation", "Allan deviation, expected by the model",
-        "overlapped Allan deviation", "overlapped Allan deviation, expected by the model",
+        "Allan deviation", "expected by the model", "overlapped Allan deviation",
     ]  # fmt: skip
     drawn = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)
@@ -231,3 +230,13 @@ def test_a_surface(record):
 def test_pictures_are_the_same_each_time(record):
     for value in (al.spectrum(record), al.dynamic(record), [al.deviation(record, n) for n in ("adev", "oadev")]):
         assert encode(plot(value), "svg") == encode(plot(value), "svg")
+
+
+@pytest.mark.parametrize("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
+def test_the_legend_stays_within_the_figure(record, fit, names):
+    figure = plot([al.deviation(record, name) for name in names if name in al.STATISTICS], fit)
+    figure.canvas.draw()
+    for legend in figure.legends:
+        box = legend.get_window_extent()
+        assert box.x0 >= 0
+        assert box.x1 <= figure.bbox.x1

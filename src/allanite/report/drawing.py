@@ -91,4 +91,17 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
         if marks:
             mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
             entries["where its coefficient is read off"] = mark
+    if "expected by the model" in entries:
+        entries["expected by the model"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+    columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
     figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6)
+
+
+def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:
+    """So many columns of a legend as are not wider than `width`, in points; it is filled column by column."""
+    for count in range(min(most, len(labels)), 1, -1):
+        # points of a label of 8 points with its line and the space beside it
+        widths = [max(4.9 * len(label) + 45 for label in column) for column in np.array_split(labels, count)]
+        if sum(widths) <= width:
+            return count
+    return 1

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from allanite.model import Term
 from allanite.statistics import STATISTICS
-from allanite.terms import NoiseTerm
+from allanite.units import unit_of
 
 from . import style, words
 from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs
@@ -125,18 +125,14 @@ def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | No
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many hours, or else seconds."""
-    row = term.row
-    if not _is_read_off(row):
-        return None
     for seconds in (3600.0, 1.0) if re.search(r"\bh\b", unit) else (1.0,):
-        tau = row.read_at * seconds
+        tau = term.row.read_at * seconds
         deviation = float(panel.expected(term, np.array([tau]))[0])
+        # so it is in the Allan deviation, but for flicker; other statistics have other levels
+        coefficient = abs(term.value) * seconds ** -float(term.row.power) / unit_of(panel.unit).factor
+        if not math.isclose(deviation, coefficient, rel_tol=1e-6):
+            return None
         ((x, y),) = fractions(ax, np.array([[tau, deviation]]))
         if 0.02 < x < 0.98 and 0.04 < y < 0.96:
             return tau, deviation
     return None
-
-
-def _is_read_off(row: NoiseTerm) -> bool:
-    """Whether the line of a term passes through its coefficient; that of flicker lies at 0.664 B throughout."""
-    return math.isclose(row.level * row.read_at ** (2 * row.slope), 1.0)

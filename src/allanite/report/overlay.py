@@ -74,4 +74,4 @@ def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | N
     if panel.fit is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
         expected = panel.expected(panel.fit.model, tau)
-        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=f"{text}, expected by the model")
+        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label="expected by the model")
