@@ -64,7 +64,11 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     if fit is not None:
         _draw_model(ax, spectrum, fit, level)
     ax.set_title(words.printable(spectrum.name), loc="left", fontweight="bold", parse_math=False)
-    ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
+    good = None if fit is None else fit.goodness
+    if good is not None and not good.explained:
+        ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
+    else:
+        ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
     unit = words.printed_unit(spectrum.amplitude_unit)
     ax.set_ylabel(f"{spectrum.sides}-sided amplitude density ({unit})")
 

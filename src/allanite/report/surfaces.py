@@ -114,7 +114,8 @@ def _mark_few(ax: Axes, window: float) -> None:
         ax.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
         ax.annotate(
             f"above: few degrees of freedom (τ > window/{FEW_WINDOWS})", (0.01, window / FEW_WINDOWS),
-            xycoords=("axes fraction", "data"), xytext=(2, 3), textcoords="offset points", fontsize=7, color=style.INK,
+            xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
         )  # fmt: skip
 
 
