@@ -5,7 +5,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol
 
 from allanite.curve import Curve
 from allanite.psd import Spectrum
@@ -16,7 +16,14 @@ from allanite.survey import Survey
 from .words import readable_unit
 
 
-def to_json(value: Study | Survey) -> str:
+class Plain(Protocol):
+    """Whatever can become plain data."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+
+
+def to_json(value: Plain) -> str:
     """Strictly valid JSON: what is no number is null."""
     return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
 
