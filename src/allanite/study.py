@@ -165,7 +165,7 @@ def analyze(
     recipe = recipe or Recipe()
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    recording = _recording(source, recipe)
+    recording = recording_of(source, recipe)
     channels = []
     for i, record in enumerate(recording):
         tell(f"analysing {record.name}", (i + 0.3) / (len(recording) + 0.3))
@@ -187,19 +187,19 @@ def examine(
     recipe = recipe or Recipe()
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    recording = _recording(source, recipe)
+    recording = recording_of(source, recipe)
     channels = []
     for i, record in enumerate(recording):
         tell(f"looking at {record.name}", (i + 0.3) / (len(recording) + 0.3))
         channels.append(_looked_at(record, recording))
     tell("done", 1.0)
-    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+    return Study(tuple(channels), recipe, recording.notes, provenance_of(recording))
 
 
 def _study(channels: list[Channel], recipe: Recipe, recording: Recording) -> Study:
     if all(channel.refusal for channel in channels):
         raise DataError("; ".join(f"{channel.record.name or 'the record'}: {channel.refusal}" for channel in channels))
-    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+    return Study(tuple(channels), recipe, recording.notes, provenance_of(recording))
 
 
 def _looked_at(record: Record, recording: Recording) -> Channel:
@@ -207,7 +207,7 @@ def _looked_at(record: Record, recording: Recording) -> Channel:
     return Channel(record, quality, refusal=quality.refusal)
 
 
-def _recording(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
+def recording_of(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
     """The part of the recording that the recipe wants."""
     whole = trim(_whole(source, recipe), recipe.start, recipe.until)
     return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
@@ -234,7 +234,8 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
     return replace(seen, curve=curve, fit=replace(fit, curve=curve))
 
 
-def _provenance(recording: Recording) -> dict[str, str]:
+def provenance_of(recording: Recording) -> dict[str, str]:
+    """Version and input, for whoever wants to do it again."""
     import platform
 
     return {
