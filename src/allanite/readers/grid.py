@@ -31,6 +31,12 @@ DRIFT = 1e-4
 MOST_LOST = 0.9
 """Share of lost samples above which stamps are not believed: a clock that was set leaves such holes."""
 
+PART = 10_000
+"""Stamps, either way from the middle, that decide between guesses of the interval."""
+
+PAUSE = 20.0
+"""Steps of a bursty clock, over its long ones (one in a hundred), that are losses and no bursts."""
+
 RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
 """Steps, s, in which clocks are read or printed."""
 
@@ -169,11 +175,22 @@ def _forward(elapsed: FloatArray, steps: FloatArray, label: str) -> Grid:
     ratio = mean / float(np.median(steps))
     mostly = _mostly_missing(shift, elapsed.size)
     if (off > 0.05 or mostly) and not 1 / BURSTY < ratio < BURSTY:
-        return Grid(mean, findings=(*again, _bursty(steps, mean, label)))
+        return _in_bursts(elapsed, steps, label, again)
     if off > 0.05 or mostly:
         unsteady = _unsteady(elapsed / mean - np.arange(elapsed.size), elapsed, mean, label)
         return Grid(mean, findings=(*again, *unsteady))
     return _on_grid(elapsed, interval, np.arange(elapsed.size) + shift, label, again, left)
+
+
+def _in_bursts(elapsed: FloatArray, steps: FloatArray, label: str, found: tuple[Finding, ...]) -> Grid:
+    """The mean rate of stamps that come in bursts, and what was lost in pauses that no burst explains."""
+    mean, long = float(elapsed[-1]) / steps.size, PAUSE * float(np.quantile(steps, 0.99))
+    rows = np.arange(elapsed.size)
+    if steps.max() > long:
+        interval, shift, _ = _follow(elapsed, rows, long / mean)
+        found = (*found, _bursty(steps, interval, label))
+        return _on_grid(elapsed, interval, rows + shift, label, found, np.zeros(1), rows[:0])
+    return Grid(mean, findings=(*found, _bursty(steps, mean, label)))
 
 
 def _mostly_missing(shift: Places, size: int) -> bool:
@@ -226,24 +243,30 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
 
 
 def _follow(elapsed: FloatArray, rows: Places, slack: float) -> tuple[float, Places, FloatArray]:
-    """Interval, shift of each row and what is left: the best of what several first guesses lead to."""
+    """Interval, shift of each row and what is left: of several first guesses the best on a part, refined on all."""
+    middle = slice(max(0, rows.size // 2 - PART), rows.size // 2 + PART)
+    return _refined(elapsed, rows, _interval(elapsed[middle], rows[middle], slack), slack)
+
+
+def _interval(elapsed: FloatArray, rows: Places, slack: float) -> float:
+    """The interval that describes stamps in the shortest way."""
     steps = np.diff(elapsed) / np.diff(rows)
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])
     # the mean of all is right where little is lost, that of the usual steps where much is, of the short where most is
     guesses = [span / count, *(_mean_near(steps, float(np.quantile(steps, q))) for q in (0.5, 0.1))]
-    found = [_refined(elapsed, rows, guess, slack) for guess in guesses if guess > span / count / 20]
+    found = [_refined(elapsed, rows, guess, slack) for guess in guesses if guess > 0]
     floor = _resolution(elapsed, steps) / 3.5
 
     def length(fit: tuple[float, Places, FloatArray]) -> float:
-        """Of a description of the stamps: what is left beyond their rounding, and which places of the grid are taken."""
+        """What is left beyond the rounding of the stamps, and which places of the grid are taken."""
         interval, shift, left = fit
         off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(left, -1, 1))
         residual = interval * float(np.sqrt(np.square(off).mean()))
-        if shift[-1] > 0.4 * (count + shift[-1]) and np.bincount(np.maximum(np.diff(rows + shift), 0)).argmax() != 1:
+        if shift[-1] > 0.4 * (count + shift[-1]) and np.bincount(np.clip(np.diff(rows + shift), 0, 9)).argmax() != 1:
             return math.inf  # any stamps fit a grid of their own last digit: one step is then no more usual than two
         return math.log(max(residual, floor, 1e-9 * interval)) + math.log(max(count + int(shift[-1]), 1))
 
-    return min(found, key=length)
+    return min(found, key=length)[0]
 
 
 def _mean_near(steps: FloatArray, usual: float) -> float:
@@ -261,7 +284,9 @@ def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -
         counted = count + int(shift[-1])
         if counted < 1:
             break
-        interval = span / counted
+        interval, before = span / counted, interval
+        if interval == before:
+            break
     shift, left = followed(elapsed / interval, rows, 1024, slack)
     return interval, shift, left
 
