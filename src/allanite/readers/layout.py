@@ -53,7 +53,7 @@ def find(data: bytes) -> Layout:
     """
     lines = _lines(data)
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
-    delimiter, decimal = _style(
+    delimiter, decimal = style(
         plain[-200:] or [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
     )
     marks = MARKS[:3] if delimiter == ";" else MARKS
@@ -88,7 +88,7 @@ def _lines(data: bytes) -> list[tuple[int, int, str]]:
     return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
 
 
-def _style(lines: list[str]) -> tuple[str, str]:
+def style(lines: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign: those that make the most of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
