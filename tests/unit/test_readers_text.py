@@ -372,7 +372,7 @@ def test_coarse_readings_are_no_ids(write):
 STAMPS = {
     "date and time of day": ("date,time,gx [deg/s]", "2018-04-25,15:20:{s:06.3f},{v}"),
     "time of day first": ("time;date;gx [deg/s]", "15:20:{s:06.3f};25.04.2018;{v}"),
-    "no names": ("", "2018/04/25   15:20:{s:06.3f} \t {v}"),
+    "no names": ("", "2018/04/25   15:20:{s:06.3f}    {v}"),
     "time of day": ("clock,gx [deg/s]", "15:20:{s:06.3f},{v}"),
     "iso": ("stamp,gx [deg/s]", "2018-04-25T15:20:{s:09.6f}Z,{v}"),
     "iso with a zone": ("stamp,gx [deg/s]", "2018-04-25T15:20:{s:06.3f}+02:00,{v}"),

@@ -77,14 +77,19 @@ def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
     marks = MARKS[:3] if layout.delimiter == ";" else MARKS
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search costs a fraction of the substitution
-    if any(data.find(mark.encode(), layout.offset) >= 0 for mark in marks):
+    if any(_holds(data, mark.encode(), layout.offset) for mark in marks):
         pattern = rb"^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
         body = re.sub(pattern, b"", bytes(body), flags=re.MULTILINE)
     if layout.delimiter == " ":
         return _single_blanks(bytes(body))
-    if data.find(b"\n ", layout.offset) >= 0:  # a line of blanks is an empty one, and no row with one cell
+    if _holds(data, b" \n", layout.offset) or _holds(data, b" \r\n", layout.offset):  # a line of blanks is an empty one, and no row with one cell
         body = re.sub(rb"^ +(?=\r?$)", b"", bytes(body), flags=re.MULTILINE)
     return body
+
+
+def _holds(data: bytes, mark: bytes, start: int) -> bool:
+    """Whether a mark stands anywhere; a single byte is found ten times as fast as two."""
+    return data.find(mark[:1], start) >= 0 and (len(mark) == 1 or data.find(mark, start) >= 0)
 
 
 def _single_blanks(body: bytes) -> bytes:

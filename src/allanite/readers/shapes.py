@@ -23,7 +23,8 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
 
 def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     """Lines of thousands of numbers become columns; None if there are none."""
-    if data.count(b"\n") * WIDEST > len(data):
+    head = data[:HEAD]
+    if head.count(b"\n") * WIDEST > len(head):
         return None
     lines = [line.strip() for line in decoded(data).splitlines() if line.strip()]
     plain = [line for line in lines if not line.startswith(MARKS[:3])]
