@@ -31,11 +31,12 @@ class Signal(NamedTuple):
 
 
 class Left(NamedTuple):
-    """A column that cannot be taken: why, and what to pass so that it can (empty: it is no signal)."""
+    """A column that cannot be taken: why, what to pass so that it can (empty: it is no signal), or may be a clock."""
 
     column: Column
     why: str
     ask: str = ""
+    clock: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,14 +78,17 @@ def choose(
     reasons = _grouped((f"{item.why}:", item.column) for item in left)
     if (signals and chosen is None) or not left:
         return Choice(signals, notes, tuple(f"left out, {reason}" for reason in reasons), ())
-    asked = _grouped((f"{item.why} ({item.ask}):", item.column) for item in left if item.ask)
+    asked = _named(((f"{item.why}; {item.ask}", item.column) for item in left if item.ask), "{columns}: {text}")
+    clocks = _named(((item.why, item.column) for item in left if item.clock), "{columns} is {text}")
     nothing = "no column is recognised as an inertial signal; choose with channels=['gx', '2'] (--channels gx,2)"
-    return Choice(signals, notes, () if asked else tuple(reasons), tuple(asked) or (nothing,))
+    return Choice(signals, notes, tuple(clocks) if asked else tuple(reasons), tuple(asked) or (nothing,))
 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
-    why = _no_signal(column, options) or _rises(column, options, pool)
-    return Left(column, why) if why else _resolved(column, options, _applies(column, options))
+    why, rises = _no_signal(column, options), _rises(column, options, pool)
+    if why or rises:
+        return Left(column, why or rises, clock=not why)
+    return _resolved(column, options, _applies(column, options))
 
 
 def _chosen(column: Column, options: Options) -> Signal | Left:
@@ -183,8 +187,13 @@ def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
 
 
 def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
-    """One sentence for each text, with all its columns."""
+    """One sentence for each text, with all its columns behind it."""
+    return _named(items, "{text} {columns}")
+
+
+def _named(items: Iterable[tuple[str, Column]], form: str) -> list[str]:
+    """One sentence of this form for each text, with all its columns."""
     groups: dict[str, list[str]] = {}
     for text, column in items:
         groups.setdefault(text, []).append(repr(column.header or column.name))
-    return [f"{text} {', '.join(names)}" for text, names in groups.items()]
+    return [form.format(text=text, columns=", ".join(names)) for text, names in groups.items()]

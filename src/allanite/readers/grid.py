@@ -103,7 +103,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     label : str
         The column in messages.
     repeated : callable
-        Says which rows have the readings of the row before, shape (n - 1,); asked if stamps repeat.
+        Says which rows have the readings of the row before, shape (n - 1,) or (1,); asked if stamps repeat.
     """
     bad = ~np.isfinite(elapsed)
     if bad.any():
@@ -114,7 +114,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
         what = f"all stamps of {label} are equal"
         return Grid(findings=(finding("constant stamps", what),), trouble=what)
     equal = steps == 0
-    if equal.any() and bool(repeated()[equal].all()):
+    if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
         return _without(np.flatnonzero(np.concatenate(([True], ~equal))), elapsed, label)
     if steps.min() < 0:
         return _reversed(elapsed, steps, label)

@@ -67,9 +67,9 @@ class Table:
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
-    """Which rows have the readings of the row before in every column, shape (n - 1,)."""
+    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) if there are no columns."""
     same = [column.values[1:] == column.values[:-1] for column in columns]
-    return np.logical_and.reduce(same) if same else np.zeros(0, dtype=bool)
+    return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 
 
 def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
