@@ -48,7 +48,7 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     record = recording["gx"]
     assert (record.size, record.rate) == (1050, pytest.approx(100.0))
     assert np.flatnonzero(np.isnan(record.values)).tolist() == list(range(600, 650))
-    assert record.history == ("50 lost readings marked as gaps, by the stamps",)
+    assert record.history == ("50 lost readings marked as gaps",)
     finding = only(recording, "lost samples")
     assert finding.place == pytest.approx((6.0, 6.5))
     for words in ("50 samples", "4.8 %", "1 gap", "0.5 s", "at 6 s", "--from", "--time none"):
@@ -85,7 +85,9 @@ def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
 def test_a_clock_that_is_set_back_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
-    with pytest.raises(DataError, match="1 stamps? of column 'time \\[s\\]' go(es)? back in time, the first at row 501") as caught:
+    with pytest.raises(
+        DataError, match=r"1 stamp of column 'time \[s\]' is earlier than the one before, the first in row 501"
+    ) as caught:
         read(stamped(stamps))
     assert "--rate" in str(caught.value)
     finding = only(read(stamped(stamps), rate=100), "reversed stamps")
@@ -95,7 +97,7 @@ def test_a_clock_that_is_set_back_is_refused(stamped):
 def test_a_clock_that_is_set_forward_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[3:] += 1.7e9
-    with pytest.raises(DataError, match="jump by 1.7e\\+09 s before row 4 of the data"):
+    with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
         read(stamped(stamps))
 
 
@@ -114,7 +116,7 @@ def test_a_second_that_is_missing_from_whole_seconds(stamped):
 
 
 def test_constant_stamps_are_asked_around(stamped):
-    with pytest.raises(UsageError, match="all stamps .* are equal .*--rate 100"):
+    with pytest.raises(UsageError, match=r"all stamps .* are equal .*--rate 100"):
         read(stamped(np.zeros(50)))
     only(read(stamped(np.zeros(50)), rate=100), "constant stamps")
 
@@ -122,7 +124,7 @@ def test_constant_stamps_are_asked_around(stamped):
 def test_missing_stamps(stamped):
     stamps = np.arange(50.0)
     stamps[7] = np.nan
-    with pytest.raises(DataError, match="no stamp in 1 of 50 rows, the first at row 8"):
+    with pytest.raises(DataError, match="no stamp in 1 of 50 rows, the first is row 8"):
         read(stamped(stamps))
 
 
@@ -153,7 +155,7 @@ def test_rows_out_of_order(stamped):
     stamps = np.arange(200) * 0.01
     stamps[[50, 51]] = stamps[[51, 50]]
     recording = read(stamped(stamps))
-    assert "row 52 of the data by 0.01 s" in only(recording, "reversed stamps").what
+    assert "row 52 of the data by 10 ms" in only(recording, "reversed stamps").what
     plain = read(stamped(np.arange(200) * 0.01))["gx"].values
     assert recording["gx"].values[[50, 51]].tolist() == plain[[51, 50]].tolist()
 
@@ -174,7 +176,10 @@ def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
     k = np.arange(500)
     received = np.sort(k * 0.025 + rng.uniform(0, 0.04, 500))
     path = tmp_path / "bag.csv"
-    rows = (f"{a:.6f},{b:.6f},{c:d},{x:.3f}\n" for a, b, c, x in zip(received, k / 40, k // 40, rng.normal(size=500)))
+    rows = (
+        f"{a:.6f},{b:.6f},{c:d},{x:.3f}\n"
+        for a, b, c, x in zip(received, k / 40, k // 40, rng.normal(size=500), strict=True)
+    )
     path.write_text(CLOCKS + "\n" + "".join(rows))
     recording = read(path)
     assert recording["gx"].rate == pytest.approx(40.0)
@@ -195,7 +200,7 @@ def counted(tmp_path, steps, header="Packet number,gx [deg/s]", row="{count},{va
 def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     steps = np.tile([1, 2, 1, 3], 100)
     path = counted(tmp_path, steps)
-    with pytest.raises(UsageError, match="counter column 'Packet number' says which samples were lost.*--rate 100"):
+    with pytest.raises(UsageError, match=r"counter column 'Packet number' says which samples were lost.*--rate 100"):
         read(path)
     recording = read(path, rate=100)
     assert recording.channels == ("gx",)
@@ -223,7 +228,8 @@ def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(tmp_path):
     stamps = counts // 20 * 0.2 + 0.001 * (counts % 20)
     stamps[-1] = counts[-1] * 0.01
     path.write_text(
-        "time,seq,gx [deg/s]\n" + "".join(f"{t:.3f},{c},{k % 3}.5\n" for k, (t, c) in enumerate(zip(stamps, counts)))
+        "time,seq,gx [deg/s]\n"
+        + "".join(f"{t:.3f},{c},{k % 3}.5\n" for k, (t, c) in enumerate(zip(stamps, counts, strict=True)))
     )
     recording = read(path)
     assert recording["gx"].rate == pytest.approx(100.0)

@@ -306,7 +306,9 @@ def test_a_recording_on_one_line(write, delimiter, name):
 
 def test_a_channel_on_each_line(write):
     values = np.random.default_rng(1).normal(size=(3, 2000)).round(5)
-    text = "".join(" ".join([f"g{axis}", *map(repr, row)]) + "\n" for axis, row in zip("xyz", values.tolist(), strict=True))
+    text = "".join(
+        " ".join([f"g{axis}", *map(repr, row)]) + "\n" for axis, row in zip("xyz", values.tolist(), strict=True)
+    )
     recording = read(write("# a matrix\n" + text), rate=100, unit="deg/s")
     assert recording.channels == ("gx", "gy", "gz")
     assert np.array_equal([record.values for record in recording], values)
@@ -331,7 +333,9 @@ def test_blank_lines_between_rows(write):
 
 
 def test_ids_of_sensors_between_the_columns(write):
-    text = lines(NOISE, lambda k, a, b, c, d, e, f: f"{k * 0.01:.2f}, 3, {a}, {b}, {c}, 4, {d}, {e}, {f}, 5, 1.5, 2.5, {a}")
+    text = lines(
+        NOISE, lambda k, a, b, c, d, e, f: f"{k * 0.01:.2f}, 3, {a}, {b}, {c}, 4, {d}, {e}, {f}, 5, 1.5, 2.5, {a}"
+    )
     recording = read(write(text), time="1", unit="rad/s", channels=["sensor 4 x", "sensor 4 z"])
     assert np.array_equal(recording["sensor 4 x"].values, NOISE[:, 3])
     assert np.array_equal(recording["sensor 4 z"].values, NOISE[:, 5])
@@ -340,7 +344,9 @@ def test_ids_of_sensors_between_the_columns(write):
 
 
 def test_a_row_for_each_sensor(write):
-    text = lines(NOISE, lambda k, a, b, c, d, e, f: f"4,{k * 0.01:.2f},{a},{b},{c}\n3,{k * 0.01 + 0.001:.3f},{d},{e},{f}")
+    text = lines(
+        NOISE, lambda k, a, b, c, d, e, f: f"4,{k * 0.01:.2f},{a},{b},{c}\n3,{k * 0.01 + 0.001:.3f},{d},{e},{f}"
+    )
     recording = read(write("id,t [s],x,y,z\n" + text), unit="rad/s", channels=["4 x", "4 z"])
     assert np.array_equal(recording["4 z"].values, NOISE[:, 2])
     assert recording[0].rate == pytest.approx(100.0)
@@ -351,7 +357,8 @@ def test_a_row_for_each_sensor(write):
 
 def test_rows_of_sensors_with_different_rates(write):
     text = lines(
-        NOISE, lambda k, a, b, c, d, e, f: f"GYRO,{k * 10},{a},{b},{c}" + (f"\nMAG,{k * 10 + 3},{d},{e},{f}" if k % 3 else "")
+        NOISE,
+        lambda k, a, b, c, d, e, f: f"GYRO,{k * 10},{a},{b},{c}" + (f"\nMAG,{k * 10 + 3},{d},{e},{f}" if k % 3 else ""),
     )
     path = write("sensor,t_ms,x,y,z\n" + text)
     recording = read(path, unit="deg/s")
@@ -385,7 +392,8 @@ STAMPS = {
 def test_dates_in_words(write, shape):
     header, form = STAMPS[shape]
     rows = [
-        form.format(s=k / 50, v=value, c=f"{k // 50:02d}:{k % 50 * 20:03d}") for k, value in enumerate(NOISE.ravel().tolist())
+        form.format(s=k / 50, v=value, c=f"{k // 50:02d}:{k % 50 * 20:03d}")
+        for k, value in enumerate(NOISE.ravel().tolist())
     ]
     recording = read(write("\n".join([*([header] if header else []), *rows]) + "\n"), unit="deg/s")
     assert recording[0].rate == pytest.approx(50.0)

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 GAIN = 0.1
-"""Share of a stamp's departure by which the level follows: jitter is averaged over some 20 stamps, drift is followed."""
+"""Share of a stamp's departure by which the level follows: jitter is averaged over 20 stamps, drift is followed."""
 
 
 @njit(cache=True, nogil=True)

@@ -15,7 +15,7 @@ LONGEST = 1 << 18
 """Readings that are looked at, in the middle of the record."""
 
 DEPTH = 0.08
-"""Relative swelling of the fast noise's power from which a record is called resampled; halves of 1 mean 0.3 and more."""
+"""Relative swelling of the fast noise's power from which a record is called resampled; interpolation makes 0.3."""
 
 CONSEQUENCE = "neighbours are not independent, and what is read at the shortest averaging times is the resampling"
 REMEDY = "analyse what the sensor put out, at its own rate"
@@ -36,7 +36,7 @@ def _held(view: View) -> Finding | None:
         return None
     between = np.diff(same)
     usual = float(between.mean())
-    # by chance the distances spread as widely as their mean; by a beat of two clocks they are one number or its neighbour
+    # by chance distances spread as widely as their mean; by the beat of two clocks they are a number or its neighbour
     if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
         return None
     rate = view.rate * (1 - same.size / view.steps.size)

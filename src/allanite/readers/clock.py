@@ -1,4 +1,4 @@
-"""The sampling rate: from the user, from the file, or from an even column of stamps; never a guess."""
+"""The sampling rate: from the user, from the file, from stamps or a counter; never a guess."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,14 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
+from allanite.errors import DataError
 from allanite.record import FloatArray
 from allanite.units import unit_of
 
-from . import counter, headers
-from .column import Column, lookup
-from .faults import ROWS
-from .grid import Grid, fit, seconds_since, steadiness
+from . import counter
+from .clocks import Sources
+from .column import Column
+from .grid import ONE_AFTER_THE_OTHER, Grid
+from .stamps import fit, seconds_since
+
+ROWS = "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file"
 
 PLAUSIBLE = (0.5, 20e3)
 """Rates, Hz, between which the unit of integer stamps is looked for."""
@@ -33,78 +36,7 @@ class Beat:
     start: float | None = None
     notes: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
-    grid: Grid = Grid()
-
-
-@dataclass(frozen=True, eq=False)
-class Sources:
-    """Whatever may tell the rate: the stamps and their unit, a counter of samples, a rate that the file states."""
-
-    stamps: Column | None = None
-    unit: str = ""
-    counter: Column | None = None
-    rate: float | None = None
-    source: str = ""
-    notes: tuple[str, ...] = ()
-
-
-def find(
-    columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, ...] | None
-) -> Sources:
-    """The column of stamps and its unit, and the counter of samples; neither if the user wants none.
-
-    Raises
-    ------
-    UsageError
-        The column that the user names does not exist, is a chosen channel, or its unit is not one of time.
-    """
-    free = [column for column in columns if chosen is None or column not in chosen]
-    if option is None:
-        column, note = _by_name(free)
-        unit = _said(column) if column else ""
-        return Sources(column, unit, counter.find(free, column), notes=(note,) if note else ())
-    if option.strip().lower() == "none":
-        return Sources()
-    name, unit = option, ""
-    if not any(option.strip() in (column.name, column.header) for column in columns):
-        name, _, rest = option.partition("[")
-        unit = rest.strip(" ]")
-    column = lookup(columns, name)
-    if chosen is not None and column in chosen:
-        raise UsageError(f"{column.label} is asked for as time and as a channel")
-    if unit and not headers.is_time(unit):
-        raise UsageError(f"{unit!r} is not a unit of time; for example time='{name.strip()}[us]' with s, ms, us or ns")
-    return Sources(column, unit or _said(column), counter.find(free, column))
-
-
-def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
-    """The clock among the columns: the steadiest of those whose names or units say time, and the words about it."""
-    ranked = [(_rank(column), column) for column in columns if not column.text and _may_be_clock(column)]
-    clocks = [(rank, column) for rank, column in ranked if rank < 2]
-    if len(clocks) < 2:
-        return (clocks[0][1], "") if clocks else (None, "")
-    judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
-    best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
-    said = ", ".join(f"{column.label} {how}" for how, _, _, column in judged)
-    return best[3], f"{best[3].label} is taken as the clock, of {len(clocks)} that the file has: {said}"
-
-
-def _rank(column: Column) -> int:
-    """How surely a column is a clock: a unit of time makes one of any name, a unit of something else forbids it."""
-    rank = headers.clock_rank(column.name)
-    if _said(column):
-        return 0 if rank < 2 else 1
-    return 2 if column.unit else rank
-
-
-def _may_be_clock(column: Column) -> bool:
-    """A capital T is a temperature unless it rises at every row."""
-    return column.name != "T" or bool(np.all(np.diff(column.values) > 0))
-
-
-def _said(column: Column) -> str:
-    """The unit of time that the header says; empty if it says none."""
-    return column.unit if headers.is_time(column.unit) else headers.clock_unit(column.name) if not column.unit else ""
+    grid: Grid = ONE_AFTER_THE_OTHER
 
 
 def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
@@ -145,7 +77,9 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
             return Beat(questions=(f"{grid.trouble} and give no rate: {ASK}",))
         raise DataError(f"{grid.trouble}; {ROWS}, or time=... (--time) for another column")
     if grid.trouble:
-        return Beat(float(given or 0), notes=(*first, f"{grid.trouble}; the rows are taken as evenly spaced"), grid=grid)
+        return Beat(
+            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are taken as evenly spaced"), grid=grid
+        )
     notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
     origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
     return Beat(given or 1 / grid.interval, float(origin) * unit_of(unit).factor, (*first, *again, *notes), (), grid)
@@ -154,7 +88,7 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
 def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
     """What can be said without stamps: losses by a counter, if the rate is given."""
     if given:
-        return Beat(given, notes=notes, grid=counter.grid(column, 1 / given) or Grid())
+        return Beat(given, notes=notes, grid=counter.grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
     hint = "" if column is None else f" (the counter {column.label} says which samples were lost, but not their rate)"
     return Beat(questions=(f"the file does not say its sampling rate{hint}: {ASK}",))
 

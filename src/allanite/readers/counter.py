@@ -7,9 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column
-from .grid import MOST_LOST, Grid, Places, lost_samples
+from .faults import lost_samples
+from .grid import Grid, Places
+from .stamps import MOST_LOST
 
-_NAME = re.compile(r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)")
+_NAME = re.compile(
+    r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)"
+)
 _WRAPS = (8, 16, 32, 31)
 
 

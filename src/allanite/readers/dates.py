@@ -14,7 +14,7 @@ TIME = (
     r"(?:\s*(?:Z|UTC|[-+]\d{2}:?\d{2}))?"
 )
 PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
-"""Regular expressions of Python and of pyarrow alike; the parts are year, month, day, hour, minute, second, fraction."""
+"""Regular expressions of Python and of pyarrow alike; parts are year, month, day, hour, minute, second, fraction."""
 
 DAY = 86_400 * 10**9
 
@@ -86,7 +86,9 @@ def _days(year: Values, month: Values, day: Values, label: str) -> Values:
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
         raise DataError(f"{label} holds dates with a month {month.max()} or a day {day.max()}")
     months = (year - 1970) * 12 + np.maximum(month, 1) - 1
-    return months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
+    return np.asarray(
+        months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
+    )
 
 
 def _hours(hours: Values, half: Any) -> Values:
@@ -95,19 +97,7 @@ def _hours(hours: Values, half: Any) -> Values:
 
     letter = pc.fill_null(pc.utf8_lower(half), "")
     after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
-    return np.where(after | before, hours % 12 + 12 * after, hours)
-
-
-def together(date: Values, time: Values) -> Values:
-    """Nanoseconds of the epoch from dates and times of day.
-
-    Examples
-    --------
-    >>> days = np.array(["2018-04-25"] * 2, dtype="datetime64[D]")
-    >>> np.diff(together(days, np.array([1, 3], dtype="timedelta64[s]").astype("timedelta64[ns]")))
-    array([2000000000])
-    """
-    return np.asarray((date.astype("datetime64[ns]") + time).astype(np.int64))
+    return np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
 
 
 def past_midnight(time: Values) -> Values:

@@ -54,7 +54,9 @@ def find(data: bytes) -> Layout:
     lines = _lines(data)
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
     delimiter, decimal = style(
-        [*plain[:1], *plain[-200:]] if plain else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
+        [*plain[:1], *plain[-200:]]
+        if plain
+        else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
     )
     marks = MARKS[:3] if delimiter == ";" else MARKS
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]

@@ -82,7 +82,9 @@ def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
         body = re.sub(pattern, b"", bytes(body), flags=re.MULTILINE)
     if layout.delimiter == " ":
         return _single_blanks(bytes(body))
-    if _holds(data, b" \n", layout.offset) or _holds(data, b" \r\n", layout.offset):  # a line of blanks is an empty one, and no row with one cell
+    if _holds(data, b" \n", layout.offset) or _holds(
+        data, b" \r\n", layout.offset
+    ):  # a line of blanks is an empty one, and no row with one cell
         body = re.sub(rb"^ +(?=\r?$)", b"", bytes(body), flags=re.MULTILINE)
     return body
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.errors import DataError, UsageError
 from allanite.record import Record, Recording
 
-from . import channels, clock
+from . import channels, clock, clocks
 from .column import Column, unique
 from .options import Options
 
@@ -49,9 +49,7 @@ class Table:
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
-        sources = replace(
-            clock.find(table.columns, options.time, chosen), rate=table.rate, source=table.rate_source
-        )
+        sources = replace(clocks.find(table.columns, options.time, chosen), rate=table.rate, source=table.rate_source)
         time = sources.stamps
         choice = channels.choose(table.columns, options, chosen, time)
         signals = [signal.column for signal in choice.signals]
@@ -67,7 +65,7 @@ class Table:
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
-    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) if there are no columns."""
+    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) without a column."""
     same = [column.values[1:] == column.values[:-1] for column in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 

@@ -1,7 +1,7 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -82,20 +82,22 @@ def _columns(
     return columns, tags, notes
 
 
-def _dated(
-    values: list[parse.Parsed], names: list[str]
-) -> tuple[list[parse.Parsed], list[str], tuple[str, ...]]:
+def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Parsed], list[str], tuple[str, ...]]:
     """A column of dates beside one of times of day becomes one of stamps; so does one of times alone."""
-    kinds = [entry.dtype.str[1:2] + entry.dtype.str[3:] if isinstance(entry, np.ndarray) else "" for entry in values]
-    for day, time in ((i, j) for i in range(len(kinds)) for j in (i + 1, i - 1) if 0 <= j < len(kinds)):
-        if kinds[day].startswith("M[D]") and kinds[time].startswith("m[ns]"):
-            stamps = (values[day] + values[time]).astype("datetime64[ns]")
+    for day, time in ((i, j) for i in range(len(values)) for j in (i + 1, i - 1) if 0 <= j < len(values)):
+        date, clock = values[day], values[time]
+        if _is(date, "datetime64[D]") and _is(clock, "timedelta64[ns]"):
+            stamps = date.astype("datetime64[ns]") + clock
             first, second = sorted((day, time))
             label = " ".join(filter(None, (names[first], names[second])))
             values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
             names = [label if i == first else name for i, name in enumerate(names)]
             return values, names, (f"columns {first + 1} and {second + 1} are taken as date and time of day",)
     return values, names, ()
+
+
+def _is(values: parse.Parsed, dtype: str) -> TypeGuard[parse.Values]:
+    return isinstance(values, np.ndarray) and values.dtype == dtype
 
 
 def _column(values: Any, place: int, name: str, unit: str) -> Column:
