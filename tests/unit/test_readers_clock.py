@@ -51,7 +51,7 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     assert record.history == ("50 lost readings marked as gaps",)
     finding = only(recording, "lost samples")
     assert finding.place == pytest.approx((6.0, 6.5))
-    for words in ("50 samples", "4.8 %", "1 gap", "0.5 s", "at 6 s", "--from", "--time none"):
+    for words in ("50 samples", "4.8 %", "1 gap", "of 0.5 s at 6 s", "--from", "--time none"):
         assert words in str(finding)
     assert any("50 lost intervals counted" in note for note in recording.notes)
     closed = read(stamped(stamps), time="none", rate=100)
@@ -99,6 +99,7 @@ def test_a_clock_that_is_set_forward_is_refused(stamped):
     stamps[3:] += 1.7e9
     with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
         read(stamped(stamps))
+    assert "closed up" in only(read(stamped(stamps), rate=100), "lost samples").consequence
 
 
 def test_stamps_of_whole_seconds(stamped):

@@ -154,7 +154,7 @@ def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
     if not kind and len(fits) > 1:
         return Left(
             column,
-            f"{unit!r} does not say what a reading is",
+            f"{unit!r} does not say what a reading is (kind does, or unit {unit}/s if it is a rate)",
             f"pass kind='{fits[0]}' (--kind {fits[0]}): {explain_kinds()}",
         )
     scale = options.scale if applies and options.scale is not None else column.scale if kept else None

@@ -17,7 +17,10 @@ from .column import Column
 from .grid import ONE_AFTER_THE_OTHER, Grid
 from .stamps import fit, seconds_since
 
-ROWS = "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file"
+ROWS = (
+    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until to stay "
+    "on one side"
+)
 
 PLAUSIBLE = (0.5, 20e3)
 """Rates, Hz, between which the unit of integer stamps is looked for."""
@@ -68,6 +71,8 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     stamps, wrapped = counter.unwrapped(column.values)
     again = (f"{column.label} starts again at 2^{wrapped}: it was continued",) if wrapped else ()
     unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
+    if not unit and not np.any(stamps != stamps[0]):
+        unit = "s"  # stamps that are all equal are so in any unit
     if not unit:
         return Beat(given, notes=first) if given else Beat(questions=(_ask_unit(column),))
     elapsed = seconds_since(stamps, unit)

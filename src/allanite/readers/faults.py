@@ -125,8 +125,11 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
     )
     lost = int((gaps[holes] - 1).sum())
     count = f"{lost} sample{'s' * (lost > 1)} ({100 * lost / (places[-1] + 1):.2g} %) lost in {holes.size} "
-    where = f"gap{'s' * (holes.size > 1)}, {source}, the first at {first.at:.6g} s"
-    most = f", the longest of {longest.size * interval:.4g} s at {longest.at:.6g} s" if lost > 1 else ""
+    size = f" of {first.size * interval:.4g} s" if first.size > 1 else ""
+    where = f"gap{'s' * (holes.size > 1)}, {source}, the first{size} at {first.at:.6g} s"
+    most = (
+        f", the longest of {longest.size * interval:.4g} s at {longest.at:.6g} s" if longest.size > first.size else ""
+    )
     return finding("lost samples", count + where + most, (first.at, float(places[holes[-1] + 1]) * interval))
 
 

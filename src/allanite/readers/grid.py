@@ -51,7 +51,10 @@ class Grid:
     def history(self) -> tuple[str, ...]:
         """What putting rows on the grid does to a record."""
         lost = (f"{self.lost} lost readings marked as gaps",) if self.lost else ()
-        return (*(() if self.rows is None else ("rows put in the order of their stamps, each once",)), *lost)
+        if self.rows is None:
+            return lost
+        done = "repeated rows left out" if np.all(np.diff(self.rows) > 0) else "rows put in the order of their stamps"
+        return (done, *lost)
 
     def put(self, values: NDArray[Any]) -> NDArray[Any]:
         """The readings on the grid, NaN where one is lost."""

@@ -84,7 +84,8 @@ def _reversed(stamps: Stamps) -> Grid:
     grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
     if grid is not None:
         said = "sorted they follow an even grid: the rows stand out of order, and were put in the order of time"
-        return replace(grid, rows=order, findings=(finding("reversed stamps", what, consequence=said), *grid.findings))
+        found = finding("reversed stamps", what, consequence=said, remedy="check the logger")
+        return replace(grid, rows=order, findings=(found, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
         return Grid(stamps.mean, findings=(finding("reversed stamps", what),))
     cause = "a clock that was set, two recordings in one file, or rows out of order"
@@ -160,10 +161,12 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
         return Grid(findings=(*found, finding("duplicate stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
-        return Grid(
-            trouble=f"the stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, "
-            f"and {100 * lost / int(places[-1]):.4g} % of all samples would be missing: a clock that was set, or a "
-            "logger that was stopped"
+        what = (
+            f"the stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, and "
+            f"{100 * lost / int(places[-1]):.4g} % of all samples would be missing: a clock that was set, or a logger "
+            "that was stopped"
         )
+        closed = finding("lost samples", what, consequence="the rows are taken as evenly spaced, the jump is closed up")
+        return Grid(findings=(*found, closed), trouble=what)
     holes = (lost_samples(places, interval, f"by the stamps of {stamps.label}"),) if lost else ()
     return Grid(interval, None, places if lost else None, (*holes, *found))
