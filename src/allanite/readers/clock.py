@@ -18,8 +18,8 @@ from .grid import ONE_AFTER_THE_OTHER, Grid
 from .stamps import fit, seconds_since
 
 ROWS = (
-    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until to stay "
-    "on one side"
+    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until around "
+    "the place"
 )
 
 PLAUSIBLE = (0.5, 20e3)
