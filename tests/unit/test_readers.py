@@ -111,11 +111,10 @@ def test_useless_content_is_refused_in_words(write, name, content):
     assert len(str(caught.value)) > 40
 
 
-def test_an_enormous_line_is_refused(write):
+def test_rows_of_thousands_of_numbers_are_refused(write):
+    row = b"1.5," * 1500
     with pytest.raises(DataError, match="one row for each sample"):
-        read(write(b"1.5," * 500_000), rate=100, unit="deg/s")
-    with pytest.raises(DataError, match="one row for each sample"):
-        read(write(b"1.5," * 5_000), rate=100, unit="deg/s")
+        read(write((row + b"\n") * 2000), rate=100, unit="deg/s")
 
 
 @pytest.mark.parametrize("rate", [0, -1.0, float("nan"), float("inf"), "100", True, [100]])

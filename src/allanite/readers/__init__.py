@@ -45,12 +45,13 @@ def read(
     Returns
     -------
     Recording
-        With `source`, the sha256 `digest` of the file and `notes`. Integers stay integers; an empty cell is NaN.
+        With `source`, the sha256 `digest` of the file, `notes`, and in `findings` what is wrong with its clock.
+        Integers stay integers; an empty cell is NaN, and so is a reading that was lost by the stamps or a counter.
 
     Raises
     ------
     DataError
-        The file cannot be read, or its stamps follow no even grid and no rate is given.
+        The file cannot be read, or its stamps go back or jump so that they give no rate, and none is given.
     UsageError
         Rate, unit or kind is neither in the file nor given; a column does not exist; an option is impossible.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.errors import DataError, UsageError
 from allanite.record import Record, Recording
 
-from . import channels, clock
+from . import channels, clock, clocks
 from .column import Column, unique
 from .options import Options
 
@@ -49,15 +49,25 @@ class Table:
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
-        time, option_unit = clock.find(table.columns, options.time, chosen)
+        sources = replace(clocks.find(table.columns, options.time, chosen), rate=table.rate, source=table.rate_source)
+        time = sources.stamps
         choice = channels.choose(table.columns, options, chosen, time)
-        _demand_rows([*(signal.column for signal in choice.signals), *([time] if time else [])])
-        beat = clock.beat(time, option_unit, options.rate, (table.rate, table.rate_source))
+        signals = [signal.column for signal in choice.signals]
+        _demand_rows([*signals, *([time] if time else [])])
+        beat = clock.beat(sources, options.rate, lambda: _repeated(signals))
         questions = [*beat.questions, *choice.questions]
         if questions:
             raise UsageError("; ".join((*questions, *choice.left)))
         records = tuple(_record(signal, beat) for signal in choice.signals)
-        return Recording(records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left))
+        return Recording(
+            records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left), findings=beat.grid.findings
+        )
+
+
+def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
+    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) without a column."""
+    same = [column.values[1:] == column.values[:-1] for column in columns]
+    return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 
 
 def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
@@ -65,7 +75,12 @@ def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
     # a float this large turns into another integer without a word
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
         raise DataError(f"{signal.column.label} holds counts beyond the range of 64-bit integers; use kind='increment'")
-    return Record(values, beat.rate, signal.unit, signal.kind, signal.scale, name=name, start=beat.start)
+    put, kind = beat.grid.put(values), signal.kind
+    if beat.grid.lost and kind == "count":  # a gap is no integer: the same numbers, as increments
+        kind = "increment"
+    return Record(
+        put, beat.rate, signal.unit, kind, signal.scale, name=name, start=beat.start, history=beat.grid.history
+    )
 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
