@@ -83,7 +83,8 @@ def choose(
 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
-    why = _no_signal(column, options) or _rises(column, options, pool)
+    # a file that says what the readings of a column are needs no reading of names
+    why = "" if column.kind else _no_signal(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, _applies(column, options))
 
 
@@ -136,7 +137,7 @@ def _applies(column: Column, options: Options) -> bool:
 
 
 def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
-    said = _said(column) if headers.inertial(column.unit) else ""
+    said = _said(column) if column.kind or headers.inertial(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
         return Left(column, "the unit is not known", ASK_UNIT)
@@ -155,7 +156,7 @@ def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
             f"{unit!r} does not say what a reading is",
             f"pass kind='{fits[0]}' (--kind {fits[0]}): {explain_kinds()}",
         )
-    scale = options.scale if applies and options.scale is not None else column.scale if kept else None
+    scale = options.worth if applies and options.scale is not None else column.scale if kept else None
     return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 

@@ -26,12 +26,15 @@ class Table:
         Sampling rate in Hz, if the file states one, and where it does.
     notes : tuple of str
         What was assumed when the file was taken apart.
+    start : float, optional
+        Time of the first sample, s, if the file states one.
     """
 
     columns: tuple[Column, ...]
     rate: float | None = None
     rate_source: str = ""
     notes: tuple[str, ...] = field(default=())
+    start: float | None = None
 
     def recording(self, options: Options) -> Recording:
         """The channels as records on one clock.
@@ -49,23 +52,26 @@ class Table:
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
-        time, option_unit = clock.find(table.columns, options.time, chosen)
+        # a column of which the file says what its readings are is a clock only if the user says so
+        open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
+        time, option_unit = clock.find(open_, options.time, chosen)
         choice = channels.choose(table.columns, options, chosen, time)
         _demand_rows([*(signal.column for signal in choice.signals), *([time] if time else [])])
         beat = clock.beat(time, option_unit, options.rate, (table.rate, table.rate_source))
         questions = [*beat.questions, *choice.questions]
         if questions:
             raise UsageError("; ".join((*questions, *choice.left)))
-        records = tuple(_record(signal, beat) for signal in choice.signals)
+        records = tuple(_record(signal, beat, table.start) for signal in choice.signals)
         return Recording(records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left))
 
 
-def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
+def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:
     values, name = signal.column.values, signal.column.name
+    start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large turns into another integer without a word
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
         raise DataError(f"{signal.column.label} holds counts beyond the range of 64-bit integers; use kind='increment'")
-    return Record(values, beat.rate, signal.unit, signal.kind, signal.scale, name=name, start=beat.start)
+    return Record(values, beat.rate, signal.unit, signal.kind, signal.scale, name=name, start=start, history=history)
 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:

@@ -5,7 +5,7 @@ from pathlib import Path
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from . import layout, parse
+from . import csv_file, layout, parse
 from .column import Column, headed
 from .options import Options
 from .table import Table
@@ -42,7 +42,8 @@ def read(path: str, options: Options) -> Recording:
         )
     values, notes = parse.columns(data, found)
     columns = (_column(v, i, found) for i, v in enumerate(values) if v is not None)
-    return Table(tuple(columns), notes=(*found.notes, *notes)).recording(options)
+    table = csv_file.with_description(Table(tuple(columns), notes=(*found.notes, *notes)), data)
+    return table.recording(options)
 
 
 def _plain(data: bytes) -> bytes:
