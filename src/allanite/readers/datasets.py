@@ -130,6 +130,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
         raise DataError(f"the file holds no array of readings, with a row for each sample{seen}")
     places = _places(series)
     family = series if text else _chosen(_families(series), options, places)
+    options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
     notes = [*notes, *([f"left out, of other length, clock or shape: {', '.join(left[:20])}"] if left else [])]
     stem = posixpath.commonpath([dataset.parent or "." for dataset in family])
@@ -141,7 +142,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
         columns += [_column(piece, position, dataset.unit, stem) for position, piece in pieces]
     rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
     table = restored(Table(tuple(columns), rate, source, tuple(notes)), text)
-    return table.recording(_spelled_out(options, family))
+    return table.recording(options)
 
 
 def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> Column:
@@ -202,12 +203,19 @@ def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> 
     return False
 
 
-def _spelled_out(options: Options, family: Family) -> Options:
-    """The options with the columns of each dataset that is named as a whole."""
-    if options.channels is None:
+def _narrowed(options: Options, family: Family) -> tuple[Options, Family]:
+    """What to look for where: of datasets that are named as a whole, every column that may be a signal."""
+    keys = [key.strip("/") for key in options.channels or ()]
+    whole = [[d for d in family if key in (d.path, d.leaf) and len(d.headers) > 1] for key in keys]
+    if not keys or not all(len(found) == 1 for found in whole):
+        return _spelled_out(options, keys, whole), family
+    named = [found[0] for found in whole]
+    return replace(options, channels=None), [d for d in family if d in named or d.is_clock]
+
+
+def _spelled_out(options: Options, keys: list[str], whole: list[Family]) -> Options:
+    """The options with the columns of each dataset that is named beside lone columns."""
+    if not any(len(found) == 1 for found in whole):
         return options
-    names = list[str]()
-    for key in options.channels:
-        whole = [d for d in family if key.strip("/") in (d.path, d.leaf) and len(d.headers) > 1]
-        names += whole[0].headers if len(whole) == 1 else [key]
-    return replace(options, channels=tuple(names))
+    names = [found[0].headers if len(found) == 1 else (key,) for key, found in zip(keys, whole, strict=True)]
+    return replace(options, channels=tuple(name for group in names for name in group))

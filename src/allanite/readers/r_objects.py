@@ -22,9 +22,10 @@ LONGEST = 10_000_000
 _TEXT_END = -1
 _NA = np.int32(-(2**31))
 _SYMBOL, _PAIRS, _ENVIRONMENT, _LETTERS, _TEXTS, _LIST, _EXPRESSION = 1, 2, 4, 9, 16, 19, 20
-_POINTER, _WEAK, _S4, _ALTERNATIVE, _PACKAGE, _NAMESPACE, _REFERENCE = 22, 23, 25, 238, 247, 249, 255
+_POINTER, _WEAK, _S4, _ALTERNATIVE, _PACKAGE, _NAMESPACE, _REFERENCE = 22, 23, 25, 238, 248, 249, 255
 _LIKE_PAIRS = (_PAIRS, 3, 5, 6, 17)  # closures, promises, calls and dots are stored as pairs
 _EMPTY = (0, 241, 242, 250, 251, 252, 253, 254)
+_WITHOUT_ATTRIBUTES = (*_EMPTY, _SYMBOL, _REFERENCE, _ENVIRONMENT, _NAMESPACE, _PACKAGE, _ALTERNATIVE)
 _NUMBERS = {13: ">i4", 14: ">f8"}
 _OTHER_VECTORS = {10: 4, 15: 16, 24: 1}  # logical, complex, bytes: their sizes
 
@@ -90,7 +91,7 @@ class _Reader:
         if kind in _LIKE_PAIRS:
             return self._pairs(flags, depth)
         made = self._value(kind, flags, depth)
-        if flags & 0x200 and kind not in (_LETTERS, *_EMPTY):
+        if flags & 0x200 and kind not in _WITHOUT_ATTRIBUTES:
             made.attributes = {**made.attributes, **dict(self.item(depth + 1).pairs)}
         return made
 
