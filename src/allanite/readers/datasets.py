@@ -197,7 +197,8 @@ def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> 
     wanted = {key.strip(" /").lower() for key in keys} | {key.partition("[")[0].strip(" /").lower() for key in keys}
     for dataset in family:
         numbers = range(places[dataset.path], places[dataset.path] + len(dataset.headers))
-        names = (dataset.path, dataset.leaf, *dataset.headers, *map(str, numbers))
+        short = (header.rpartition("/")[2] for header in dataset.headers)
+        names = (dataset.path, dataset.leaf, *dataset.headers, *short, *map(str, numbers))
         if wanted & {name.lower() for name in names}:
             return True
     return False
