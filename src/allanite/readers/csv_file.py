@@ -26,7 +26,7 @@ def write(recording: Recording, path: str) -> None:
 def with_description(table: Table, data: bytes) -> Table:
     """The table of a text with what the description in its first line says, if there is one."""
     match = _COMMENT.match(data)
-    return restored(table, match[1].decode()) if match else table
+    return restored(table, match[1]) if match else table
 
 
 def _plain(name: str) -> str:

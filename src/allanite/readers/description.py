@@ -59,7 +59,7 @@ def keys(recording: Recording) -> list[str]:
     return result
 
 
-def restored(table: Table, text: str) -> Table:
+def restored(table: Table, text: str | bytes) -> Table:
     """The columns with what a description says of them; one that does not fit them is not used, with a note."""
     if not text:
         return table

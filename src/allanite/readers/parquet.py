@@ -75,14 +75,14 @@ def _unpacked(metadata: Any) -> int:
     return sum(group.column(j).total_uncompressed_size for group in groups for j in range(group.num_columns))
 
 
-def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, str, set[str]]:
+def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
     """Sampling rate, our own description and the columns that are only an index, as far as the file has them."""
     rates = [said[name.encode()] for name in RATE_NAMES if name.encode() in said]
     try:
         rate = float(rates[0]) if rates else None
     except ValueError:
         rate = None
-    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b"").decode(), _index(said)
+    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b""), _index(said)
 
 
 def _index(said: dict[bytes, bytes]) -> set[str]:
