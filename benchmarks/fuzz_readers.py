@@ -223,7 +223,7 @@ def generator(name: str, k: int) -> np.random.Generator:
 
 
 def mutated(rng: np.random.Generator, data: bytes) -> bytes:
-    """`data` with one to five damages: bytes changed, zeroed, removed, put in or repeated, sizes made extreme, a cut."""
+    """`data` with one to five damages: bytes changed, zeroed, removed, inserted, repeated, extreme sizes, a cut."""
     changed = bytearray(data)
     for _ in range(rng.integers(1, 6)):
         at, way, size = int(rng.integers(0, max(1, len(changed)))), int(rng.integers(0, 8)), int(rng.integers(1, 60))

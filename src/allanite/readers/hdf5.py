@@ -1,5 +1,7 @@
 """HDF5 files, and MATLAB's MAT 7.3, which are HDF5 with every array transposed."""
 
+import math
+import os
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -69,7 +71,7 @@ def write(recording: Recording, path: str) -> None:
 def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], path: str, process: Process, matlab: bool) -> Dataset:
     where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
     dtype = _dtype(item["fields"])
-    load = partial(_loaded, process, (where, shape, dtype), path, matlab)
+    load = partial(_loaded, process, (where, shape, dtype, item["offset"]), path, matlab)
     unit, names = _said(item, texts)
     return Dataset(where, _turned(shape) if matlab else shape, dtype, load, unit=unit, names=names)
 
@@ -80,14 +82,15 @@ def _dtype(fields: Sequence[Sequence[Any]]) -> np.dtype[Any]:
 
 
 def _loaded(
-    process: Process, what: tuple[str, tuple[int, ...], np.dtype[Any]], path: str, matlab: bool
+    process: Process, what: tuple[str, tuple[int, ...], np.dtype[Any], int | None], path: str, matlab: bool
 ) -> NDArray[Any]:
-    where, shape, dtype = what
-    size = dtype.itemsize
-    for side in shape:
-        size *= side
+    where, shape, dtype, offset = what
+    size = math.prod(shape) * dtype.itemsize
     demand_size(size, path, f"dataset {where!r}")
-    array = process.load(where, shape, dtype)
+    if offset is not None and offset + size <= os.path.getsize(path):
+        array: NDArray[Any] = np.memmap(path, dtype, mode="r", offset=offset, shape=shape)
+    else:
+        array = process.load(where, shape, dtype)
     return array.T.reshape(_turned(shape)) if matlab else array
 
 

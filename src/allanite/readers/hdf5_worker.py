@@ -93,7 +93,8 @@ class Listing:
         elif _fields(kind) and not self._chunks_fit(dataset):
             sys.exit(f"the chunks {dataset.chunks} of {path!r} are larger than the file can hold")
         elif _fields(kind):
-            self.said["datasets"].append({"path": path, "shape": dataset.shape, "fields": _fields(kind), **said})
+            place = {"path": path, "shape": dataset.shape, "fields": _fields(kind), "offset": _offset(dataset)}
+            self.said["datasets"].append(said | place)
         else:
             self.said["left"].append(path)
 
@@ -118,6 +119,14 @@ def _fields(kind: Any) -> list[list[Any]]:
         fields = [(name, kind[name].base, kind[name].shape) for name in kind.names]
         return [[name, base.str, shape] for name, base, shape in fields if base.kind in "iuf" and not base.names]
     return [["", kind.str, ()]] if kind.kind in "iuf" else []
+
+
+def _offset(dataset: Any) -> int | None:
+    """Where the numbers of a dataset stand in the file, if they stand there as they are and in one piece."""
+    whole = dataset.size * dataset.dtype.itemsize
+    if dataset.chunks or dataset.dtype.names or dataset.compression or dataset.id.get_storage_size() != whole:
+        return None
+    return None if (offset := dataset.id.get_offset()) is None else int(offset)
 
 
 def _plain(value: Any) -> Any:

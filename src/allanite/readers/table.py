@@ -76,12 +76,13 @@ def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
     """Readings of any real type as native float64 or int64."""
+    copy = values.base is not None  # a part of a matrix, which it would keep, or of a file, which may change
     if values.dtype.kind in "iu":
         fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
-        return values.astype(np.int64 if fits else np.float64)
+        return values.astype(np.int64 if fits else np.float64, copy=copy)
     if values.dtype.kind == "f":
         with np.errstate(over="ignore"):
-            return values.astype(np.float64)
+            return values.astype(np.float64, copy=copy)
     raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
 
 
