@@ -192,23 +192,23 @@ SEEDS = {
         ),
         {},
     ),
-    "plain.npy": Seed(lambda: _saved(np.save, NUMBERS), ASKED, 100_000),
+    "plain.npy": Seed(lambda: _saved(np.save, NUMBERS), ASKED, 50_000),
     "fields.npy": Seed(lambda: _saved(np.save, np.zeros(40, [("time_ms", "i8"), ("gx_dps", "f4")]))),
     "archive.npz": Seed(lambda: _saved(np.savez, gx=NUMBERS[:, 0], t=np.arange(40) * 0.01)),
     "squeezed.npz": Seed(lambda: _saved(np.savez_compressed, gx=NUMBERS[:, 0], rate=np.array(100.0))),
     "described.npz": Seed(lambda: _written(".npz"), {}),
-    "raw.bin": Seed(lambda: (NUMBERS * 100).astype("<i2").tobytes(), RAW, 100_000),
-    "plain.parquet": Seed(_parquet, {}, 100_000),
+    "raw.bin": Seed(lambda: (NUMBERS * 100).astype("<i2").tobytes(), RAW, 50_000),
+    "plain.parquet": Seed(_parquet, {}, 50_000),
     "described.parquet": Seed(lambda: _written(".parquet"), {}),
     "plain.h5": Seed(_hdf5, {}, 10_000),
     "squeezed.h5": Seed(lambda: _hdf5(compression="gzip", shuffle=True, fletcher32=True, chunks=(10, 3)), {}, 10_000),
     "newest.h5": Seed(lambda: _hdf5(libver="latest", chunks=(10, 3), maxshape=(None, 3)), {}, 10_000),
     "described.h5": Seed(lambda: _written(".h5"), {}, 10_000),
     "matlab73.mat": Seed(_matlab_73),
-    "matlab5.mat": Seed(_matlab, ASKED, 100_000),
+    "matlab5.mat": Seed(_matlab, ASKED, 50_000),
     "squeezed.mat": Seed(lambda: _matlab(do_compression=True)),
-    "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 100_000),
-    "frame.rds": Seed(lambda: _r(".rds"), ASKED, 100_000),
+    "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 50_000),
+    "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),
@@ -437,26 +437,32 @@ def _followed(process, pipe, place) -> list:
     return said
 
 
-def table(results: list[Result], commit: str) -> str:
-    """The result as a table of Markdown."""
+HEAD = f"""# Damaged files
+
+- machine: {{machine}}
+- command: `python benchmarks/fuzz_readers.py --write benchmarks/results/fuzz.md`, or with --only for single rows
+- mutation k of a file has the seed (crc32 of its name, k), k from 0
+- a failure is a traceback, a crash, over {SLOW:g} s, or memory over {TIMES} times the file and {ROOM >> 20} MB
+
+| file | bytes | mutations | read | refused | failures | slowest ms | memory MB | commit | date |
+|---|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def row(r: Result, commit: str) -> str:
+    """The line of a table for a result."""
+    size = len(SEEDS[r.name].make())
+    cells = (r.name, size, r.count, r.counts["read"], r.counts["refused"], len(r.failures))
+    cells += (f"{r.slowest * 1e3:.0f}", f"{r.peak / 2**20:.0f}", commit, date.today())
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def renewed(text: str, lines: list[str]) -> str:
+    """The table with these lines instead of those of the same files."""
+    rows = {line.split()[1]: line for line in [*text.splitlines(), *lines] if line.startswith("| ")}
     about = Path("/proc/cpuinfo").read_text().splitlines()
     machine = next((line.split(":")[1].strip() for line in about if line.startswith("model name")), "?")
-    lines = [
-        "# Damaged files",
-        "",
-        f"- commit {commit}, {date.today()}, {machine}",
-        f"- command: `python benchmarks/fuzz_readers.py {' '.join(sys.argv[1:])}`",
-        "- mutation k of a file has the seed (crc32 of its name, k), k from 0",
-        f"- a failure is a traceback, a crash, over {SLOW:g} s, or over {TIMES} times the file and {ROOM >> 20} MB",
-        "",
-        "| file | bytes | mutations | read | refused | failures | slowest ms | memory MB |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for r in results:
-        size = len(SEEDS[r.name].make())
-        cells = (r.name, size, r.count, r.counts["read"], r.counts["refused"], len(r.failures))
-        lines.append("| " + " | ".join(map(str, cells)) + f" | {r.slowest * 1e3:.0f} | {r.peak / 2**20:.0f} |")
-    return "\n".join(lines) + "\n"
+    return HEAD.format(machine=machine) + "".join(f"{rows[name]}\n" for name in SEEDS if name in rows)
 
 
 def main() -> None:
@@ -469,20 +475,16 @@ def main() -> None:
     names = given.only.split(",")
     git = ["git", "rev-parse", "--short=7", "HEAD"]
     commit = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
+    results = []
     with ThreadPoolExecutor(given.jobs) as pool:
-        results = []
         for result in pool.map(lambda name: run(name, round(given.share * SEEDS[name].count)), names):
-            print(
-                f"{result.name}: {dict(result.counts)}, {result.seconds:.0f} s, {len(result.failures)} failures",
-                flush=True,
-            )
+            print(row(result, commit), flush=True)
             for k, why in result.failures[:5]:
                 print(f"  {result.name}, mutation {k}: {why}", flush=True)
             results.append(result)
-    text = table(results, commit)
-    print(text)
-    if given.write:
-        given.write.write_text(text)
+            if given.write:
+                before = given.write.read_text() if given.write.exists() else ""
+                given.write.write_text(renewed(before, [row(result, commit)]))
     sys.exit(any(result.failures for result in results))
 
 
