@@ -53,6 +53,11 @@ def demand_size(size: int, path: str, what: str) -> None:
         )
 
 
+def damaged(why: str) -> DataError:
+    """The error over a file whose parts contradict each other."""
+    return DataError(f"the file is damaged or was cut off: {why}; copy or save it again")
+
+
 @contextmanager
 def worded(what: str = "the file") -> Iterator[None]:
     """Whatever a library raises over a damaged file becomes a `DataError`; the dozens of types are its own affair."""

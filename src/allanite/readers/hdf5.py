@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from .datasets import Dataset, rated, recording
+from .dataset import Dataset
+from .datasets import rated, recording
 from .description import KEY, described, keys
 from .guard import demand_size, library, worded
 from .hdf5_process import Process

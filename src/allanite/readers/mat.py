@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from allanite.errors import UsageError
 from allanite.record import Recording
 
-from .datasets import Dataset, rated, recording
+from .dataset import Dataset
+from .datasets import rated, recording
 from .description import KEY, described, keys
 from .guard import worded
 from .hdf5 import MATLAB

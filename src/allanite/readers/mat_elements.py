@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from allanite.errors import DataError
 
-from .guard import most
+from .guard import damaged, most
 
 MOST_MATRICES, DEEPEST = 10_000, 16
 
@@ -83,7 +83,7 @@ class _Reader:
                 end = start + size + (0 if kind == _COMPRESSED else -size % 8)
                 fits = start + size <= len(data)
             if not fits:
-                raise DataError(f"an element at byte {at} claims {size} bytes, {len(data) - start} are there")
+                raise damaged(f"an element at byte {at} claims {size} bytes, {len(data) - start} are there")
             yield Element(kind, data[start : start + size])
             at = end
 
@@ -120,10 +120,10 @@ class _Reader:
         if form == _CHAR:
             return Matrix(shape, text=self._text(body, shape) or "-")
         if body is None or body.kind not in _NUMBERS:
-            raise DataError("an array has no numbers")
+            raise damaged("an array has no numbers")
         have = len(body.data) // np.dtype(_NUMBERS[body.kind]).itemsize
         if math.prod(shape) != have or len(body.data) % np.dtype(_NUMBERS[body.kind]).itemsize:
-            raise DataError(f"an array claims the shape {shape}, but {have} numbers are there")
+            raise damaged(f"an array claims the shape {shape}, but {have} numbers are there")
         self._demand(math.prod(shape) * np.dtype(_CLASSES[form]).itemsize)
         return Matrix(shape, _CLASSES[form], body, order=self.order)
 
@@ -138,7 +138,7 @@ class _Reader:
         """The fields of all elements of an array of structures: ``name``, or ``1/name``, ``2/name`` of several."""
         width, names = next(parts, None), next(parts, None)
         if width is None or names is None or len(width.data) != 4:
-            raise DataError("a structure has no names of fields")
+            raise damaged("a structure has no names of fields")
         (size,) = struct.unpack_from(f"{self.order}i", width.data)
         if not 0 < size <= len(names.data):
             return []
@@ -149,7 +149,7 @@ class _Reader:
         found = list[tuple[str, Matrix]]()
         for i, part in enumerate(parts):
             if part.kind != _MATRIX:
-                raise DataError("a field of a structure is no array")
+                raise damaged("a field of a structure is no array")
             before = f"{i // len(fields) + 1}/" if math.prod(shape) > 1 else ""
             found.append((before + fields[i % len(fields)], self.matrix(part.data, depth + 1)[1]))
         return found
@@ -160,14 +160,14 @@ class _Reader:
         whole = plain.decompress(data, max(1, self.room))
         if not plain.eof:
             why = "claims more than the file can hold" if plain.unconsumed_tail else "was cut off"
-            raise DataError(f"a compressed variable {why}")
+            raise damaged(f"a compressed variable {why}")
         self._demand(len(whole))
         return memoryview(whole)
 
     def _demand(self, size: int) -> None:
         self.room -= size
         if self.room < 0:
-            raise DataError("the variables claim more than the file can hold")
+            raise damaged("the variables claim more than the file can hold")
 
 
 def matrices(path: str) -> Iterator[tuple[str, Matrix]]:
@@ -181,7 +181,7 @@ def matrices(path: str) -> Iterator[tuple[str, Matrix]]:
     with Path(path).open("rb") as file:
         data = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     if len(data) < 136:
-        raise DataError("the file ends within its header")
+        raise damaged("the file ends within its header")
     reader = _Reader("<" if bytes(data[126:128]) == b"IM" else ">", most(path))
     for element in reader.elements(data[128:]):
         body = element

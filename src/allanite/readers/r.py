@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from .datasets import Dataset, rated, recording
+from .dataset import Dataset
+from .datasets import rated, recording
 from .guard import worded
 from .options import Options
 from .r_objects import Object, load

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from allanite.errors import DataError
 
+from .guard import damaged
+
 MOST, DEEPEST = 500_000, 100
 """Objects in a file, numbers and the letters of a text not counted, and lists in lists."""
 
@@ -72,7 +74,7 @@ class _Reader:
 
     def take(self, size: int) -> memoryview:
         if size < 0 or size > len(self.data) - self.at:
-            raise DataError(f"at byte {self.at} {size} bytes are claimed, {len(self.data) - self.at} are there")
+            raise damaged(f"at byte {self.at} {size} bytes are claimed, {len(self.data) - self.at} are there")
         self.at += size
         return self.data[self.at - size : self.at]
 
@@ -124,7 +126,7 @@ class _Reader:
         if kind == _REFERENCE:
             index = flags >> 8 or self.integer()
             if not 0 < index <= len(self.named):
-                raise DataError(f"object {index} is named, but {len(self.named)} are there")
+                raise damaged(f"object {index} is named, but {len(self.named)} are there")
             return Object(texts=[self.named[index - 1]])
         self.named.append("")
         if kind == _SYMBOL:
@@ -162,7 +164,7 @@ class _Reader:
     def _several(self, kind: int, depth: int) -> Object:
         count = self.length()
         if not 0 <= count * 4 <= len(self.data) - self.at:
-            raise DataError(f"a list claims {count} entries, which the file is too short for")
+            raise damaged(f"a list claims {count} entries, which the file is too short for")
         items = [self.item(depth + 1) for _ in range(count)]
         if kind == _TEXTS:
             return Object(texts=[text for item in items for text in item.texts])
@@ -188,5 +190,5 @@ class _Reader:
 
     def _sequence(self, count: float, start: float, step: float) -> NDArray[Any]:
         if not 0 <= count <= min(LONGEST, 4 * len(self.data) + LONGEST / 100):
-            raise DataError(f"a sequence claims {count:g} numbers, more than the file can stand for")
+            raise damaged(f"a sequence claims {count:g} numbers, more than the file can stand for")
         return start + step * np.arange(int(count))

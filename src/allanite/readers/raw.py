@@ -68,12 +68,14 @@ def _real(number: np.dtype[Any]) -> bool:
 
 
 def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
+    if size <= 0:
+        raise DataError(f"the file has {size + offset} bytes and ends before the offset of {offset}; check --offset")
     count, over = divmod(size, row.itemsize)
-    if size <= 0 or over:
-        have = f"{max(size, 0)} bytes behind the offset of {offset}" if offset else f"{size} bytes"
+    if over:
+        have = f"{size} bytes behind the offset of {offset}" if offset else f"{size} bytes"
         raise DataError(
-            f"the file has {have}, which is no multiple of the {row.itemsize} bytes of a row: {max(count, 0)} rows and "
-            f"{over} bytes over; check dtype, columns and offset (--dtype, --columns, --offset)"
+            f"the file has {have}, which is no multiple of the {row.itemsize} bytes of a row: {count} rows and {over} "
+            "bytes over; check dtype, columns and offset (--dtype, --columns, --offset)"
         )
     return count
 
