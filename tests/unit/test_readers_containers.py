@@ -258,7 +258,7 @@ def test_a_million_empty_entries_do_not_take_long(tmp_path):
 
     path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
     start = time.process_time()
-    with pytest.raises(DataError, match="texts and lists"):
+    with pytest.raises(DataError, match="over 200000 lists"):
         al.read(path, rate=1, unit="deg/s")
     assert time.process_time() - start < 2
 
@@ -507,3 +507,36 @@ def test_a_broken_plugin_is_named_when_it_is_asked(tmp_path, install, found, wor
 
 def test_every_reader_tells_its_title():
     assert all(len(reader.TITLE) > 3 for reader in READERS.values())
+
+
+def test_a_column_of_texts_in_r_is_passed_over(tmp_path):
+    """300000 stamps as texts beside 300000 numbers, as a data frame has them."""
+    import struct
+
+    count = 300_000
+    texts = struct.pack(">ii", 16, count) + (struct.pack(">ii", 9, 5) + b"00:01") * count
+    numbers = struct.pack(">ii", 14, count) + np.arange(float(count)).astype(">f8").tobytes()
+    names = struct.pack(">ii", 16, 2) + b"".join(struct.pack(">ii", 9, 2) + name for name in (b"at", b"gx"))
+    attribute = struct.pack(">iiii", 0x402, 1, 9, 5) + b"names" + names + struct.pack(">i", 254)
+    recording = al.read(
+        r_file(tmp_path / "a.rds", struct.pack(">ii", 0x213, 2) + texts + numbers + attribute), rate=1, unit="deg/s"
+    )
+    assert recording.channels == ("gx",)
+    assert np.array_equal(recording[0].values, np.arange(count))
+
+
+def test_a_parquet_table_of_thousands_of_columns(tmp_path):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    parquet.write_table(pa.table({str(i): [1.0, 2.0] for i in range(1001)}), tmp_path / "a.parquet")
+    with pytest.raises(DataError, match="1001 columns"):
+        al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
+
+
+@pytest.mark.parametrize("kind", [7, 0])
+def test_a_mat_file_of_other_elements(tmp_path, kind):
+    data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
+    (tmp_path / "a.mat").write_bytes(data[:128] + np.array([kind, 0], "<u4").tobytes() * 10**6)
+    with pytest.raises(DataError, match="where a variable is expected"):
+        al.read(tmp_path / "a.mat", rate=1, unit="deg/s")

@@ -20,7 +20,7 @@ from allanite.errors import DataError
 
 from .guard import damaged, most
 
-MOST_MATRICES, DEEPEST = 10_000, 16
+MOST_MATRICES, DEEPEST, LONGEST_NAMES = 10_000, 16, 100_000
 
 _INT32, _UINT32 = 5, 6
 _MATRIX, _COMPRESSED = 14, 15
@@ -142,6 +142,8 @@ class _Reader:
         (size,) = struct.unpack_from(f"{self.order}i", width.data)
         if not 0 < size <= len(names.data):
             return []
+        if len(names.data) > LONGEST_NAMES:
+            raise damaged(f"the names of the fields of a structure claim {len(names.data)} bytes")
         whole = bytes(names.data)
         fields = [
             whole[at : at + size].split(b"\0")[0].decode("latin-1") for at in range(0, len(whole) - size + 1, size)
@@ -187,7 +189,8 @@ def matrices(path: str) -> Iterator[tuple[str, Matrix]]:
         body = element
         if element.kind == _COMPRESSED:
             body = next(reader.elements(reader.unpacked(element.data)), Element(0, memoryview(b"")))
-        if body.kind == _MATRIX:
-            name, matrix = reader.matrix(body.data, 0)
-            if name:
-                yield name, matrix
+        if body.kind != _MATRIX:
+            raise damaged(f"an element of type {body.kind} stands where a variable is expected")
+        name, matrix = reader.matrix(body.data, 0)
+        if name:
+            yield name, matrix

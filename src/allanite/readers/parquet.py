@@ -10,6 +10,7 @@ from allanite.record import Recording
 
 from .arrays import RATE_NAMES, column
 from .column import Column, headed
+from .dataset import WIDEST
 from .description import KEY, described, restored
 from .guard import demand_size, worded
 from .options import Options
@@ -41,6 +42,8 @@ def read(path: str, options: Options) -> Recording:
 
     with worded(), parquet.ParquetFile(path, memory_map=True) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
+        if len(schema) > WIDEST:
+            raise DataError(f"the table has {len(schema)} columns; a recording has one for each channel")
         demand_size(rows * 8 * len(schema), path, "the table")
         demand_size(_unpacked(file.metadata), path, "the table")
         names = schema.names

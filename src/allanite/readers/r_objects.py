@@ -5,7 +5,9 @@ bytes of a list, so that a file of 1 MB takes seconds, and expands sequences to 
 """
 
 import struct
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,8 +17,11 @@ from allanite.errors import DataError
 
 from .guard import damaged
 
-MOST, DEEPEST = 500_000, 100
-"""Objects in a file, numbers and the letters of a text not counted, and lists in lists."""
+MOST, DEEPEST = 200_000, 100
+"""Objects in a file, numbers and texts not counted, and lists in lists."""
+
+MOST_TEXTS, NAMES = 3_000_000, 1000
+"""Texts in a vector, and those of them that are kept."""
 
 LONGEST = 10_000_000
 """Numbers of a sequence of which the file holds the first and the step only."""
@@ -32,19 +37,29 @@ _NUMBERS = {13: ">i4", 14: ">f8"}
 _OTHER_VECTORS = {10: 4, 15: 16, 24: 1}  # logical, complex, bytes: their sizes
 
 
-@dataclass(eq=False)
+_WORD, _TEXT = struct.Struct(">i"), struct.Struct(">ii")
+
+
+_NONE: "Mapping[str, Object]" = MappingProxyType({})
+
+
+@dataclass(eq=False, slots=True)
 class Object:
     """An object of R: numbers, texts, items of a list, or pairs of name and object; all None or empty if neither."""
 
     numbers: NDArray[Any] | None = None
-    texts: list[str] = field(default_factory=list)
+    texts: Sequence[str] = ()
     items: "list[Object] | None" = None
-    pairs: "list[tuple[str, Object]]" = field(default_factory=list)
-    attributes: "dict[str, Object]" = field(default_factory=dict)
+    pairs: "Sequence[tuple[str, Object]]" = ()
+    attributes: "Mapping[str, Object]" = field(default_factory=lambda: _NONE)
 
-    def words(self, name: str) -> list[str]:
+    def words(self, name: str) -> Sequence[str]:
         """The texts of an attribute; none if it has none."""
-        return self.attributes[name].texts if name in self.attributes else []
+        return self.attributes[name].texts if name in self.attributes else ()
+
+
+_NOTHING = Object()
+"""One for all: it is never changed."""
 
 
 def load(data: bytes) -> Object:
@@ -79,7 +94,7 @@ class _Reader:
         return self.data[self.at - size : self.at]
 
     def integer(self) -> int:
-        return int(struct.unpack(">i", self.take(4))[0])
+        return int(_WORD.unpack(self.take(4))[0])
 
     def length(self) -> int:
         size = self.integer()
@@ -100,13 +115,11 @@ class _Reader:
     def _count(self, depth: int) -> None:
         self.left -= 1
         if self.left < 0 or depth > DEEPEST:
-            raise DataError(
-                f"over {MOST} texts and lists, or {DEEPEST} lists in lists, are in the file; save the numbers alone"
-            )
+            raise DataError(f"over {MOST} lists, or {DEEPEST} lists in lists, are in the file; save the numbers alone")
 
     def _value(self, kind: int, flags: int, depth: int) -> Object:
         if kind in _EMPTY:
-            return Object()
+            return _NOTHING
         if kind in _NUMBERS:
             return Object(numbers=self._numbers(kind))
         if kind in _OTHER_VECTORS:
@@ -150,13 +163,14 @@ class _Reader:
 
     def _pairs(self, flags: int, depth: int) -> Object:
         """A list of pairs, one behind the other; the last one ends with something that is no pair."""
-        made = Object()
+        made, pairs = Object(), list[tuple[str, Object]]()
+        made.pairs = pairs
         while flags & 0xFF in _LIKE_PAIRS:
             self._count(depth)
             if flags & 0x200:
                 made.attributes = dict(self.item(depth + 1).pairs)
-            tag = self.item(depth + 1).texts if flags & 0x400 else []
-            made.pairs.append((tag[0] if tag else "", self.item(depth + 1)))
+            tag = self.item(depth + 1).texts if flags & 0x400 else ()
+            pairs.append((tag[0] if tag else "", self.item(depth + 1)))
             flags = self.integer()
         self._value(flags & 0xFF, flags, depth)
         return made
@@ -165,10 +179,26 @@ class _Reader:
         count = self.length()
         if not 0 <= count * 4 <= len(self.data) - self.at:
             raise damaged(f"a list claims {count} entries, which the file is too short for")
-        items = [self.item(depth + 1) for _ in range(count)]
         if kind == _TEXTS:
-            return Object(texts=[text for item in items for text in item.texts])
-        return Object(items=items)
+            return Object(texts=self._texts(count))
+        return Object(items=[self.item(depth + 1) for _ in range(count)])
+
+    def _texts(self, count: int) -> list[str]:
+        """The first texts of a vector, which may be names; of a column of them the rest is passed over."""
+        if count > MOST_TEXTS:
+            raise DataError(f"over {MOST_TEXTS} texts are in a vector; save the numbers alone")
+        words = list[str]()
+        for _ in range(count):
+            flags, size = _TEXT.unpack_from(self.data, self.at)
+            if flags & 0x2FF != _LETTERS:
+                raise damaged(f"at byte {self.at} is something else than the text that is expected")
+            self.at += _TEXT.size
+            if len(words) < NAMES:
+                words.append(bytes(self.take(max(size, 0))).decode("utf-8", "replace"))
+            else:
+                self.at += max(size, 0)
+        self.take(0)
+        return words
 
     def _numbers(self, kind: int) -> NDArray[Any]:
         array = np.frombuffer(self.take(self.length() * int(_NUMBERS[kind][-1])), _NUMBERS[kind])
@@ -179,12 +209,12 @@ class _Reader:
     def _alternative(self, depth: int) -> Object:
         """A sequence or a vector that R keeps in a form of its own."""
         about, state, attributes = (self.item(depth + 1) for _ in range(3))
-        made, name = Object(), about.pairs[0][1].texts if about.pairs else []
+        made, name = Object(), about.pairs[0][1].texts if about.pairs else ()
         if name and name[0].startswith("compact_") and state.numbers is not None and state.numbers.size == 3:
             made.numbers = self._sequence(*state.numbers.tolist())
         elif name and name[0].startswith("wrap_"):
             wrapped = state.items or [pair[1] for pair in state.pairs]
-            made = wrapped[0] if wrapped else made
+            made = replace(wrapped[0]) if wrapped else made
         made.attributes = {**made.attributes, **dict(attributes.pairs)}
         return made
 
