@@ -65,7 +65,7 @@ def worded(what: str = "the file") -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is odd about the file and harmless
             yield
-    except (AllaniteError, MemoryError):
+    except (AllaniteError, MemoryError, NameError):  # the last is a defect of ours, whatever the file
         raise
     except Exception as error:
         said = " ".join(str(error).split())[:200]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.errors import DataError
 from allanite.record import Recording
 
 from .arrays import RATE_NAMES, column
