@@ -4,7 +4,7 @@
 
 Mutation k of a seed file is always the same: its generator is seeded by the name of the file and k, and one that fails
 is printed with both. Each file is read in a process that is watched: a crash and a hang are failures as well as an
-error of another type than AllaniteError, more than 2 s, and more than 3 times the file and 100 MB. HDF5 is read as
+error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB. HDF5 is read as
 always by a process of its own, here forked from one that has imported h5py, since starting Python takes 0.1 s.
 Ends with exit code 1 if there is a failure.
 """
@@ -182,7 +182,7 @@ class Seed(NamedTuple):
 
 
 SEEDS = {
-    "comma.csv": Seed(lambda: _text(",")),
+    "comma.csv": Seed(lambda: _text(","), ASKED, 10_000),
     "blanks.txt": Seed(lambda: _text("  "), ASKED, 10_000),
     "described.csv": Seed(lambda: _written(".csv"), {}, 10_000),
     "simu.imu": Seed(
@@ -192,12 +192,12 @@ SEEDS = {
         ),
         {},
     ),
-    "plain.npy": Seed(lambda: _saved(np.save, NUMBERS), ASKED, 50_000),
+    "plain.npy": Seed(lambda: _saved(np.save, NUMBERS)),
     "fields.npy": Seed(lambda: _saved(np.save, np.zeros(40, [("time_ms", "i8"), ("gx_dps", "f4")]))),
     "archive.npz": Seed(lambda: _saved(np.savez, gx=NUMBERS[:, 0], t=np.arange(40) * 0.01)),
     "squeezed.npz": Seed(lambda: _saved(np.savez_compressed, gx=NUMBERS[:, 0], rate=np.array(100.0))),
     "described.npz": Seed(lambda: _written(".npz"), {}),
-    "raw.bin": Seed(lambda: (NUMBERS * 100).astype("<i2").tobytes(), RAW, 50_000),
+    "raw.bin": Seed(lambda: (NUMBERS * 100).astype("<i2").tobytes(), RAW),
     "plain.parquet": Seed(_parquet, {}, 50_000),
     "described.parquet": Seed(lambda: _written(".parquet"), {}),
     "plain.h5": Seed(_hdf5, {}, 10_000),
@@ -354,8 +354,6 @@ def _serve(name: str, data: bytes, span: tuple[int, int], place, *, pipe, fork: 
             path.write_bytes(mutated(rng, data))
             options = options_of(rng, seed.options)
             took, said = _timed(path, options)
-            if took > SLOW:  # another job may have had the processor: the second time counts
-                took, said = _timed(path, options)
             peak, slowest = _peak() - base, max(slowest, took)
             counts[said.split("\n")[0]] += 1
             why = f"{took:.1f} s" if took > SLOW else f"{peak >> 20} MB" if peak > TIMES * len(data) + ROOM else ""
@@ -366,9 +364,9 @@ def _serve(name: str, data: bytes, span: tuple[int, int], place, *, pipe, fork: 
 
 
 def _timed(path: Path, options: dict) -> tuple[float, str]:
-    start = time.perf_counter()
+    start = sum(os.times()[:4])  # of processes that have ended too; what waits for other jobs does not count
     said = outcome(path, options)
-    return time.perf_counter() - start, said
+    return sum(os.times()[:4]) - start, said
 
 
 class Result(NamedTuple):
@@ -442,7 +440,7 @@ HEAD = f"""# Damaged files
 - machine: {{machine}}
 - command: `python benchmarks/fuzz_readers.py --write benchmarks/results/fuzz.md`, or with --only for single rows
 - mutation k of a file has the seed (crc32 of its name, k), k from 0
-- a failure is a traceback, a crash, over {SLOW:g} s, or memory over {TIMES} times the file and {ROOM >> 20} MB
+- a failure is a traceback, a crash, a hang, over {SLOW:g} s of processor time, or memory over {TIMES} times the file and {ROOM >> 20} MB
 
 | file | bytes | mutations | read | refused | failures | slowest ms | memory MB | commit | date |
 |---|---|---|---|---|---|---|---|---|---|

@@ -22,6 +22,10 @@ WAIT, SPEED = 20.0, 5e6
 """Seconds that an answer may take, and the bytes that a slow disk gives in one: the processor time is bound below."""
 
 
+_TIMEOUTS = (9, 24)
+"""Signals by which we stop a process, and by which the system stops one that has used its time."""
+
+
 class Process:
     """A running worker; use it in a ``with`` statement. `said` is what the file holds."""
 
@@ -104,7 +108,7 @@ class Process:
         code = self._process.wait()
         self._errors.seek(0)
         said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
-        died = f"it stopped with signal {-code}, after a crash or {WAIT:.0f} s" if code < 0 else "it ended early"
+        died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
         reason = said[-1][:200] if said else died
         return DataError(
             f"the file is damaged or was cut off: the HDF5 library gave up {where}: {reason}; if other programs read "

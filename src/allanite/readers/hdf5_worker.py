@@ -15,7 +15,7 @@ import numpy as np
 
 MOST_OBJECTS, DEEPEST = 10_000, 32
 BLOCK = 8 << 20
-SECONDS, SPEED = 2, 20e6  # what opening may take, and the bytes that are read in a second at the least
+SECONDS, SPEED = 1, 20e6  # what opening may take, and the bytes that are read in a second at the least
 WANTED = ("unit", "units", "columns", "names", "channels", "labels", "matlab_class", "matlab_empty")
 
 
