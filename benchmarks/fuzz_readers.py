@@ -4,8 +4,8 @@
 
 Mutation k of a seed file is always the same: its generator is seeded by the name of the file and k, and one that fails
 is printed with both. Each file is read in a process that is watched: a crash and a hang are failures as well as an
-error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB. HDF5 is read as
-always by a process of its own, here forked from one that has imported h5py, since starting Python takes 0.1 s.
+error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB.
+HDF5 is read as always by a process of its own, here forked from one that has imported h5py, which saves 0.1 s.
 Ends with exit code 1 if there is a failure.
 """
 
@@ -440,7 +440,8 @@ HEAD = f"""# Damaged files
 - machine: {{machine}}
 - command: `python benchmarks/fuzz_readers.py --write benchmarks/results/fuzz.md`, or with --only for single rows
 - mutation k of a file has the seed (crc32 of its name, k), k from 0
-- a failure is a traceback, a crash, a hang, over {SLOW:g} s of processor time, or memory over {TIMES} times the file and {ROOM >> 20} MB
+- a failure is a traceback, a crash, a hang, over {SLOW:g} s of processor time, or over {TIMES} times the file and
+  {ROOM >> 20} MB of memory
 
 | file | bytes | mutations | read | refused | failures | slowest ms | memory MB | commit | date |
 |---|---|---|---|---|---|---|---|---|---|
