@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from allanite.errors import AllaniteError, DataError
-from allanite.files import draft
 from allanite.record import Record, Recording
 
 
@@ -133,6 +132,8 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     ([3, 1, 2], 100.0, 'count', 0.1, 'arcsec')
     >>> folder.cleanup()
     """
+    from allanite.files import draft
+
     from .formats import writer_for
 
     whole = Recording((recording,)) if isinstance(recording, Record) else recording
