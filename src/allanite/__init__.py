@@ -18,6 +18,7 @@ from .noise import METHODS as METHODS
 from .noise import identify as identify
 from .psd import Spectrum as Spectrum
 from .readers import read as read
+from .readers import write as write
 from .record import Record as Record
 from .record import Recording as Recording
 from .report import plot as plot

@@ -16,6 +16,9 @@ from .record import Record, Recording
 from .statistics import deviation
 from .version import __version__
 
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+"""Choices of a recipe that say what the file holds."""
+
 
 @dataclass(frozen=True)
 class Recipe:
@@ -27,9 +30,12 @@ class Recipe:
     rate: float | None = None
     unit: str | None = None
     kind: str | None = None
-    scale: float | None = None
+    scale: float | str | None = None
     channels: tuple[str, ...] | None = None
     time: str | None = None
+    dtype: str | None = None
+    columns: int | None = None
+    offset: int | None = None
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
@@ -41,11 +47,12 @@ class Recipe:
     level: float = 0.95
 
     def __post_init__(self) -> None:
-        for key in ("rate", "scale", "start", "until", "quiet_window", "level"):
+        for key in ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset"):
             value = getattr(self, key)
-            if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
+            if value is not None and (isinstance(value, bool) or not fine):
                 raise UsageError(f"{key} is a number, not {value!r}")
-        for key in ("unit", "kind", "time", "statistic", "terms", "method"):
+        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method"):
             value = getattr(self, key)
             if value is not None and not isinstance(value, str):
                 raise UsageError(f"{key} is a word, not {value!r}")
@@ -218,7 +225,7 @@ def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) 
         return source
     if isinstance(source, Record):
         return Recording((source,))
-    options = {key: getattr(recipe, key) for key in ("rate", "unit", "kind", "scale", "channels", "time")}
+    options = {key: getattr(recipe, key) for key in READING}
     return read(source, **options)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.report.files import write
+from allanite.files import write
 from allanite.report.outputs import STDOUT
 
 if TYPE_CHECKING:

@@ -33,6 +33,12 @@ def band(_: click.Context, __: click.Parameter, text: str | None) -> tuple[float
     return numbers
 
 
+def scale(_: click.Context, __: click.Parameter, text: str | None) -> str | float | None:
+    """A number, or a number with its unit."""
+    numbers = None if text is None else _numbers(text)
+    return numbers[0] if numbers else text
+
+
 def reading(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command its file, and the options that say what is in it."""
     for option in reversed(READING):
@@ -45,11 +51,23 @@ READING = (
     click.option("--rate", type=float, metavar="HZ", help="Sampling rate; wins over what the file says."),
     click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
     click.option("--kind", help="What a reading is: rate, increment, angle or count."),
-    click.option("--scale", type=float, help="Worth of one step of the readings, in --unit."),
+    click.option(
+        "--scale",
+        callback=scale,
+        metavar="WORTH",
+        help="Worth of one step of the readings: 0.01 (in --unit) or 0.01deg/s.",
+    ),
     click.option(
         "--channels", callback=names, metavar="A,B,...", help="Columns by name or number; all that fit if left out."
     ),
     click.option("--time", help="The column of time stamps."),
+    click.option(
+        "--dtype",
+        metavar="TYPE",
+        help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows.",
+    ),
+    click.option("--columns", type=int, metavar="N", help="Numbers in a row of raw binary."),
+    click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
     click.option(
         "--from", "start", type=float, metavar="S", help="Start of the window, seconds after the first sample."
     ),

@@ -157,7 +157,7 @@ def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
             f"{unit!r} does not say what a reading is (kind does, or unit {unit}/s if it is a rate)",
             f"pass kind='{fits[0]}' (--kind {fits[0]}): {explain_kinds()}",
         )
-    scale = options.scale if applies and options.scale is not None else column.scale if kept else None
+    scale = options.worth if applies and options.scale is not None else column.scale if kept else None
     return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from . import dates, layout, parse, sensors, shapes
+from . import csv_file, dates, layout, parse, sensors, shapes
 from .column import Column, headed
 from .options import Options
 from .table import Table
@@ -50,7 +50,8 @@ def read(path: str, options: Options) -> Recording:
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    return Table(tuple(columns), notes=(*notes, *found.notes, *passed, *said, *told)).recording(options)
+    table = Table(tuple(columns), notes=(*notes, *found.notes, *passed, *said, *told))
+    return csv_file.with_description(table, data).recording(options)
 
 
 def _plain(data: bytes) -> bytes:

@@ -68,7 +68,8 @@ def report(study: "Study", path: PathLike, *, force: bool = False) -> None:
     UsageError
         The file exists, or its folder cannot be written.
     """
-    from .files import demand_writable, write
+    from allanite.files import demand_writable, write
+
     from .html import page
 
     demand_writable(path, force=force)

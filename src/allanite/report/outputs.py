@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from allanite.errors import UsageError
-
-from .files import demand_writable
+from allanite.files import demand_writable
 
 if TYPE_CHECKING:
     from allanite.study import Study

@@ -16,8 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.errors import UsageError
-
-from .files import demand_writable, write
+from allanite.files import demand_writable, write
 
 PathLike = str | os.PathLike[str]
 
