@@ -1,0 +1,279 @@
+"""Where the gimbals of two free gyros stand: the geometry of the earth's rotation and of a ship's sway.
+
+Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, sin h): h is the angle of the inner
+gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator; time
+is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from allanite.errors import DataError, UnitError, UsageError
+
+FloatArray = NDArray[np.float64]
+
+EARTH_RATE = 7.292115e-5
+"""Rate of the earth against the stars, rad/s."""
+
+QUARTER = 0.5 * math.pi / EARTH_RATE
+"""Time from h = 0 to the extreme of h, s."""
+
+Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
+    "exact": lambda H, latitude: np.unwrap(np.arctan2(np.cos(H), -math.sin(latitude) * np.sin(H))),
+    "linear": lambda H, latitude: 0.5 * math.pi + H,
+}
+"""q of the equatorial gyro by H, the angle that the earth has turned: as geometry gives it, and as the paper states."""
+
+ANGLES = ("h", "q", "h_polar", "q_polar")
+"""The four angle sensors: of the equatorial and of the polar gyro."""
+
+
+@dataclass(frozen=True)
+class Sway:
+    """A ship's sway: roll and pitch of one period, a quarter of it apart.
+
+    Attributes
+    ----------
+    roll, pitch : float
+        Amplitudes, rad.
+    period : float
+        s.
+    heading : float
+        Of the ship, from north to east, rad.
+    """
+
+    roll: float
+    pitch: float
+    period: float
+    heading: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
+            raise UsageError(f"sway is two finite amplitudes in rad and a period in s above 0, not {self}")
+        if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
+            raise UnitError(
+                f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
+            )
+
+    def turn(self, vectors: FloatArray, time: FloatArray) -> FloatArray:
+        """Vectors of the local axes, shape (3, n), as the swaying base sees them at `time`, s."""
+        phase = 2 * math.pi / self.period * time
+        forward = np.array([math.sin(self.heading), math.cos(self.heading), 0.0])
+        starboard = np.array([math.cos(self.heading), -math.sin(self.heading), 0.0])
+        rotation = np.outer(forward, self.roll * np.sin(phase)) + np.outer(starboard, self.pitch * np.cos(phase))
+        size = np.linalg.norm(rotation, axis=0)
+        axis = rotation / np.where(size > 0, size, 1.0)
+        # Rodrigues' formula; the base turns by +size, so that what stands still turns by -size in its axes
+        along = axis * (axis * vectors).sum(axis=0) * (1 - np.cos(size))
+        return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
+
+
+def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
+    """Sway given as (amplitude, period) is roll and pitch of that amplitude."""
+    if sway is None or isinstance(sway, Sway):
+        return sway
+    if not isinstance(sway, (tuple, list)) or len(sway) != 2:
+        raise UsageError(f"sway is (amplitude in rad, period in s) or a Sway, not {sway!r}")
+    return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
+
+
+@dataclass(frozen=True, eq=False)
+class Gimbals:
+    """Angles of both gyros' gimbals over time.
+
+    Attributes
+    ----------
+    time : array, shape (n,)
+        s, increasing, counted from the equatorial gyro's passage of h = 0.
+    h, q : arrays, shape (n,)
+        Of the equatorial gyro, rad.
+    h_polar, q_polar : arrays, shape (n,), or float
+        Of the polar gyro, rad; on a still base the latitude and 0.
+    rho : array, shape (n,), optional
+        Angle of the auto-compensating rotation, rad; without it its errors cannot be estimated.
+
+    Raises
+    ------
+    DataError
+        Values are not finite, of unequal lengths, or time does not increase.
+    UnitError
+        An elevation h exceeds a right angle: it is in degrees.
+    """
+
+    time: FloatArray
+    h: FloatArray
+    q: FloatArray
+    h_polar: FloatArray
+    q_polar: FloatArray
+    rho: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        time = column("time", self.time)
+        if time.size < 2:
+            raise DataError(f"{time.size} readings are too few; the angles must move in the course of the record")
+        demand_increasing(time)
+        object.__setattr__(self, "time", time)
+        for name in (*ANGLES, *(["rho"] if self.rho is not None else [])):
+            values = np.asarray(getattr(self, name))
+            whole = np.full(time.size, values.item()) if values.ndim == 0 and "polar" in name else values
+            object.__setattr__(self, name, column(name, whole, time.size))
+        for name in ("h", "h_polar"):
+            if (worst := np.abs(getattr(self, name)).max()) > math.pi / 2 + 1e-9:
+                raise UnitError(f"{name} reaches {worst:.6g} rad, beyond a right angle: is it in degrees?")
+
+    @property
+    def cosine(self) -> FloatArray:
+        """Cosine of the angle between the two momentum vectors, shape (n,); 0 but for errors."""
+        flat = np.cos(self.h) * np.cos(self.h_polar) * np.cos(self.q - self.q_polar)
+        return np.asarray(flat + np.sin(self.h) * np.sin(self.h_polar))
+
+    @property
+    def g(self) -> FloatArray:
+        """Change of the cosine with a turn of the equatorial vector about the vertical, over cos h."""
+        return np.asarray(-np.cos(self.h_polar) * np.sin(self.q - self.q_polar))
+
+    @property
+    def partials(self) -> dict[str, FloatArray]:
+        """Partial derivative of the cosine by each of `ANGLES`, shape (n,) each."""
+        h, p = (np.sin(self.h), np.cos(self.h)), (np.sin(self.h_polar), np.cos(self.h_polar))
+        c, s = np.cos(self.q - self.q_polar), np.sin(self.q - self.q_polar)
+        return {
+            "h": h[1] * p[0] - h[0] * p[1] * c,
+            "q": -h[1] * p[1] * s,
+            "h_polar": h[0] * p[1] - h[1] * p[0] * c,
+            "q_polar": h[1] * p[1] * s,
+        }
+
+    def span(self, angle: str) -> float:
+        """How far an angle moves, rad."""
+        return float(np.ptp(np.unwrap(getattr(self, angle))))
+
+    def period(self, angle: str, order: int) -> FloatArray:
+        """Period of a harmonic at each instant, s, shape (n,); infinite where the angle stands still."""
+        rate = np.abs(np.gradient(np.unwrap(getattr(self, angle)), self.time))
+        return np.where(rate > 0, 2 * math.pi / (order * np.where(rate > 0, rate, 1.0)), math.inf)
+
+    def moved(self, **angles: FloatArray) -> "Gimbals":
+        """The same with some angles replaced."""
+        return replace(self, **angles)
+
+
+def gimbals(
+    time: ArrayLike,
+    *,
+    latitude: float,
+    q_law: str = "exact",
+    sway: Sway | tuple[float, float] | None = None,
+    turn_period: float | None = 300.0,
+) -> Gimbals:
+    """Where the gimbals of an ideal pair of gyros stand.
+
+    On a still base ``h = asin(cos(latitude) sin(W t))`` and ``q = atan2(cos(W t), -sin(latitude) sin(W t))`` with the
+    earth's rate W; the polar gyro's stand at the latitude and 0.
+
+    Parameters
+    ----------
+    time : array, shape (n,)
+        s, counted from h = 0.
+    latitude : float
+        rad.
+    q_law : {"exact", "linear"}
+        "linear" is ``q = pi/2 + W t``, as the literature states it [1]_; it is wrong except at the pole, and for
+        reproducing its results only.
+    sway : (amplitude, period) or Sway, optional
+        rad and s. It moves the polar gyro's gimbals too.
+    turn_period : float or None
+        Of the auto-compensating rotation, s; None: there is none.
+
+    Raises
+    ------
+    UnitError
+        The latitude exceeds a right angle.
+    UsageError
+        Another choice is impossible.
+    DataError
+        Time does not increase.
+
+    References
+    ----------
+    .. [1] The results of an algorithm to estimate the errors of the angle sensors of a gimballed inertial navigation
+       system (in Russian), 2018, equations 2 and 3; see docs/angle_paper.md.
+
+    Examples
+    --------
+    >>> hour = gimbals([0.0, 3600.0], latitude=np.radians(60))
+    >>> np.degrees(hour.h).round(2).tolist(), np.degrees(hour.q).round(2).tolist()
+    ([0.0, 7.46], [90.0, 103.1])
+    """
+    clock = column("time", time)
+    if not math.isfinite(latitude) or abs(latitude) > math.pi / 2 + 1e-12:
+        raise UnitError(f"a latitude lies within a right angle; {latitude!r} rad does not: is it in degrees?")
+    if q_law not in Q_LAWS:
+        raise UsageError(f"unknown law {q_law!r} of q; known are {', '.join(Q_LAWS)}")
+    if turn_period is not None and not (math.isfinite(turn_period) and turn_period > 0):
+        raise UsageError(f"the period of the auto-compensating turn is a positive number of s, not {turn_period!r}")
+    H = EARTH_RATE * clock
+    h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
+    still = Gimbals(
+        clock, h, q, np.full(H.size, latitude), np.zeros(H.size),
+        rho=None if turn_period is None else 2 * math.pi / turn_period * clock,
+    )  # fmt: skip
+    swaying = sway_of(sway)
+    return still if swaying is None else _swaying(still, swaying)
+
+
+def _swaying(still: Gimbals, sway: Sway) -> Gimbals:
+    seen = {}
+    for h, q in (("h", "q"), ("h_polar", "q_polar")):
+        east, north, up = sway.turn(_vector(getattr(still, h), getattr(still, q)), still.time)
+        seen[h], seen[q] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
+    return still.moved(**seen)
+
+
+def _vector(h: FloatArray, q: FloatArray) -> FloatArray:
+    return np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)])
+
+
+def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
+    """Finite float64 of shape (n,).
+
+    Raises
+    ------
+    DataError
+        It is something else; the message names the first bad reading.
+    """
+    array = np.asarray(values)
+    if array.ndim != 1 or array.dtype.kind not in "fiu":
+        raise DataError(f"{name} must be real numbers of shape (n,), not {array.dtype} of shape {array.shape}")
+    if size is not None and array.size != size:
+        raise DataError(f"{name} has {array.size} readings where {size} are expected: one for each of the others")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        first = int(bad.argmax())
+        raise DataError(
+            f"{int(bad.sum())} of {bad.size} readings of {name} are not finite, the first at sample {first}; "
+            "leave those rows out: the readings need not be evenly spaced"
+        )
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def demand_increasing(time: FloatArray) -> None:
+    """Refuse a clock that stands still or runs back.
+
+    Raises
+    ------
+    DataError
+        The message says where.
+    """
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        at = int((steps <= 0).argmax())
+        how = "goes back" if steps[at] < 0 else "stands still"
+        raise DataError(
+            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} "
+            "such steps in all; sort the rows by time and leave out repeated ones"
+        )
