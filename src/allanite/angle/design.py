@@ -1,7 +1,7 @@
-"""How the measured cosine depends on what is estimated: harmonics of the angle sensors, and what else drifts and turns."""
+"""How the measured cosine depends on what is estimated: harmonics of the sensors, and what else drifts and turns."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,8 +67,8 @@ fixed in the turning frame, seen along the measured direction. The literature na
 USUAL = ("ax", "az", "A1", "A2", "A3")
 
 
-def harmonic_set(orders: Orders, angles: Iterable[str] | None = None) -> dict[str, tuple[int, ...]]:
-    """Angle: orders, from orders for all angles or a mapping.
+def harmonic_set(orders: Orders) -> dict[str, tuple[int, ...]]:
+    """Angle: orders, from a mapping or from orders for both sensors of the equatorial gyro.
 
     Raises
     ------
@@ -76,12 +76,9 @@ def harmonic_set(orders: Orders, angles: Iterable[str] | None = None) -> dict[st
         An angle is unknown, or orders are no positive whole numbers.
     """
     if isinstance(orders, Mapping):
-        if angles is not None:
-            raise UsageError("angles are named in orders already; leave angles=... out")
         chosen = {angle: orders_of(k, f"orders of {angle}") for angle, k in orders.items()}
     else:
-        known = orders_of(orders)
-        chosen = {angle: known for angle in (EQUATORIAL if angles is None else tuple(angles))}
+        chosen = dict.fromkeys(EQUATORIAL, orders_of(orders))
     for angle in chosen:
         if angle not in ANGLES:
             raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
@@ -140,7 +137,7 @@ def demand_motion(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) ->
 def _remedy(angle: str) -> str:
     if "polar" in angle:
         return (
-            "The polar gyro's gimbals stand still on a fixed base (at the latitude and 0): its sensors can be estimated "
-            "under sway only"
+            "The polar gyro's gimbals stand still on a fixed base (at the latitude and 0): its sensors can be "
+            "estimated under sway only"
         )
     return "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"

@@ -131,7 +131,8 @@ def _demand_motion(angle: FloatArray, orders: tuple[int, ...]) -> None:
     if span < 0.01 * period:
         raise DataError(
             f"the angle stays within {math.degrees(span):.3g} deg, a period of its harmonic {max(orders)} is "
-            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a constant"
+            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a "
+            "constant; turn the sensor"
         )
 
 

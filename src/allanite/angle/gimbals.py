@@ -1,8 +1,8 @@
 """Where the gimbals of two free gyros stand: the geometry of the earth's rotation and of a ship's sway.
 
 Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, sin h): h is the angle of the inner
-gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator; time
-is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis.
+gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator;
+time is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis.
 """
 
 import math

@@ -174,14 +174,13 @@ class Harmonics(Correction):
         """Headings and rows, rad."""
         headings = ["angle", "order", "S", "S error", "C", "C error", "amplitude", "low", "high", "phase", "status"]
         errors = np.sqrt(np.diag(self.covariance))
+        columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
         rows = [
-            [
-                self.name, k, float(self.sine[i]), float(errors[2 * i]), float(self.cosine[i]), float(errors[2 * i + 1]),
-                float(self.amplitude[i]), *self.interval(k, level), float(self.phase[i]),
-                "found" if self.found(k) else "not found",
-            ]
-            for i, k in enumerate(self.orders)
-        ]  # fmt: skip
+            [self.name, k, *numbers, *self.interval(k, level), phase, "found" if self.found(k) else "not found"]
+            for k, phase, *numbers in zip(
+                self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
+            )
+        ]
         return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

@@ -307,7 +307,7 @@ def _starts(duration: float) -> FloatArray:
     step = min(STEP, duration / 2)
     # the last window is the first that reaches the extreme of h
     last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
-    return step * np.arange(last + 1)
+    return np.asarray(step * np.arange(last + 1), dtype=np.float64)
 
 
 def period_table(latitude: float, h: Sequence[float], orders: Sequence[int] = (128, 256)) -> list[dict[str, float]]:

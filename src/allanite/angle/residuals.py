@@ -47,8 +47,8 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
     words = (
-        f"neighbouring innovations are correlated ({r[0]:+.2f}), so the standard deviations are too small; model what is "
-        "missing (another harmonic, a drift), or take readings further apart"
+        f"neighbouring innovations are correlated ({r[0]:+.2f}), so the standard deviations are too small; model "
+        "what is missing (another harmonic, a drift), or take readings further apart"
     )
     return q, float(gammaincc(lags / 2, q / 2)), words
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -250,7 +251,7 @@ Run = tuple[SquareRoot, History, FloatArray]
 def _recursive(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:
     marks = np.unique(np.linspace(0, values.size, min(CHECKPOINTS, values.size) + 1).astype(np.int64))
     known, left, way = start, [], []
-    for first, last in zip(marks[:-1], marks[1:], strict=True):
+    for first, last in pairwise(marks.tolist()):
         known, part = known.absorb(rows[first:last], values[first:last])
         left.append(part)
         way.append((known.values, np.sqrt(np.diag(known.covariance))))

@@ -93,7 +93,7 @@ class SquareRoot:
     def without(self, columns: list[int]) -> "SquareRoot":
         """What would be known if these constants were known to be zero."""
         kept = np.delete(self.factor, columns, axis=1)
-        return SquareRoot(np.linalg.qr(kept, mode="r")[: kept.shape[1] - 1], self.squares, self.count)
+        return SquareRoot(_triangle(kept)[: kept.shape[1] - 1], self.squares, self.count)
 
     def _solved(self, right: FloatArray) -> FloatArray:
         from scipy.linalg import solve_triangular
@@ -117,5 +117,9 @@ def batch(rows: FloatArray, values: FloatArray, prior: FloatArray | None = None)
         triangle[:p, :p] = np.diag(1 / prior)
     for start in range(0, values.size, BLOCK):
         block = np.column_stack([rows[start : start + BLOCK], values[start : start + BLOCK]])
-        triangle = np.linalg.qr(np.vstack([triangle, block]), mode="r")
+        triangle = _triangle(np.vstack([triangle, block]))
     return SquareRoot(triangle[:p], float(triangle[p, p] ** 2), values.size)
+
+
+def _triangle(rows: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.qr(rows, mode="r"))
