@@ -35,7 +35,7 @@ def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
     if g.rho is None:
         raise UsageError(
             "ax and az need the angle rho of the auto-compensating rotation (turn_period=..., --turn-period); without "
-            "one leave them out: nuisance=('A1', 'A2', 'A3')"
+            "one leave them out: nuisance=('A1', 'A2', 'A3') (--nuisance A1,A2,A3)"
         )
     return np.sin(g.rho), np.cos(g.rho)
 

@@ -20,6 +20,12 @@ from .solution import Solution, System, correlation_of, solve
 
 FloatArray = NDArray[np.float64]
 
+SECTORS = 4096
+"""Parts of a turn in which what is left over is averaged, to look for further harmonics up to a quarter as many."""
+
+RARE = 1e-3
+"""Probability with which a further harmonic is announced that is not there."""
+
 ABSURD = 0.5
 """Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
 
@@ -94,7 +100,9 @@ def calibrate(
     solution = solve(system, sigma=None if sigma is None else sigma * factor)
     title = name or getattr(measured, "name", "")
     harmonics = part(solution, title, chosen, 0)
-    solution = replace(solution, findings=(*_caveats(angle, chosen, solution), *too_large([harmonics])))
+    left = z - rows @ solution.values
+    findings = (*_caveats(angle, chosen, solution), *_remaining(angle, left, chosen), *too_large([harmonics]))
+    solution = replace(solution, findings=findings)
     return replace(harmonics, solution=solution)
 
 
@@ -142,6 +150,27 @@ def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:
         raise DataError(
             f"measured and reference differ by {spread:.3g} rad about their mean, no longer small against a period of "
             f"harmonic {max(orders)} ({2 * math.pi / max(orders):.3g} rad): are units, signs and columns right?"
+        )
+
+
+def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
+    """The largest harmonic that was not asked for, where the sensor has seen its whole turn."""
+    place = np.floor(np.mod(angle, 2 * math.pi) * (SECTORS / (2 * math.pi))).astype(np.int64) % SECTORS
+    count = np.bincount(place, minlength=SECTORS)
+    share = np.bincount(place, weights=left, minlength=SECTORS) / max(1.0, float(count.mean()))
+    # a turn that is not evenly covered mixes orders: then nothing is said
+    if count.min() < 0.2 * count.mean():
+        return
+    size = 2 * np.abs(np.fft.rfft(share)) / SECTORS
+    size[[0, *(k for k in orders if k < size.size)]] = 0.0
+    order = int(size[: SECTORS // 4].argmax())
+    noise = float(np.std(left))
+    if noise > 0 and SECTORS // 4 * math.exp(-left.size * (size[order] / noise) ** 2 / 4) < RARE:
+        yield Finding(
+            "order",
+            f"harmonic {order} is there too, of about {size[order] * 648_000 / math.pi:.3g} arcsec",
+            "it was not asked for, and makes the standard errors of the others wrong",
+            f"add {order} to the orders",
         )
 
 

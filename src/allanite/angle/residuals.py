@@ -31,7 +31,7 @@ class Check:
 
     def __str__(self) -> str:
         p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
-        return f"{self.title} ({p})" + ("" if self.passed else f": {self.failed}")
+        return f"{self.title if self.passed else self.failed} ({p})"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""

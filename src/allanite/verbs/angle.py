@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
+ELSEWHERE = ("file", "report", "plot", "json", "csv", "corrected", "force", "quiet")
+"""Options that say nothing of the numbers."""
+
 Option = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
@@ -235,7 +238,7 @@ def plan(*, start: float | None, orders: tuple[int, ...], **choices: Any) -> Non
     if start is not None and {"report", "plot"} & set(paths):
         raise UsageError("page and figure compare all starts of the interval; leave --start out, or ask for --json")
     value = scan(**setup) if start is None else run(start=start, **setup)
-    _deliver(value, paths, choices, made={"allanite": __version__})
+    _deliver(value, paths, choices, made={"allanite": __version__, "options": _said()})
 
 
 @angle.command()
@@ -313,7 +316,16 @@ def _scaled(value: float | None, factor: float) -> float | None:
 
 
 def _made(data: "Sheet") -> dict[str, str]:
-    return {"allanite": __version__, "source": data.source, "sha256": data.digest, "notes": "; ".join(data.notes)}
+    made = {"source": data.source, "sha256": data.digest, "notes": "; ".join(data.notes)}
+    return {"allanite": __version__, **made, "options": _said()}
+
+
+def _said() -> str:
+    """What the command line says of the job, for who wants to do it again."""
+    context = click.get_current_context()
+    kept = {name: value for name, value in context.params.items() if name not in ELSEWHERE and value is not None}
+    shown = {name: ",".join(map(str, v)) if isinstance(v, tuple) else str(v) for name, v in kept.items()}
+    return f"{context.command.name}: " + ", ".join(f"{name.replace('_', '-')} {value}" for name, value in shown.items())
 
 
 def _paths(choices: dict[str, Any], inputs: Sequence[str]) -> dict[str, str]:

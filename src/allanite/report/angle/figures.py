@@ -42,8 +42,9 @@ def plot_errors(result: Result, level: float = 0.95) -> Figure:
 
 
 def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
-    period = 2 * math.pi / math.gcd(*harmonics.orders)
-    angle = np.linspace(0, period, 400)
+    common = math.gcd(*harmonics.orders)
+    period = 2 * math.pi / common
+    angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
     rows = waves(angle, harmonics.orders)
     error = harmonics.at(angle) / ARCSEC
     spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
@@ -85,14 +86,15 @@ def _draw_history(ax: Axes, solution: Solution, which: range, half: float) -> No
     way = solution.history
     x = way.time if _numbered(solution) else way.time / 60
     style.grid(ax)
-    for i, color in zip(which, PALETTE * len(which), strict=False):
-        value, error = way.values[:, i] / ARCSEC, half * way.errors[:, i] / ARCSEC
-        ax.fill_between(x, value - error, value + error, color=color, alpha=0.13, lw=0)
-        ax.plot(x, value, color=color, lw=1.1, label=solution.names[i].split()[0])
-    # what is not known yet is anywhere: the scale is that of the last half
+    # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
     late = slice(len(x) // 2, None)
     sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
     reach = 1.1 * float(np.max(sizes)) / ARCSEC
+    for i, color in zip(which, PALETTE * len(which), strict=False):
+        known = half * way.errors[:, i] / ARCSEC < reach
+        value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
+        ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
+        ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
     ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 

@@ -3,9 +3,10 @@
 import math
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from allanite.angle import Scan
+from allanite.angle import Calibration, Scan
 from allanite.report import words
 from allanite.report.html import _svg
 from allanite.version import __version__
@@ -32,11 +33,16 @@ def page(value: "Result | Scan", *, level: float = 0.95, provenance: dict[str, s
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters["clean"] = words.printable
+    env.filters["clean"], env.filters["minus"] = words.printable, _minus
     content = _scan(value) if isinstance(value, Scan) else _result(value, level)
     made = {"allanite": __version__, **(provenance or {})}
     template = env.get_template("angle/scan.html.j2" if isinstance(value, Scan) else "angle/harmonics.html.j2")
     return template.render(content | {"provenance": made, "level": words.percent(level)})
+
+
+def _minus(number: str) -> str:
+    """A number in print, with the sign of mathematics."""
+    return number.replace("-", "−")
 
 
 def _result(result: Result, level: float) -> dict[str, Any]:
@@ -45,7 +51,8 @@ def _result(result: Result, level: float) -> dict[str, Any]:
     return {
         "verdict": _verdict(rows, bool(solution.warnings)),
         "doubt": bool(solution.warnings),
-        "about": f"{solution.innovations.size} readings; {noise(solution)}; condition {solution.condition:.4g}",
+        "about": f"{solution.innovations.size} readings; {noise(solution)}; condition {solution.condition:.4g}"
+        + _ranges(result),
         "warnings": solution.warnings,
         "passed": [str(check) for check in solution.checks if check.passed],
         "rows": rows,
@@ -60,6 +67,13 @@ def _result(result: Result, level: float) -> dict[str, Any]:
     }
 
 
+def _ranges(result: Result) -> str:
+    if not isinstance(result, Calibration):
+        return ""
+    angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
+    return "".join(f"; {name} from {a.min():.2f} to {a.max():.2f} deg" for name, a in angles.items())
+
+
 def _verdict(rows: list[Any], doubt: bool) -> str:
     found = [f"harmonic {x.order} of {x.angle}: {x.amplitude} arcsec" for x in rows if x.found]
     absent = [f"{x.order} of {x.angle}" for x in rows if not x.found]
@@ -72,11 +86,11 @@ def _scan(scan: Scan) -> dict[str, Any]:
     best, setup = scan.best, scan.best.setup
     low, high = (math.degrees(v) for v in best.h)
     return {
-        "verdict": f"The best {words.duration(setup.duration)} begin {words.duration(best.start)} after h = 0, with h "
-        f"from {low:.1f} to {high:.1f} deg: the expected standard deviations of the {best.amplitudes} amplitudes add "
-        f"up to {best.total:.3g}.",
+        "verdict": f"The best window of {words.duration(setup.duration)} begins {words.duration(best.start)} after h = "
+        f"0, h from {low:.1f} to {high:.1f} deg: the expected standard deviations of the {best.amplitudes} amplitudes "
+        f"add up to {best.total:.3g}.",
         "about": f"latitude {math.degrees(setup.latitude):.6g} deg; q by the {setup.q_law} law; a reading every "
-        f"{setup.interval:g} s with noise {setup.sigma:g}; condition {best.condition:.4g}"
+        f"{setup.interval:g} s with noise {setup.sigma:g}; {_prior(setup.prior)}; condition {best.condition:.4g}"
         + (f"; {_sway(setup.sway)}" if setup.sway else ""),
         "warnings": [str(f) for f in best.findings],
         "deviations": [(name, f"{error:.4g}") for name, error in best.standard_deviations.items()],
@@ -86,6 +100,10 @@ def _scan(scan: Scan) -> dict[str, Any]:
             for s, a, b, t, c in scan.rows()[1]
         ],
     }
+
+
+def _prior(prior: tuple[float, float] | None) -> str:
+    return "nothing known before" if prior is None else f"known before to {prior[0]:g} (amplitudes) and {prior[1]:g}"
 
 
 def _sway(sway: Any) -> str:
