@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from allanite.finding import Finding
 
 from .gimbals import Gimbals
+from .solution import correlation_of
 from .squareroot import SquareRoot
 
 FloatArray = NDArray[np.float64]
@@ -44,8 +45,7 @@ def caveats(
         Standard deviations before them.
     """
     count = 2 * sum(map(len, harmonics.values()))
-    errors = np.sqrt(np.diag(known.covariance))
-    correlation = known.covariance / np.outer(errors, errors)
+    errors, correlation = known.errors, correlation_of(known.covariance)
     return (
         *_short(gimbals, harmonics, names, correlation),
         *_alike(names[:count], correlation),
@@ -92,7 +92,7 @@ def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) ->
     turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
     if not turning:
         return
-    without = np.sqrt(np.diag(known.without(turning).covariance))[: errors.size]
+    without = known.without(turning).errors[: errors.size]
     growth = errors / without
     worst = int(growth.argmax())
     if growth[worst] > DISTURBED:

@@ -21,7 +21,7 @@ from .solution import Solution, System, correlation_of, solve
 FloatArray = NDArray[np.float64]
 
 SECTORS = 4096
-"""Parts of a turn in which what is left over is averaged, to look for further harmonics up to a quarter as many."""
+"""Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
 
 RARE = 1e-3
 """Probability with which a further harmonic is announced that is not there."""
@@ -155,20 +155,22 @@ def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:
 
 def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
     """The largest harmonic that was not asked for, where the sensor has seen its whole turn."""
-    place = np.floor(np.mod(angle, 2 * math.pi) * (SECTORS / (2 * math.pi))).astype(np.int64) % SECTORS
-    count = np.bincount(place, minlength=SECTORS)
-    share = np.bincount(place, weights=left, minlength=SECTORS) / max(1.0, float(count.mean()))
+    sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
+    place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
+    count = np.bincount(place, minlength=sectors)
     # a turn that is not evenly covered mixes orders: then nothing is said
     if count.min() < 0.2 * count.mean():
         return
-    size = 2 * np.abs(np.fft.rfft(share)) / SECTORS
-    size[[0, *(k for k in orders if k < size.size)]] = 0.0
-    order = int(size[: SECTORS // 4].argmax())
-    noise = float(np.std(left))
-    if noise > 0 and SECTORS // 4 * math.exp(-left.size * (size[order] / noise) ** 2 / 4) < RARE:
+    means = np.bincount(place, weights=left, minlength=sectors) / count
+    sizes = np.abs(np.fft.rfft(means))[: sectors // 4]
+    sizes[[0, *(k for k in orders if k < sizes.size)]] = 0.0
+    order, noise = int(sizes.argmax()), float(np.std(left))
+    # sectors only point at it: an order beyond them would look like another one
+    size = 2 * abs(complex((left * np.exp(-1j * order * angle)).mean()))
+    if noise > 0 and sizes.size * math.exp(-left.size * (size / noise) ** 2 / 4) < RARE:
         yield Finding(
             "order",
-            f"harmonic {order} is there too, of about {size[order] * 648_000 / math.pi:.3g} arcsec",
+            f"harmonic {order} is there too, of about {size * 648_000 / math.pi:.3g} arcsec",
             "it was not asked for, and makes the standard errors of the others wrong",
             f"add {order} to the orders",
         )

@@ -99,6 +99,22 @@ class Harmonics(Correction):
             total += s * np.sin(k * a) + c * np.cos(k * a)
         return total
 
+    def read(self, angle: FloatArray) -> FloatArray:
+        """What the sensor reads at a true angle, rad: the r for which ``r - at(r)`` is that angle.
+
+        Raises
+        ------
+        UsageError
+            The errors are so large against their periods that a reading stands for several angles.
+        """
+        if float((self.amplitude * np.array(self.orders)).sum()) >= 1:
+            raise UsageError("errors this large against their periods leave readings that stand for several angles")
+        reading, step = angle, np.inf
+        while step > 1e-15:
+            before, reading = reading, angle + self.at(reading)
+            step = min(float(np.abs(reading - before).max()), 0.999 * step)
+        return reading
+
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """The error of each reading of a record of angles, rad.
 

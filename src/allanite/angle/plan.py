@@ -15,6 +15,7 @@ from .caveats import caveats
 from .design import USUAL, Orders, design, harmonic_set
 from .estimate import Prior, prior_of
 from .gimbals import EARTH_RATE, QUARTER, Gimbals, Sway, gimbals, sway_of
+from .solution import correlation_of
 from .squareroot import SquareRoot, batch
 
 FloatArray = NDArray[np.float64]
@@ -233,12 +234,11 @@ def planned(setup: Setup, start: float) -> Plan:
     count = 2 * sum(map(len, harmonics.values()))
     before = None if setup.prior is None else prior_of(setup.prior, count, len(names))
     alone, known = _known(rows / setup.sigma, before)
-    errors = np.sqrt(np.diag(known.covariance))
     return Plan(
         names=names,
         amplitudes=count,
-        errors=errors,
-        correlation=known.covariance / np.outer(errors, errors),
+        errors=known.errors,
+        correlation=correlation_of(known.covariance),
         condition=alone.condition,
         start=float(start),
         h=(float(angles.h.min()), float(angles.h.max())),

@@ -69,30 +69,30 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
 
 
 def outlying(left: FloatArray) -> tuple[float, float, str]:
-    """The largest innovation, against as many normal ones."""
+    """The largest residual, against as many normal ones: an early innovation is small, for nothing is expected yet."""
     from scipy.special import log_ndtr
 
     at = int(np.abs(left).argmax())
     worst = float(abs(left[at]))
     tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
     p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = f"reading {at} lies {worst:.3g} standard deviations from what was expected; look at it, or leave it out"
+    words = f"reading {at} lies {worst:.3g} standard deviations off; look at it, or leave it out"
     return worst, p, words
 
 
-TESTS: dict[str, tuple[str, Callable[[FloatArray], tuple[float, float, str]]]] = {
-    "white": ("the innovations are uncorrelated", white),
-    "steady": ("what is estimated stays constant", steady),
-    "outlying": ("no reading stands out", outlying),
+TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
+    "white": ("the innovations are uncorrelated", True, white),
+    "steady": ("what is estimated stays constant", True, steady),
+    "outlying": ("no reading stands out", False, outlying),
 }
-"""Name: title, and innovations -> (statistic, p, words if it fails)."""
+"""Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
 
 
-def checks(left: FloatArray) -> tuple[Check, ...]:
-    """Every test of `TESTS`, for innovations of shape (n,) with unit variance."""
+def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[Check, ...]:
+    """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
     found = []
-    for name, (title, test) in TESTS.items():
-        statistic, p, words = test(left)
+    for name, (title, innovating, test) in TESTS.items():
+        statistic, p, words = test(innovations if innovating else residuals)
         found.append(Check(name, title, statistic, p, words))
     return tuple(found)
 

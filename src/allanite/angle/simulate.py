@@ -62,7 +62,7 @@ def readings(gimbals: Gimbals, harmonics: Mapping[str, Harmonics]) -> Gimbals:
         if angle not in ANGLES:
             raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
     angles = {angle: getattr(gimbals, angle) for angle in harmonics}
-    return gimbals.moved(**{angle: angles[angle] + h.at(angles[angle]) for angle, h in harmonics.items()})
+    return gimbals.moved(**{angle: h.read(angles[angle]) for angle, h in harmonics.items()})
 
 
 def _cosine_change(true: Gimbals, measured: Gimbals) -> FloatArray:

@@ -200,7 +200,7 @@ def solve(
         prior=prior,
         history=history,
         innovations=left,
-        checks=(*level, *checks(left)),
+        checks=(*level, *checks(left, values - rows @ end.values)),
         known=end,
     )
 
@@ -254,15 +254,14 @@ def _recursive(start: SquareRoot, rows: FloatArray, values: FloatArray, time: Fl
     for first, last in pairwise(marks.tolist()):
         known, part = known.absorb(rows[first:last], values[first:last])
         left.append(part)
-        way.append((known.values, np.sqrt(np.diag(known.covariance))))
+        way.append((known.values, known.errors))
     history = History(marks[1:], time[marks[1:] - 1], np.array([v for v, _ in way]), np.array([e for _, e in way]))
     return known, history, np.concatenate(left)
 
 
 def _batch(start: SquareRoot, rows: FloatArray, values: FloatArray, time: FloatArray) -> Run:
     known = batch(rows, values, 1 / np.diag(start.factor))
-    errors = np.sqrt(np.diag(known.covariance))
-    history = History(np.array([values.size]), time[-1:], known.values[None], errors[None])
+    history = History(np.array([values.size]), time[-1:], known.values[None], known.errors[None])
     return known, history, values - rows @ known.values
 
 

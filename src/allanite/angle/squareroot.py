@@ -68,13 +68,20 @@ class SquareRoot:
     @property
     def values(self) -> FloatArray:
         """The estimate, shape (p,)."""
-        return self._solved(self.factor[:, -1])
+        from scipy.linalg import solve_triangular
+
+        return np.asarray(solve_triangular(self.factor[:, :-1], self.factor[:, -1]))
 
     @property
     def covariance(self) -> FloatArray:
         """Of the estimate, shape (p, p)."""
-        inverse = self._solved(np.eye(len(self.factor)))
+        inverse = self._inverse
         return inverse @ inverse.T
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors of the estimate, shape (p,)."""
+        return np.asarray(np.linalg.norm(self._inverse, axis=1))
 
     @property
     def condition(self) -> float:
@@ -95,10 +102,14 @@ class SquareRoot:
         kept = np.delete(self.factor, columns, axis=1)
         return SquareRoot(_triangle(kept)[: kept.shape[1] - 1], self.squares, self.count)
 
-    def _solved(self, right: FloatArray) -> FloatArray:
-        from scipy.linalg import solve_triangular
+    @property
+    def _inverse(self) -> FloatArray:
+        from scipy.linalg.lapack import dtrtri
 
-        return np.asarray(solve_triangular(self.factor[:, :-1], right))
+        inverse, fault = dtrtri(self.factor[:, :-1])
+        if fault:
+            raise np.linalg.LinAlgError("the information is singular")
+        return np.asarray(inverse)
 
 
 def batch(rows: FloatArray, values: FloatArray, prior: FloatArray | None = None) -> SquareRoot:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from allanite.angle import Calibration, Harmonics, Solution
 from allanite.angle.design import NUISANCES
 from allanite.angle.solution import quantile
+from allanite.errors import UsageError
 from allanite.report.digits import digits
 from allanite.units import convert, unit_of
 
@@ -48,11 +49,11 @@ def solution_of(result: Result) -> Solution:
 
     Raises
     ------
-    ValueError
+    UsageError
         They were not: known harmonics have no solution.
     """
     if result.solution is None:
-        raise ValueError("these harmonics were given, not estimated")
+        raise UsageError("these harmonics were given, not estimated: there is nothing to report")
     return result.solution
 
 
