@@ -11,9 +11,8 @@ from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
 import allanite as al
 from allanite.angle import squareroot
 from allanite.angle.design import NUISANCES, USUAL, design, harmonic_set
-from allanite.angle.gimbals import ANGLES, EARTH_RATE, Q_LAWS
-from allanite.angle.plan import period_table
-from allanite.angle.solution import System, solve
+from allanite.angle.gimbals import ANGLES, EARTH_RATE, Q_LAWS, period_table
+from allanite.angle.solve import System, solve
 
 LATITUDE = math.radians(60)
 ARCSEC = math.pi / 648_000

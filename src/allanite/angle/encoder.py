@@ -13,10 +13,11 @@ from allanite.finding import Finding
 from allanite.record import Record
 from allanite.units import unit_of
 
+from .door import column
 from .estimate import part, too_large
-from .gimbals import column
 from .harmonics import Harmonics, orders_of, waves
-from .solution import Solution, System, correlation_of, solve
+from .solution import Solution, correlation_of
+from .solve import System, solve
 
 FloatArray = NDArray[np.float64]
 

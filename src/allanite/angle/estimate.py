@@ -13,9 +13,11 @@ from allanite.finding import Finding
 
 from .caveats import caveats
 from .design import USUAL, Orders, design, harmonic_set
-from .gimbals import Gimbals, column
+from .door import column
+from .gimbals import Gimbals
 from .harmonics import Harmonics
-from .solution import Solution, System, solve
+from .solution import Solution
+from .solve import System, solve
 
 FloatArray = NDArray[np.float64]
 
@@ -102,7 +104,7 @@ def estimate(
     prior : (amplitudes, rest), optional
         Standard deviations about 0 before the readings, rad (rad/s for A3). None: nothing is known.
     method : {"recursive", "batch"}
-        See `solution.solve`.
+        See `solve.solve`.
 
     Raises
     ------

@@ -6,13 +6,16 @@ time is counted from its passage of h = 0 upwards, towards the east. The polar g
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from allanite.errors import DataError, UnitError, UsageError
+
+from .door import column, demand_increasing
+from .sway import Sway, sway_of
 
 FloatArray = NDArray[np.float64]
 
@@ -30,55 +33,6 @@ Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
 
 ANGLES = ("h", "q", "h_polar", "q_polar")
 """The four angle sensors: of the equatorial and of the polar gyro."""
-
-
-@dataclass(frozen=True)
-class Sway:
-    """A ship's sway: roll and pitch of one period, a quarter of it apart.
-
-    Attributes
-    ----------
-    roll, pitch : float
-        Amplitudes, rad.
-    period : float
-        s.
-    heading : float
-        Of the ship, from north to east, rad.
-    """
-
-    roll: float
-    pitch: float
-    period: float
-    heading: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
-            raise UsageError(f"sway is two finite amplitudes in rad and a period in s above 0, not {self}")
-        if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
-            raise UnitError(
-                f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
-            )
-
-    def turn(self, vectors: FloatArray, time: FloatArray) -> FloatArray:
-        """Vectors of the local axes, shape (3, n), as the swaying base sees them at `time`, s."""
-        phase = 2 * math.pi / self.period * time
-        forward = np.array([math.sin(self.heading), math.cos(self.heading), 0.0])
-        starboard = np.array([math.cos(self.heading), -math.sin(self.heading), 0.0])
-        rotation = np.outer(forward, self.roll * np.sin(phase)) + np.outer(starboard, self.pitch * np.cos(phase))
-        size = np.linalg.norm(rotation, axis=0)
-        axis = rotation / np.where(size > 0, size, 1.0)
-        # Rodrigues' formula; the base turns by +size, so that what stands still turns by -size in its axes
-        along = axis * (axis * vectors).sum(axis=0) * (1 - np.cos(size))
-        return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
-
-
-def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
-    """Sway given as (amplitude, period) is roll and pitch of that amplitude."""
-    if sway is None or isinstance(sway, Sway):
-        return sway
-    if not isinstance(sway, (tuple, list)) or len(sway) != 2:
-        raise UsageError(f"sway is (amplitude in rad, period in s) or a Sway, not {sway!r}")
-    return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,42 +192,25 @@ def _vector(h: FloatArray, q: FloatArray) -> FloatArray:
     return np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)])
 
 
-def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
-    """Finite float64 of shape (n,).
+def period_table(latitude: float, h: Sequence[float], orders: Sequence[int] = (128, 256)) -> list[dict[str, float]]:
+    """Periods of the errors on a still base, s, at values of h in rad.
 
     Raises
     ------
-    DataError
-        It is something else; the message names the first bad reading.
+    UnitError
+        The gimbal does not reach such an angle at this latitude.
+
+    Examples
+    --------
+    >>> {name: round(seconds / 60, 1) for name, seconds in period_table(np.radians(60), [0.0])[0].items()}
+    {'128 h': 22.4, '256 h': 11.2, '128 q': 13.0, '256 q': 6.5}
     """
-    array = np.asarray(values)
-    if array.ndim != 1 or array.dtype.kind not in "fiu":
-        raise DataError(f"{name} must be real numbers of shape (n,), not {array.dtype} of shape {array.shape}")
-    if size is not None and array.size != size:
-        raise DataError(f"{name} has {array.size} readings where {size} are expected: one for each of the others")
-    bad = ~np.isfinite(array)
-    if bad.any():
-        first = int(bad.argmax())
-        raise DataError(
-            f"{int(bad.sum())} of {bad.size} readings of {name} are not finite, the first at sample {first}; "
-            "leave those rows out: the readings need not be evenly spaced"
-        )
-    return np.ascontiguousarray(array, dtype=np.float64)
-
-
-def demand_increasing(time: FloatArray) -> None:
-    """Refuse a clock that stands still or runs back.
-
-    Raises
-    ------
-    DataError
-        The message says where.
-    """
-    steps = np.diff(time)
-    if (steps <= 0).any():
-        at = int((steps <= 0).argmax())
-        how = "goes back" if steps[at] < 0 else "stands still"
-        raise DataError(
-            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} "
-            "such steps in all; sort the rows by time and leave out repeated ones"
-        )
+    found = []
+    for angle in h:
+        ratio = math.sin(angle) / math.cos(latitude)
+        if not -1 < ratio < 1:
+            raise UnitError(f"h does not pass {angle:g} rad at the latitude {latitude:g} rad")
+        start = math.asin(ratio) / EARTH_RATE
+        near = gimbals(start + np.array([-1.0, 0.0, 1.0]), latitude=latitude)
+        found.append({f"{k} {a}": float(near.period(a, k)[1]) for a in ("h", "q") for k in orders})
+    return found

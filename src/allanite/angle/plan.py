@@ -8,23 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UnitError, UsageError
+from allanite.errors import UsageError
 from allanite.finding import Finding
 
 from .caveats import caveats
 from .design import USUAL, Orders, design, harmonic_set
 from .estimate import Prior, prior_of
-from .gimbals import EARTH_RATE, QUARTER, Gimbals, Sway, gimbals, sway_of
+from .gimbals import Gimbals, gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot, batch
+from .sway import Sway, sway_of
 
 FloatArray = NDArray[np.float64]
 
 READINGS = 4096
 """Readings of one window of a scan; more are thinned, their noise averaged."""
-
-STEP = 300.0
-"""Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
 
 
 @dataclass(frozen=True)
@@ -138,38 +136,6 @@ class Plan:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """Expected accuracy by the start of the interval: starts, totals, conditions, shape (k,); h, shape (k, 2), rad.
-
-    `best` is the plan of the window with the smallest total.
-    """
-
-    starts: FloatArray
-    totals: FloatArray
-    conditions: FloatArray
-    h: FloatArray
-    best: Plan
-
-    def rows(self) -> tuple[list[str], list[list[float]]]:
-        """Headings and rows."""
-        columns = (self.starts, *self.h.T, self.totals, self.conditions)
-        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition"]
-        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data; angles in rad, times in s."""
-        return {
-            "allanite": 1,
-            "type": "Scan",
-            "start": self.starts.tolist(),
-            "total": self.totals.tolist(),
-            "condition": self.conditions.tolist(),
-            "h": self.h.tolist(),
-            "best": self.best.to_dict(),
-        }
-
-
 def plan(  # noqa: PLR0913 - every choice of an experiment, each with its name
     *,
     latitude: float,
@@ -255,80 +221,3 @@ def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, Squ
             raise UsageError("the readings alone do not tell these constants apart; give prior standard deviations")
         return alone, alone
     return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)
-
-
-def scan(  # noqa: PLR0913 - every choice of an experiment, each with its name
-    *,
-    latitude: float,
-    duration: float,
-    interval: float,
-    starts: Sequence[float] | None = None,
-    sigma: float = 1.0,
-    q_law: str = "exact",
-    turn_period: float | None = 300.0,
-    sway: Sway | tuple[float, float] | None = None,
-    prior: Prior | None = (3.0, 10.0),
-    orders: Orders = (128, 256),
-    nuisance: Sequence[str] = USUAL,
-) -> Scan:
-    """Expected accuracy of every start of the interval, and the best one.
-
-    Parameters
-    ----------
-    starts : sequence of float, optional
-        s after h = 0; if left out, every five minutes (half a duration, if that is less) from there until the interval
-        reaches the extreme of h, or begins there if it is longer than a quarter of the earth's turn.
-
-    The others, and the errors, are those of `plan`.
-
-    Examples
-    --------
-    >>> day = scan(latitude=np.radians(60), duration=3600.0, interval=10.0, q_law="linear")
-    >>> np.degrees(day.best.h).round(1).tolist()
-    [13.4, 19.8]
-    """
-    setup = Setup(latitude, duration, interval, sigma, q_law, turn_period, sway_of(sway), prior, orders, nuisance)
-    grid = _starts(duration) if starts is None else np.asarray(starts, dtype=np.float64)
-    if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
-        raise UsageError(f"starts are times in s after h = 0, not {starts!r}")
-    thin = setup.thinned()
-    plans = [planned(thin, float(start)) for start in grid]
-    totals = np.array([p.total for p in plans])
-    return Scan(
-        starts=grid,
-        totals=totals,
-        conditions=np.array([p.condition for p in plans]),
-        h=np.array([p.h for p in plans]),
-        best=planned(setup, float(grid[int(totals.argmin())])),
-    )
-
-
-def _starts(duration: float) -> FloatArray:
-    step = min(STEP, duration / 2)
-    # the last window is the first that reaches the extreme of h
-    last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
-    return np.asarray(step * np.arange(last + 1), dtype=np.float64)
-
-
-def period_table(latitude: float, h: Sequence[float], orders: Sequence[int] = (128, 256)) -> list[dict[str, float]]:
-    """Periods of the errors on a still base, s, at values of h in rad.
-
-    Raises
-    ------
-    UnitError
-        The gimbal does not reach such an angle at this latitude.
-
-    Examples
-    --------
-    >>> {name: round(seconds / 60, 1) for name, seconds in period_table(np.radians(60), [0.0])[0].items()}
-    {'128 h': 22.4, '256 h': 11.2, '128 q': 13.0, '256 q': 6.5}
-    """
-    found = []
-    for angle in h:
-        ratio = math.sin(angle) / math.cos(latitude)
-        if not -1 < ratio < 1:
-            raise UnitError(f"h does not pass {angle:g} rad at the latitude {latitude:g} rad")
-        start = math.asin(ratio) / EARTH_RATE
-        near = gimbals(start + np.array([-1.0, 0.0, 1.0]), latitude=latitude)
-        found.append({f"{k} {a}": float(near.period(a, k)[1]) for a in ("h", "q") for k in orders})
-    return found
