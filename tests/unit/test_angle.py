@@ -88,6 +88,10 @@ def test_periods_of_the_errors():
     zero, middle, late = period_table(LATITUDE, np.radians([0.0, 17.0, 28.0]))
     minutes = [round(v / 60, 1) for v in (zero["128 h"], zero["256 h"], zero["128 q"], middle["128 h"], late["128 q"])]
     assert minutes == [22.4, 11.2, 13.0, 26.5, 10.1]
+    last = [(math.pi / 2 - math.asin(math.sin(math.radians(30 - 360 / k)) / 0.5)) / EARTH_RATE / 60 for k in (128, 256)]
+    assert [round(v) for v in last] == [96, 67]
+    same = [row["256 h"] - row["128 q"] for row in period_table(LATITUDE, np.radians([13.0, 14.0]))]
+    assert same[0] < 0 < same[1]
     linear = hour(law="linear")
     np.testing.assert_allclose(linear.period("q", 128) / 60, 11.22, atol=0.01)
 

@@ -1,99 +1,23 @@
 """allanite angle: harmonic errors of angle sensors, of a gimbal in service or of any encoder against a reference."""
 
 import math
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from allanite import __version__
 from allanite.errors import UsageError
-from allanite.report.files import write
 from allanite.report.outputs import STDOUT, demand_outputs
 
+from .angle_options import EXPERIMENT, LEVEL, ORDERS, OUTPUTS, numbers, words
+from .angle_output import deliver, made_of, paths_of, put, said
+
 if TYPE_CHECKING:
-    from allanite.angle import Calibration, Gimbals, Harmonics, Plan, Scan
+    from allanite.angle import Gimbals, Harmonics
     from allanite.readers.sheet import Sheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
-
-ELSEWHERE = ("file", "report", "plot", "json", "csv", "corrected", "force", "quiet")
-"""Options that say nothing of the numbers."""
-
-Option = Callable[[Callable[..., Any]], Callable[..., Any]]
-
-
-def numbers(count: int, what: str) -> Callable[..., tuple[float, ...] | None]:
-    """A callback that reads so many numbers with commas between them."""
-
-    def parse(_: click.Context, __: click.Parameter, text: str | None) -> tuple[float, ...] | None:
-        if text is None:
-            return None
-        try:
-            found = tuple(float(part) for part in text.split(","))
-        except ValueError:
-            found = ()
-        if len(found) != count:
-            raise click.BadParameter(f"{what} wanted, not {text!r}")
-        return found
-
-    return parse
-
-
-def orders_option(_: click.Context, __: click.Parameter, text: str) -> tuple[int, ...]:
-    """Whole numbers with commas between them."""
-    try:
-        return tuple(int(part) for part in text.split(","))
-    except ValueError:
-        raise click.BadParameter(f"whole numbers such as 128,256 are wanted, not {text!r}") from None
-
-
-def words(_: click.Context, __: click.Parameter, text: str | None) -> tuple[str, ...] | None:
-    """Names with commas between them."""
-    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
-
-
-def options(*several: Option) -> Option:
-    """Several options as one."""
-
-    def give(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(several):
-            command = option(command)
-        return command
-
-    return give
-
-
-ORDERS = click.option(
-    "--orders",
-    callback=orders_option,
-    metavar="K,K,...",
-    default="128,256",
-    show_default=True,
-    help="Harmonics of the angle.",
-)
-LEVEL = click.option("--level", type=float, default=0.95, show_default=True, help="Confidence level of intervals.")
-OUTPUTS = options(
-    click.option("--report", metavar="PATH", type=click.Path(), help="Write the HTML page."),
-    click.option("--plot", metavar="PATH", type=click.Path(), help="Write the figure: .png, .svg or .pdf."),
-    click.option("--json", metavar="PATH", type=click.Path(), help="Write everything as JSON; - is standard output."),
-    click.option("--csv", metavar="PATH", type=click.Path(), help="Write the numbers as CSV; - is standard output."),
-    click.option("--force", is_flag=True, help="Overwrite files that exist."),
-    click.option("--quiet", is_flag=True, help="Print nothing but errors, and what goes to standard output."),
-)
-EXPERIMENT = options(
-    click.option("--latitude", type=float, required=True, metavar="DEG", help="Of the place."),
-    click.option("--duration", type=float, required=True, metavar="S", help="Of the experiment."),
-    click.option("--interval", type=float, default=10.0, show_default=True, metavar="S", help="Between readings."),
-    click.option(
-        "--q-law", default="exact", show_default=True, help="Of the outer angle: exact, or linear as printed."
-    ),
-    click.option("--turn-period", type=float, default=300.0, show_default=True, metavar="S", help="Auto-compensation."),
-    click.option(
-        "--sway", callback=numbers(2, "amplitude in deg and period in s are"), metavar="DEG,S", help="Roll and pitch."
-    ),
-)
 
 
 @click.group()
@@ -118,7 +42,7 @@ def angle() -> None:
 @OUTPUTS
 def calibrate(file: str, *, measured: str, reference: str, orders: tuple[int, ...], **choices: Any) -> None:
     """Find the harmonic errors of an encoder in FILE (text or CSV)."""
-    paths = _paths(choices, [file])
+    paths = paths_of(choices, [file])
     from allanite.angle import calibrate as run
     from allanite.readers.sheet import sheet
 
@@ -126,7 +50,7 @@ def calibrate(file: str, *, measured: str, reference: str, orders: tuple[int, ..
     a, b = (data.values(key, "rad", given=choices["unit"]) for key in (measured, reference))
     found = run(a, b, orders, sigma=_scaled(choices["sigma"], ARCSEC), trend=choices["trend"], name=measured)
     corrected = {"measured [rad]": a, "corrected [rad]": a - found.at(a)}
-    _deliver(found, paths, choices, made=_made(data), corrected=corrected)
+    deliver(found, paths, choices, made=made_of(data), corrected=corrected)
 
 
 @angle.command()
@@ -158,7 +82,7 @@ def calibrate(file: str, *, measured: str, reference: str, orders: tuple[int, ..
 @OUTPUTS
 def estimate(file: str, *, difference: str, orders: tuple[int, ...], **choices: Any) -> None:
     """Find the harmonic errors of a gimbal's angle sensors in FILE (text or CSV)."""
-    paths = _paths(choices, [file])
+    paths = paths_of(choices, [file])
     from allanite.angle import estimate as run
     from allanite.angle.design import USUAL
     from allanite.readers.sheet import sheet
@@ -175,7 +99,7 @@ def estimate(file: str, *, difference: str, orders: tuple[int, ...], **choices: 
         prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
     )
     angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in found}
-    _deliver(found, paths, choices, made=_made(data), corrected={"time [s]": gimbals.time, **angles})
+    deliver(found, paths, choices, made=made_of(data), corrected={"time [s]": gimbals.time, **angles})
 
 
 def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
@@ -226,7 +150,7 @@ def _has_unit(data: "Sheet", key: str) -> bool:
 @OUTPUTS
 def plan(*, start: float | None, orders: tuple[int, ...], **choices: Any) -> None:
     """Say how well the errors of a gimbal's sensors would be known, and where best to estimate them."""
-    paths = _paths(choices, [])
+    paths = paths_of(choices, [])
     from allanite.angle import plan as run
     from allanite.angle import scan
 
@@ -238,7 +162,7 @@ def plan(*, start: float | None, orders: tuple[int, ...], **choices: Any) -> Non
     if start is not None and {"report", "plot"} & set(paths):
         raise UsageError("page and figure compare all starts of the interval; leave --start out, or ask for --json")
     value = scan(**setup) if start is None else run(start=start, **setup)
-    _deliver(value, paths, choices, made={"allanite": __version__, "options": _said()})
+    deliver(value, paths, choices, made={"allanite": __version__, "options": said()})
 
 
 @angle.command()
@@ -277,7 +201,7 @@ def simulate(out: str, *, start: float, errors: Sequence[str], force: bool, **ch
     table = {"time [s]": true.time, "difference": z}
     table |= {f"{name} [rad]": getattr(seen, name) for name in ("h", "q", "h_polar", "q_polar")}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
-    _put(out, columns(table), force=force)
+    put(out, columns(table), force=force)
     if out != STDOUT:
         click.echo(f"csv: {out}")
 
@@ -313,76 +237,3 @@ def _experiment(choices: dict[str, Any]) -> dict[str, Any]:
 
 def _scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else value * factor
-
-
-def _made(data: "Sheet") -> dict[str, str]:
-    made = {"source": data.source, "sha256": data.digest, "notes": "; ".join(data.notes)}
-    return {"allanite": __version__, **made, "options": _said()}
-
-
-def _said() -> str:
-    """What the command line says of the job, for who wants to do it again."""
-    context = click.get_current_context()
-    kept = {name: value for name, value in context.params.items() if name not in ELSEWHERE and value is not None}
-    shown = {name: ",".join(map(str, v)) if isinstance(v, tuple) else str(v) for name, v in kept.items()}
-    return f"{context.command.name}: " + ", ".join(f"{name.replace('_', '-')} {value}" for name, value in shown.items())
-
-
-def _paths(choices: dict[str, Any], inputs: Sequence[str]) -> dict[str, str]:
-    """Where results go, once it is known that they can."""
-    names = ("report", "plot", "json", "csv", "corrected")
-    paths = {name: choices[name] for name in names if choices.get(name) is not None}
-    demand_outputs(paths, inputs=inputs, force=choices["force"])
-    return paths
-
-
-def _deliver(
-    value: "Harmonics | Calibration | Plan | Scan",
-    paths: dict[str, str],
-    choices: dict[str, Any],
-    *,
-    made: dict[str, str],
-    corrected: dict[str, Any] | None = None,
-) -> None:
-    """Print the table, and write what was asked for."""
-    from allanite.report.angle.plain import columns, to_csv, to_json
-    from allanite.report.angle.text import render
-
-    level, silent = choices["level"], STDOUT in paths.values()
-    made = {name: text for name, text in made.items() if text}
-    if not (choices["quiet"] or silent):
-        if "source" in made:
-            click.echo(f"file {made['source']}")
-        click.echo(render(value, level), nl=False)
-    writers: dict[str, Callable[[], str | bytes]] = {
-        "report": lambda: _page(value, level, made),
-        "plot": lambda: _figure(value, level, paths["plot"]),
-        "json": lambda: to_json(value, level=level, provenance=made),
-        "csv": lambda: to_csv(value, level=level),
-        "corrected": lambda: columns(corrected or {}),
-    }
-    for name, path in paths.items():
-        _put(path, writers[name](), force=choices["force"])
-        if path != STDOUT and not choices["quiet"]:
-            click.echo(f"{name}: {path}", err=silent)
-
-
-def _page(value: Any, level: float, made: dict[str, str]) -> str:
-    from allanite.report.angle.html import page
-
-    return page(value, level=level, provenance=made)
-
-
-def _figure(value: Any, level: float, path: str) -> bytes:
-    from allanite.report.angle.figures import plot
-    from allanite.report.style import encode
-
-    return encode(plot(value, level), Path(path).suffix.lower().lstrip("."))
-
-
-def _put(path: str, data: str | bytes, *, force: bool) -> None:
-    raw = data.encode() if isinstance(data, str) else data
-    if path == STDOUT:
-        click.echo(raw, nl=False)
-    else:
-        write(path, raw, force=force)
