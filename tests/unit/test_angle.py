@@ -195,6 +195,7 @@ def test_large_known_noise_and_drift_are_noticed(seed):
     found = al.angle.estimate(drifting, gimbals).solution
     assert not all(c.passed for c in found.checks)
     assert any("correlated" in w for w in found.warnings)
+    assert {row[-1] for row in al.angle.estimate(drifting, gimbals).rows()[1]} <= {"doubtful", "not found"}
     z[100] += 1e-5
     assert any("reading 100 " in w for w in al.angle.estimate(z, gimbals).solution.warnings)
 

@@ -66,8 +66,8 @@ def _short(
             i, j = np.unravel_index(int(others.argmax()), others.shape)
             yield Finding(
                 "span",
-                f"{angle} moves by {math.degrees(span):.3g} deg, less than one period of its harmonic {min(orders)} "
-                f"({math.degrees(period):.3g} deg)",
+                f"the angle {angle} moves by {math.degrees(span):.3g} deg, less than one period of its harmonic "
+                f"{min(orders)} ({math.degrees(period):.3g} deg)",
                 f"its harmonics are hardly separable: {names[mine[i]]} correlates with {names[j]} by "
                 f"{correlation[mine[i], j]:+.3f}",
                 "choose a longer interval, or a part of the day where the angle moves faster",

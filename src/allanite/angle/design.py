@@ -128,8 +128,9 @@ def demand_motion(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) ->
         span, period = gimbals.span(angle), 2 * math.pi / max(orders)
         if span < STILL * period:
             raise DataError(
-                f"{angle} stays within {math.degrees(span):.3g} deg, a period of its harmonic {max(orders)} is "
-                f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a "
+                f"the angle {angle} stays within {math.degrees(span):.3g} deg, a period of its harmonic "
+                f"{max(orders)} is {math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot "
+                "be told from a "
                 f"constant. {_remedy(angle)}"
             )
 

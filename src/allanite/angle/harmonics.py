@@ -165,6 +165,13 @@ class Harmonics(Correction):
         """Whether the harmonic is there beyond chance (p below 1 %)."""
         return self.p(order) < FOUND
 
+    def status(self, order: int) -> str:
+        """Found, not found; or doubtful: found against noise that is not what it was supposed to be."""
+        if not self.found(order):
+            return "not found"
+        sound = self.solution is None or all(check.passed for check in self.solution.checks)
+        return "found" if sound else "doubtful"
+
     def upper(self, order: int) -> float:
         """95 % upper limit of an amplitude, rad, all values of S and C being equally likely beforehand."""
         from scipy.special import chndtrix
@@ -192,7 +199,7 @@ class Harmonics(Correction):
         errors = np.sqrt(np.diag(self.covariance))
         columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
         rows = [
-            [self.name, k, *numbers, *self.interval(k, level), phase, "found" if self.found(k) else "not found"]
+            [self.name, k, *numbers, *self.interval(k, level), phase, self.status(k)]
             for k, phase, *numbers in zip(
                 self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
             )
@@ -205,7 +212,7 @@ class Harmonics(Correction):
         keys = [heading.replace(" ", "_") for heading in headings]
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
-            term["upper"] = None if term["status"] == "found" else self.upper(term["order"])
+            term["upper"] = self.upper(term["order"]) if term["status"] == "not found" else None
         data: dict[str, Any] = {
             "allanite": 1,
             "type": "Harmonics",

@@ -17,7 +17,7 @@ from .numbers import ARCSEC, Result, half_width, parts, solution_of
 
 FloatArray = NDArray[np.float64]
 
-PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63")
+PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
 MOST = 3000
 """Innovations that are drawn."""
@@ -137,12 +137,14 @@ def plot_scan(scan: Scan) -> Figure:
         ):
             style.grid(ax)
             ax.plot(hours, values, "o-", ms=2.8 if hours.size > 30 else 4, lw=1.1, color=style.DATA)
-            ax.set(yscale="log", ylabel=label)
-            style.plain_ticks(ax.yaxis)
+            ax.set(ylabel=label)
+            if values.max() > 3 * values.min():
+                ax.set_yscale("log")
+                style.plain_ticks(ax.yaxis)
+                ax.yaxis.set_minor_formatter(_some)
             ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
-        upper.yaxis.set_minor_formatter(lambda v, _: f"{v:g}" if f"{v:e}"[0] in "235" else "")
         low, high = (math.degrees(v) for v in scan.best.h)
-        best = f"best: h from {low:.1f} to {high:.1f} deg, sum {scan.best.total:.3g}"
+        best = f"best: h from {low:.1f} to {high:.1f} deg, sum {scan.best.total:.3g}".replace("-", "−")
         upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
         upper.legend(loc="best")
         lower.set_xlabel("start of the interval (h after h = 0)")
@@ -150,9 +152,14 @@ def plot_scan(scan: Scan) -> Figure:
     return figure
 
 
+def _some(value: float, _: int) -> str:
+    """Labels of 2, 3 and 5 times a power of ten, and of no other minor tick."""
+    return f"{value:g}" if f"{value:e}"[0] in "235" else ""
+
+
 def _degrees_above(ax: Axes, scan: Scan) -> None:
     """The smallest h of each interval, above the figure."""
     ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
     top = ax.secondary_xaxis("top")
-    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}" for v in scan.h[ticks, 0]])
+    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
     top.set_xlabel("smallest h of the interval (deg)")

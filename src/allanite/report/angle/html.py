@@ -71,13 +71,16 @@ def _ranges(result: Result) -> str:
     if not isinstance(result, Calibration):
         return ""
     angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
-    return "".join(f"; {name} from {a.min():.2f} to {a.max():.2f} deg" for name, a in angles.items())
+    return "".join(
+        f"; {name} from {_minus(f'{a.min():.2f}')} to {_minus(f'{a.max():.2f}')} deg" for name, a in angles.items()
+    )
 
 
 def _verdict(rows: list[Any], doubt: bool) -> str:
     found = [f"harmonic {x.order} of {x.angle}: {x.amplitude} arcsec" for x in rows if x.found]
     absent = [f"{x.order} of {x.angle}" for x in rows if not x.found]
-    first = "Found are " + ", ".join(found) + "." if found else "No harmonic was found."
+    status = "Doubtful" if any(x.status == "doubtful" for x in rows) else "Found"
+    first = f"{status} are {', '.join(found)}." if found else "No harmonic was found."
     rest = f" Not found: {', '.join(absent)}." if absent and found else ""
     return first + rest + (" Read the warnings before using the numbers." if doubt else "")
 
@@ -87,8 +90,8 @@ def _scan(scan: Scan) -> dict[str, Any]:
     low, high = (math.degrees(v) for v in best.h)
     return {
         "verdict": f"The best window of {words.duration(setup.duration)} begins {words.duration(best.start)} after h = "
-        f"0, h from {low:.1f} to {high:.1f} deg: the expected standard deviations of the {best.amplitudes} amplitudes "
-        f"add up to {best.total:.3g}.",
+        f"0, h from {_minus(f'{low:.1f}')} to {high:.1f} deg: the expected standard deviations of the "
+        f"{best.amplitudes} amplitudes add up to {best.total:.3g}.",
         "about": f"latitude {math.degrees(setup.latitude):.6g} deg; q by the {setup.q_law} law; a reading every "
         f"{setup.interval:g} s with noise {setup.sigma:g}; {_prior(setup.prior)}; condition {best.condition:.4g}"
         + (f"; {_sway(setup.sway)}" if setup.sway else ""),

@@ -37,6 +37,7 @@ class Line(NamedTuple):
     interval: str
     phase: str
     found: bool
+    status: str
 
 
 def parts(result: Result) -> tuple[Harmonics, ...]:
@@ -78,7 +79,7 @@ def lines(result: Result, level: float) -> Iterator[Line]:
             phase = f"{math.degrees(float(h.phase[i])):.0f}"
             yield Line(
                 h.name or "angle", order, sine, cosine, value if found else f"below {limit}",
-                interval if found else "", phase if found else "", found,
+                interval if found else "", phase if found else "", found, h.status(order),
             )  # fmt: skip
 
 

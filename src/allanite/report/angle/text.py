@@ -30,7 +30,7 @@ def _result(result: Result, level: float) -> Iterator[str]:
             "phase [deg]", ""]  # fmt: skip
     rows = [
         [x.angle, str(x.order), x.sine.value, x.sine.error, x.cosine.value, x.cosine.error, x.amplitude, x.interval,
-         x.phase, "found" if x.found else "not found"]
+         x.phase, x.status]
         for x in lines(result, level)
     ]  # fmt: skip
     yield from _table(head, rows)
