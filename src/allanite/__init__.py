@@ -1,5 +1,7 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
+from . import angle as angle
+from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
 from .errors import DataError as DataError

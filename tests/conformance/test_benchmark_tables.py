@@ -17,7 +17,7 @@ def rows_of(name):
     return [dict(zip(headings, row, strict=True)) for row in rows]
 
 
-@pytest.mark.parametrize("name", ["identification.md", "speed.md"])
+@pytest.mark.parametrize("name", ["identification.md", "speed.md", "angle.md"])
 def test_tables_say_how_they_were_made(name):
     head = (RESULTS / name).read_text().split("\n| ")[0]
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)

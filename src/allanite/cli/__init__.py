@@ -3,6 +3,7 @@
 import click
 
 from allanite import __version__
+from allanite.verbs.angle import angle
 
 from .analyze import analyze, info
 from .curves import deviation, dynamic, spectrum
@@ -14,6 +15,7 @@ VERBS: dict[str, click.Command] = {
     "deviation": deviation,
     "spectrum": spectrum,
     "dynamic": dynamic,
+    "angle": angle,
 }
 
 

@@ -37,6 +37,26 @@ def read(path: str, options: Options) -> Recording:
         What the file does not say is not given either.
     """
     data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
+    columns, tags, said = columns_of(data)
+    by = sensors.turns(columns, tags)
+    if by is None:
+        columns, told = sensors.between(columns)
+    else:
+        groups, told = sensors.apart(columns, by)
+        columns = sensors.wanted(groups, options.channels)
+    table = Table(tuple(columns), notes=(*notes, *said, *told))
+    return csv_file.with_description(table, data).recording(options)
+
+
+def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
+    """The columns of a text file, whatever they are, and what was assumed; errors as those of `read`."""
+    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
+    columns, _, said = columns_of(data)
+    return columns, (*notes, *said)
+
+
+def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+    """The columns of a text, those of few words by their place, and what was assumed."""
     found = layout.find(data)
     if found.width > shapes.WIDEST:
         raise DataError(
@@ -44,14 +64,7 @@ def read(path: str, options: Options) -> Recording:
         )
     values, passed = parse.columns(data, found)
     columns, tags, said = _columns(values, found)
-    by = sensors.turns(columns, tags)
-    if by is None:
-        columns, told = sensors.between(columns)
-    else:
-        groups, told = sensors.apart(columns, by)
-        columns = sensors.wanted(groups, options.channels)
-    table = Table(tuple(columns), notes=(*notes, *found.notes, *passed, *said, *told))
-    return csv_file.with_description(table, data).recording(options)
+    return columns, tags, (*found.notes, *passed, *said)
 
 
 def _plain(data: bytes) -> bytes:

@@ -1,0 +1,130 @@
+"""What must be known beside the numbers: how well the experiment tells its constants apart."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.finding import Finding
+
+from .gimbals import Gimbals
+from .solution import correlation_of
+from .squareroot import SquareRoot
+
+FloatArray = NDArray[np.float64]
+
+ALIKE = 0.9
+"""Correlation above which two amplitudes are hardly told apart."""
+
+DISTURBED = 1.5
+"""Growth of a standard error by the auto-compensating turn that is worth a word."""
+
+UNTOLD = 0.8
+"""Standard error over the prior's, above which the readings say little."""
+
+
+def caveats(
+    gimbals: Gimbals,
+    harmonics: Mapping[str, tuple[int, ...]],
+    names: tuple[str, ...],
+    known: SquareRoot,
+    prior: FloatArray | None,
+) -> tuple[Finding, ...]:
+    """Findings about an experiment, whether done or planned.
+
+    Parameters
+    ----------
+    gimbals, harmonics
+        What moves, and the orders estimated of each angle.
+    names : tuple of str
+        Of the constants, amplitudes first.
+    known : SquareRoot
+        After all readings.
+    prior : array or None
+        Standard deviations before them.
+    """
+    count = 2 * sum(map(len, harmonics.values()))
+    errors, correlation = known.errors, correlation_of(known.covariance)
+    return (
+        *_short(gimbals, harmonics, names, correlation),
+        *_alike(names[:count], correlation),
+        *_disturbed(names, errors[:count], known),
+        *_sparse(gimbals, harmonics),
+        *(_untold(names, errors, prior) if prior is not None else ()),
+    )
+
+
+def _short(
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], names: tuple[str, ...], correlation: FloatArray
+) -> Iterator[Finding]:
+    for angle, orders in harmonics.items():
+        span, period = gimbals.span(angle), 2 * math.pi / min(orders)
+        if span < period:
+            mine = [i for i, name in enumerate(names) if name.endswith(f" {angle}")]
+            others = np.abs(correlation[mine] - np.eye(len(names))[mine])
+            i, j = np.unravel_index(int(others.argmax()), others.shape)
+            yield Finding(
+                "span",
+                f"the angle {angle} moves by {math.degrees(span):.3g} deg, less than one period of its harmonic "
+                f"{min(orders)} ({math.degrees(period):.3g} deg)",
+                f"its harmonics are hardly separable: {names[mine[i]]} correlates with {names[j]} by "
+                f"{correlation[mine[i], j]:+.3f}",
+                "choose a longer interval, or a part of the day where the angle moves faster",
+            )
+
+
+def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]:
+    size = np.abs(np.triu(correlation[: len(names), : len(names)], 1))
+    pairs = sorted(np.argwhere(size > ALIKE).tolist(), key=lambda ij: -size[ij[0], ij[1]])
+    if pairs:
+        shown = ", ".join(f"{names[i]} and {names[j]} ({correlation[i, j]:+.2f})" for i, j in pairs[:3])
+        more = f" and {len(pairs) - 3} more pairs" if len(pairs) > 3 else ""
+        yield Finding(
+            "alike",
+            f"hardly told apart: {shown}{more}",
+            "their periods nearly coincide, so their errors are large and alike; their joint effect is known better",
+            "choose a range of angles where the periods differ, a longer interval, or sway",
+        )
+
+
+def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) -> Iterator[Finding]:
+    turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
+    if not turning:
+        return
+    without = known.without(turning).errors[: errors.size]
+    growth = errors / without
+    worst = int(growth.argmax())
+    if growth[worst] > DISTURBED:
+        yield Finding(
+            "turn",
+            f"the auto-compensating turn makes the standard error of {names[worst]} {growth[worst]:.2g} times as large",
+            "its period is near that of an error",
+            "choose another period of the turn, or another range of angles",
+        )
+
+
+def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Finding]:
+    step = np.diff(gimbals.time)
+    for angle, orders in harmonics.items():
+        moved = np.abs(np.diff(np.unwrap(getattr(gimbals, angle)))) * max(orders) / (2 * math.pi)
+        worst = int(moved.argmax())
+        if moved[worst] > 0.25:
+            yield Finding(
+                "sparse",
+                f"between two readings ({step[worst]:.4g} s) {angle} moves by up to {moved[worst]:.2g} periods of its "
+                f"harmonic {max(orders)}",
+                "an error between the readings is not seen, and angle and cosine must be read at the same instant",
+                "read at least four times in a period",
+            )
+
+
+def _untold(names: tuple[str, ...], errors: FloatArray, prior: FloatArray) -> Iterator[Finding]:
+    little = [name for name, ratio in zip(names, errors / prior, strict=True) if ratio > UNTOLD and name[0] in "SC"]
+    if little:
+        yield Finding(
+            "untold",
+            f"the readings say little about {', '.join(little)}: what is known of them is mostly what was said before",
+            "their estimates are drawn towards zero",
+            "choose a longer interval or another range of angles",
+        )

@@ -1,0 +1,144 @@
+"""How the measured cosine depends on what is estimated: harmonics of the sensors, and what else drifts and turns."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import DataError, UsageError
+
+from .gimbals import ANGLES, EARTH_RATE, Gimbals
+from .harmonics import orders_of, waves
+
+FloatArray = NDArray[np.float64]
+
+Orders = Sequence[int] | Mapping[str, Sequence[int]]
+
+EQUATORIAL = ("h", "q")
+"""The sensors that are estimated unless others are named."""
+
+STILL = 0.01
+"""Part of the shortest harmonic's period that an angle must move for its harmonics to be estimated at all."""
+
+
+class Nuisance(NamedTuple):
+    """A constant that is estimated along: what it is, its power of time beyond an angle, and its column."""
+
+    meaning: str
+    per_time: int
+    column: Callable[[Gimbals], FloatArray]
+
+
+def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
+    if g.rho is None:
+        raise UsageError(
+            "ax and az need the angle rho of the auto-compensating rotation (turn_period=..., --turn-period); without "
+            "one leave them out: nuisance=('A1', 'A2', 'A3') (--nuisance A1,A2,A3)"
+        )
+    return np.sin(g.rho), np.cos(g.rho)
+
+
+def _across(g: Gimbals) -> FloatArray:
+    sine, cosine = _turning(g)
+    return np.asarray(g.partials["h"] * cosine + g.g * sine)
+
+
+def _along(g: Gimbals) -> FloatArray:
+    sine, cosine = _turning(g)
+    return np.asarray(g.g * cosine - g.partials["h"] * sine)
+
+
+NUISANCES: dict[str, Nuisance] = {
+    "ax": Nuisance("misalignment of the rotor's optical sensor with the auto-compensating turn, x", 0, _across),
+    "az": Nuisance("the same, z", 0, _along),
+    "A1": Nuisance("daily sine of the gyros' unknown drift", 0, lambda g: np.sin(EARTH_RATE * g.time)),
+    "A2": Nuisance("daily cosine of it", 0, lambda g: np.cos(EARTH_RATE * g.time)),
+    "A3": Nuisance("steady growth of it", 1, lambda g: g.time),
+    "A0": Nuisance("a constant", 0, lambda g: np.ones(g.time.size)),
+}
+"""What is estimated along with the harmonics; all but A0 unless others are named.
+
+The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(rho)``, are an assumption: a small vector
+fixed in the turning frame, seen along the measured direction. The literature names the two constants only.
+"""
+
+USUAL = ("ax", "az", "A1", "A2", "A3")
+
+
+def harmonic_set(orders: Orders) -> dict[str, tuple[int, ...]]:
+    """Angle: orders, from a mapping or from orders for both sensors of the equatorial gyro.
+
+    Raises
+    ------
+    UsageError
+        An angle is unknown, or orders are no positive whole numbers.
+    """
+    if isinstance(orders, Mapping):
+        chosen = {angle: orders_of(k, f"orders of {angle}") for angle, k in orders.items()}
+    else:
+        chosen = dict.fromkeys(EQUATORIAL, orders_of(orders))
+    for angle in chosen:
+        if angle not in ANGLES:
+            raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
+    if not chosen:
+        raise UsageError(f"no angle is chosen; there are {', '.join(ANGLES)}")
+    return chosen
+
+
+def amplitude_names(harmonics: Mapping[str, tuple[int, ...]]) -> tuple[str, ...]:
+    """``S128 h``, ``C128 h``, ...: sine and cosine amplitudes in the order of the columns."""
+    return tuple(f"{wave}{k} {angle}" for angle, orders in harmonics.items() for k in orders for wave in "SC")
+
+
+def design(
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str]
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p).
+
+    Raises
+    ------
+    UsageError
+        A nuisance is unknown, or needs a rotation that there is not.
+    DataError
+        An angle does not move, so that its harmonics are constants.
+    """
+    for name in nuisance:
+        if name not in NUISANCES:
+            raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
+    if len(set(nuisance)) < len(nuisance):
+        raise UsageError(f"a nuisance stands twice: {', '.join(nuisance)}")
+    demand_motion(gimbals, harmonics)
+    f = gimbals.partials
+    blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
+    columns = [NUISANCES[name].column(gimbals) for name in nuisance]
+    return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
+
+
+def demand_motion(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> None:
+    """Refuse angles that stand still.
+
+    Raises
+    ------
+    DataError
+        The message says which, and what makes it move.
+    """
+    for angle, orders in harmonics.items():
+        span, period = gimbals.span(angle), 2 * math.pi / max(orders)
+        if span < STILL * period:
+            raise DataError(
+                f"the angle {angle} stays within {math.degrees(span):.3g} deg, a period of its harmonic "
+                f"{max(orders)} is {math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot "
+                "be told from a "
+                f"constant. {_remedy(angle)}"
+            )
+
+
+def _remedy(angle: str) -> str:
+    if "polar" in angle:
+        return (
+            "The polar gyro's gimbals stand still on a fixed base (at the latitude and 0): its sensors can be "
+            "estimated under sway only"
+        )
+    return "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"

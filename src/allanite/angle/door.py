@@ -1,0 +1,49 @@
+"""What comes in is checked here, once."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from allanite.errors import DataError
+
+FloatArray = NDArray[np.float64]
+
+
+def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
+    """Finite float64 of shape (n,).
+
+    Raises
+    ------
+    DataError
+        It is something else; the message names the first bad reading.
+    """
+    array = np.asarray(values)
+    if array.ndim != 1 or array.dtype.kind not in "fiu":
+        raise DataError(f"{name} must be real numbers of shape (n,), not {array.dtype} of shape {array.shape}")
+    if size is not None and array.size != size:
+        raise DataError(f"{name} has {array.size} readings where {size} are expected: one for each of the others")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        first = int(bad.argmax())
+        raise DataError(
+            f"{int(bad.sum())} of {bad.size} readings of {name} are not finite, the first at sample {first}; "
+            "leave those rows out: the readings need not be evenly spaced"
+        )
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def demand_increasing(time: FloatArray) -> None:
+    """Refuse a clock that stands still or runs back.
+
+    Raises
+    ------
+    DataError
+        The message says where.
+    """
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        at = int((steps <= 0).argmax())
+        how = "goes back" if steps[at] < 0 else "stands still"
+        raise DataError(
+            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} "
+            "such steps in all; sort the rows by time and leave out repeated ones"
+        )

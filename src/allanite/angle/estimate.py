@@ -1,0 +1,181 @@
+"""Harmonic errors of a gimbal's angle sensors, from the measured cosine between two momentum vectors."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from allanite.errors import DataError, UsageError
+from allanite.finding import Finding
+
+from .caveats import caveats
+from .design import USUAL, Orders, design, harmonic_set
+from .door import column
+from .gimbals import Gimbals
+from .harmonics import Harmonics
+from .solution import Solution
+from .solve import System, solve
+
+FloatArray = NDArray[np.float64]
+
+Prior = tuple[float, float]
+
+LARGE = 0.2
+"""Phase of a harmonic, rad, that the error itself may amount to before the linear model is doubtful."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Harmonics of a gimbal's angle sensors, estimated in service.
+
+    Attributes
+    ----------
+    harmonics : tuple of Harmonics
+        One for each angle; each is a Correction of that sensor's record.
+    solution : Solution
+        All constants, their covariance and history, the tests of what is left.
+    gimbals : Gimbals
+        The angles they were estimated at.
+    """
+
+    harmonics: tuple[Harmonics, ...]
+    solution: Solution
+    gimbals: Gimbals
+
+    @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of the angles."""
+        return tuple(h.name for h in self.harmonics)
+
+    def __getitem__(self, angle: str) -> Harmonics:
+        if angle not in self.angles:
+            raise UsageError(f"no angle {angle!r} was estimated; there are {', '.join(self.angles)}")
+        return self.harmonics[self.angles.index(angle)]
+
+    def __iter__(self) -> Iterator[Harmonics]:
+        return iter(self.harmonics)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows of all harmonics, rad."""
+        tables = [h.rows(level) for h in self.harmonics]
+        return tables[0][0], [row for _, rows in tables for row in rows]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI."""
+        return {
+            "allanite": 1,
+            "type": "Calibration",
+            "harmonics": [h.to_dict(level) for h in self.harmonics],
+            "solution": self.solution.to_dict(level),
+        }
+
+
+def estimate(
+    difference: ArrayLike,
+    gimbals: Gimbals,
+    *,
+    orders: Orders = (128, 256),
+    nuisance: Sequence[str] = USUAL,
+    sigma: float | None = None,
+    prior: Prior | None = None,
+    method: str = "recursive",
+) -> Calibration:
+    """Estimate the harmonics of the angle sensors while the earth turns the gimbals, or the ship sways.
+
+    The measured cosine of the angle between the momentum vectors less the computed one is ``z = sum of f_a e_a(a)``,
+    with the partial derivative f_a of the cosine and the harmonic error e_a of each angle a, plus the auto-compensation
+    errors ax, az, the drift ``A1 sin(W t) + A2 cos(W t) + A3 t`` and white noise.
+
+    Parameters
+    ----------
+    difference : array, shape (n,)
+        Measured minus computed cosine. If yours is computed minus measured, change its sign.
+    gimbals : Gimbals
+        The angles as read, at the same instants.
+    orders : sequence of int, or mapping of angle to such
+        Harmonics; by default 128 and 256 of h and q of the equatorial gyro.
+    nuisance : sequence of str
+        What is estimated along: keys of `design.NUISANCES`. There is no constant among the usual ones.
+    sigma : float, optional
+        Standard deviation of a reading's white noise, rad; estimated if not given.
+    prior : (amplitudes, rest), optional
+        Standard deviations about 0 before the readings, rad (rad/s for A3). None: nothing is known.
+    method : {"recursive", "batch"}
+        See `solve.solve`.
+
+    Raises
+    ------
+    DataError
+        Readings are not finite or too few, an angle does not move, or the readings do not tell the constants apart.
+    UsageError
+        A choice is impossible.
+
+    Examples
+    --------
+    >>> from allanite.angle import Harmonics, gimbals, simulate
+    >>> true = {"h": Harmonics.of({128: (3e-6, 0.0)}), "q": Harmonics.of({256: (0.0, -2e-6)})}
+    >>> hour = gimbals(np.arange(7200.0, 10800.0, 10.0), latitude=np.radians(60))
+    >>> z = simulate(hour, true, sigma=1e-6, rng=np.random.default_rng(1))
+    >>> found = estimate(z, hour)
+    >>> found["h"].orders, bool(abs(found["h"].sine[0] - 3e-6) < 3 * found.solution.error("S128 h"))
+    ((128, 256), True)
+    """
+    harmonics = harmonic_set(orders)
+    z = column("the difference of cosines", difference, gimbals.time.size)
+    if (largest := np.abs(z).max()) > 2:
+        raise DataError(f"the difference of two cosines lies within 2, but {largest:.4g} came; is it scaled?")
+    names, rows = design(gimbals, harmonics, nuisance)
+    count = 2 * sum(map(len, harmonics.values()))
+    before = None if prior is None else prior_of(prior, count, len(names))
+    solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
+    solution = replace(solution, findings=caveats(gimbals, harmonics, names, solution.known, before))
+    return Calibration(tuple(_parts(solution, harmonics)), _judged(solution, harmonics), gimbals)
+
+
+def prior_of(prior: Prior, count: int, size: int) -> FloatArray:
+    """Standard deviations of `size` constants, of which the first `count` are amplitudes."""
+    try:
+        amplitudes, rest = (float(v) for v in prior)
+    except (TypeError, ValueError):
+        raise UsageError(f"prior is two standard deviations, of the amplitudes and the rest, not {prior!r}") from None
+    if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
+        raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
+    return np.array([amplitudes] * count + [rest] * (size - count))
+
+
+def _parts(solution: Solution, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Harmonics]:
+    first = 0
+    for angle, orders in harmonics.items():
+        yield part(solution, angle, orders, first)
+        first += 2 * len(orders)
+
+
+def part(solution: Solution, angle: str, orders: tuple[int, ...], first: int) -> Harmonics:
+    """The harmonics of one angle, whose constants begin at `first`."""
+    mine = slice(first, first + 2 * len(orders))
+    sine, cosine = solution.values[mine].reshape(-1, 2).T
+    covariance = solution.covariance[mine, mine]
+    return Harmonics(orders, sine.copy(), cosine.copy(), covariance, solution.freedom, angle, solution)
+
+
+def _judged(solution: Solution, harmonics: Mapping[str, tuple[int, ...]]) -> Solution:
+    """With a word on errors so large that the linear model is doubtful."""
+    large = too_large(tuple(_parts(solution, harmonics)))
+    return replace(solution, findings=(*solution.findings, *large))
+
+
+def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
+    """Amplitudes that are no longer small against the period of their harmonic."""
+    for h in harmonics:
+        phase = h.amplitude * np.array(h.orders)
+        worst = int(phase.argmax())
+        if phase[worst] > LARGE:
+            yield Finding(
+                "large",
+                f"harmonic {h.orders[worst]} of {h.name or 'the angle'} moves its own phase by {phase[worst]:.2g} rad",
+                "the linear model is doubtful for errors that are not small against their period",
+                "check units; correct the angles by this estimate, and estimate again",
+            )

@@ -1,0 +1,223 @@
+"""How well an experiment would work, before it is done: no data, no random numbers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import UsageError
+from allanite.finding import Finding
+
+from .caveats import caveats
+from .design import USUAL, Orders, design, harmonic_set
+from .estimate import Prior, prior_of
+from .gimbals import Gimbals, gimbals
+from .solution import correlation_of
+from .squareroot import SquareRoot, batch
+from .sway import Sway, sway_of
+
+FloatArray = NDArray[np.float64]
+
+READINGS = 4096
+"""Readings of one window of a scan; more are thinned, their noise averaged."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Every choice of an experiment but its start; see `plan`."""
+
+    latitude: float
+    duration: float
+    interval: float
+    sigma: float = 1.0
+    q_law: str = "exact"
+    turn_period: float | None = 300.0
+    sway: Sway | None = None
+    prior: Prior | None = (3.0, 10.0)
+    orders: Orders = (128, 256)
+    nuisance: Sequence[str] = USUAL
+
+    def __post_init__(self) -> None:
+        for name in ("duration", "interval", "sigma"):
+            value = getattr(self, name)
+            if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
+                raise UsageError(f"{name} is a positive number, not {value!r}")
+        if self.duration < 2 * self.interval:
+            raise UsageError(f"{self.duration:g} s hold fewer than 2 readings at an interval of {self.interval:g} s")
+
+    @property
+    def count(self) -> int:
+        """Number of readings: the first at the start, the last an interval before the end."""
+        return round(self.duration / self.interval)
+
+    def thinned(self) -> "Setup":
+        """The same with at most `READINGS` readings that carry the same information."""
+        stride = max(1, math.ceil(self.count / READINGS))
+        return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
+
+    def gimbals(self, start: float) -> Gimbals:
+        """Where the gimbals stand at the readings."""
+        time = start + self.interval * np.arange(self.count)
+        return gimbals(
+            time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What an experiment would bring.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the constants; amplitudes first, `amplitudes` of them.
+    errors : array, shape (p,)
+        Expected standard deviations, in the unit of sigma.
+    correlation : array, shape (p, p)
+    condition : float
+        Of the readings alone, columns scaled.
+    start : float
+        s after h = 0.
+    h : (low, high)
+        Range of h of the equatorial gyro, rad.
+    setup : Setup
+    findings : tuple of Finding
+        What is wrong with it.
+    """
+
+    names: tuple[str, ...]
+    amplitudes: int
+    errors: FloatArray
+    correlation: FloatArray
+    condition: float
+    start: float
+    h: tuple[float, float]
+    setup: Setup
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def standard_deviations(self) -> dict[str, float]:
+        """Expected standard deviations by name."""
+        return dict(zip(self.names, self.errors.tolist(), strict=True))
+
+    @property
+    def total(self) -> float:
+        """Sum of the expected standard deviations of the amplitudes."""
+        return float(self.errors[: self.amplitudes].sum())
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.names:
+            raise UsageError(f"no constant {name!r}; there are {', '.join(self.names)}")
+        return float(self.errors[self.names.index(name)])
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows."""
+        return ["constant", "expected standard deviation"], [list(row) for row in self.standard_deviations.items()]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data; angles in rad, times in s."""
+        return {
+            "allanite": 1,
+            "type": "Plan",
+            "start": self.start,
+            "duration": self.setup.duration,
+            "interval": self.setup.interval,
+            "latitude": self.setup.latitude,
+            "q_law": self.setup.q_law,
+            "sigma": self.setup.sigma,
+            "h": list(self.h),
+            "standard_deviations": self.standard_deviations,
+            "total": self.total,
+            "condition": self.condition,
+            "findings": [f.to_dict() for f in self.findings],
+        }
+
+
+def plan(  # noqa: PLR0913 - every choice of an experiment, each with its name
+    *,
+    latitude: float,
+    start: float,
+    duration: float,
+    interval: float,
+    sigma: float = 1.0,
+    q_law: str = "exact",
+    turn_period: float | None = 300.0,
+    sway: Sway | tuple[float, float] | None = None,
+    prior: Prior | None = (3.0, 10.0),
+    orders: Orders = (128, 256),
+    nuisance: Sequence[str] = USUAL,
+) -> Plan:
+    """Expected standard deviations of an experiment with these readings.
+
+    Parameters
+    ----------
+    latitude : float
+        rad.
+    start : float
+        First reading, s after the equatorial gyro's passage of h = 0.
+    duration, interval : float
+        Of the experiment and between readings, s.
+    sigma : float
+        Standard deviation of a reading's white noise, in any unit; results are in the same.
+    q_law, turn_period, sway
+        See `gimbals`.
+    prior : (amplitudes, rest) or None
+        Standard deviations before the readings, in the unit of sigma; None: nothing is known.
+    orders, nuisance
+        See `estimate`.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    DataError
+        The experiment cannot tell anything of an angle that does not move.
+    UnitError, UsageError
+        A choice is impossible.
+
+    Examples
+    --------
+    >>> hour = plan(latitude=np.radians(60), start=7200.0, duration=3600.0, interval=10.0, q_law="linear")
+    >>> round(hour.total, 2), np.degrees(hour.h).round(1).tolist(), round(hour.standard_deviations["S128 h"], 2)
+    (1.14, [14.5, 20.7], 0.08)
+    """
+    setup = Setup(latitude, duration, interval, sigma, q_law, turn_period, sway_of(sway), prior, orders, nuisance)
+    return planned(setup, start)
+
+
+def planned(setup: Setup, start: float) -> Plan:
+    """The plan of a set-up from `start` on, s after h = 0."""
+    if not math.isfinite(start):
+        raise UsageError(f"start is a time in s after h = 0, not {start!r}")
+    angles = setup.gimbals(start)
+    harmonics = harmonic_set(setup.orders)
+    names, rows = design(angles, harmonics, setup.nuisance)
+    count = 2 * sum(map(len, harmonics.values()))
+    before = None if setup.prior is None else prior_of(setup.prior, count, len(names))
+    alone, known = _known(rows / setup.sigma, before)
+    return Plan(
+        names=names,
+        amplitudes=count,
+        errors=known.errors,
+        correlation=correlation_of(known.covariance),
+        condition=alone.condition,
+        start=float(start),
+        h=(float(angles.h.min()), float(angles.h.max())),
+        setup=setup,
+        findings=caveats(angles, harmonics, names, known, before),
+    )
+
+
+def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, SquareRoot]:
+    """From the readings alone, and with what was known before."""
+    alone = batch(rows, np.zeros(len(rows)))
+    if before is None:
+        if not alone.condition < 1e12:
+            raise UsageError("the readings alone do not tell these constants apart; give prior standard deviations")
+        return alone, alone
+    return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)

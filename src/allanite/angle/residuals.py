@@ -1,0 +1,109 @@
+"""Is what is left over pure noise? Tests of the innovations, as a table."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+PASSED = 0.01
+"""A p value below this says that the test has failed."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """Outcome of a test of the innovations: `p` is the probability of worse by chance."""
+
+    name: str
+    title: str
+    statistic: float
+    p: float
+    failed: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether chance explains it."""
+        return self.p >= PASSED
+
+    def __str__(self) -> str:
+        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
+        return f"{self.title if self.passed else self.failed} ({p})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"name": self.name, "statistic": self.statistic, "p": self.p, "passed": self.passed}
+
+
+def white(left: FloatArray) -> tuple[float, float, str]:
+    """Ljung and Box: sum of squared autocorrelations at up to 20 lags."""
+    from scipy.special import gammaincc
+
+    n, lags = left.size, max(1, min(20, left.size // 5))
+    centred = left - left.mean()
+    r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
+    q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
+    words = (
+        f"neighbouring innovations are correlated ({r[0]:+.2f}), so the standard deviations are too small; model "
+        "what is missing (another harmonic, a drift), or take readings further apart"
+    )
+    return q, float(gammaincc(lags / 2, q / 2)), words
+
+
+def steady(left: FloatArray) -> tuple[float, float, str]:
+    """Brown, Durbin and Evans: the running sum of innovations against its two slanted limits."""
+    from scipy.special import ndtr
+
+    r = np.arange(1, left.size + 1) / left.size
+    way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
+    a = float(way.max())
+    p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
+    words = (
+        f"the running sum of the innovations leaves its limits after {int(way.argmax()) + 1} of {left.size} readings: "
+        "what is estimated did not stay constant, or the readings drift"
+    )
+    return a, float(min(p, 1.0)), words
+
+
+def outlying(left: FloatArray) -> tuple[float, float, str]:
+    """The largest residual, against as many normal ones: an early innovation is small, for nothing is expected yet."""
+    from scipy.special import log_ndtr
+
+    at = int(np.abs(left).argmax())
+    worst = float(abs(left[at]))
+    tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
+    p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
+    words = f"reading {at} lies {worst:.3g} standard deviations off; look at it, or leave it out"
+    return worst, p, words
+
+
+TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
+    "white": ("the innovations are uncorrelated", True, white),
+    "steady": ("what is estimated stays constant", True, steady),
+    "outlying": ("no reading stands out", False, outlying),
+}
+"""Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
+
+
+def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[Check, ...]:
+    """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
+    found = []
+    for name, (title, innovating, test) in TESTS.items():
+        statistic, p, words = test(innovations if innovating else residuals)
+        found.append(Check(name, title, statistic, p, words))
+    return tuple(found)
+
+
+def level_check(squares: float, freedom: int) -> Check:
+    """Whether the noise is as large as was said: chi-square of what is left, both ways."""
+    from scipy.special import gammainc, gammaincc
+
+    low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
+    ratio = math.sqrt(squares / freedom)
+    words = (
+        f"what is left over is {ratio:.3g} times the sigma given; correct sigma, or leave it out to have it estimated"
+    )
+    return Check("level", "the noise is as large as sigma says", ratio, min(1.0, 2 * min(low, high)), words)

@@ -1,0 +1,69 @@
+"""The experiment, simulated: what the system would have measured with known errors."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import UsageError
+from allanite.simulate_angle import readout_noise
+
+from .design import NUISANCES
+from .gimbals import ANGLES, Gimbals
+from .harmonics import Harmonics
+
+FloatArray = NDArray[np.float64]
+
+
+def simulate(
+    gimbals: Gimbals,
+    harmonics: Mapping[str, Harmonics],
+    *,
+    nuisance: Mapping[str, float] | None = None,
+    sigma: float,
+    walk: float = 0.0,
+    rng: "np.random.Generator",
+) -> FloatArray:
+    """Measured minus computed cosine of the angle between the momentum vectors, with known errors of the sensors.
+
+    The errors are added to the angles and the cosine is computed of them, without linearising.
+
+    Parameters
+    ----------
+    gimbals : Gimbals
+        Where the gimbals stand.
+    harmonics : mapping of angle to Harmonics
+        The errors of their sensors, rad.
+    nuisance : mapping of name to value, optional
+        Keys of `design.NUISANCES`, rad (rad/s for A3).
+    sigma : float
+        Standard deviation of the white noise of a reading, rad.
+    walk : float
+        Step of a random walk from reading to reading, rad.
+    rng : numpy.random.Generator
+        The source of randomness.
+
+    Returns
+    -------
+    array, shape (n,)
+    """
+    measured = readings(gimbals, harmonics)
+    z = _cosine_change(gimbals, measured)
+    for name, value in (nuisance or {}).items():
+        if name not in NUISANCES:
+            raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
+        z += value * NUISANCES[name].column(gimbals)
+    return z + readout_noise(z.size, sigma=sigma, walk=walk, rng=rng)
+
+
+def readings(gimbals: Gimbals, harmonics: Mapping[str, Harmonics]) -> Gimbals:
+    """The angles as sensors with these errors read them."""
+    for angle in harmonics:
+        if angle not in ANGLES:
+            raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
+    angles = {angle: getattr(gimbals, angle) for angle in harmonics}
+    return gimbals.moved(**{angle: h.read(angles[angle]) for angle, h in harmonics.items()})
+
+
+def _cosine_change(true: Gimbals, measured: Gimbals) -> FloatArray:
+    return measured.cosine - true.cosine

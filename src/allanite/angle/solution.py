@@ -1,0 +1,131 @@
+"""Solution: constants estimated from readings, how they were reached, and whether what is left is noise."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import UsageError
+from allanite.finding import Finding
+
+from .residuals import Check
+from .squareroot import SquareRoot
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The estimate on its way: after `count` readings, at `time`, shape (c,); values and errors, shape (c, p)."""
+
+    count: NDArray[np.int64]
+    time: FloatArray
+    values: FloatArray
+    errors: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Estimated constants.
+
+    Attributes
+    ----------
+    names, values : tuple and array, shape (p,)
+    covariance : array, shape (p, p)
+    sigma : float
+        Standard deviation of a reading's noise; `given` says whether the user said it, or it was estimated.
+    freedom : float
+        Degrees of freedom that intervals have: infinite where sigma was given.
+    condition : float
+        Of the readings alone, columns scaled.
+    prior : array, shape (p,), or None
+        Standard deviations before the readings, where they were said.
+    history, innovations, checks, findings
+        How the estimate was reached; what each reading added, in standard deviations, shape (n,); whether that is
+        noise; what must be known beside the numbers.
+    known : SquareRoot
+        What further readings (divided by sigma) can be added to.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    sigma: float
+    given: bool
+    freedom: float
+    condition: float
+    prior: FloatArray | None
+    history: History
+    innovations: FloatArray
+    checks: tuple[Check, ...]
+    known: SquareRoot
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors, shape (p,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Shape (p, p)."""
+        return correlation_of(self.covariance)
+
+    def index(self, name: str) -> int:
+        """Place of a constant."""
+        if name not in self.names:
+            raise UsageError(f"no constant {name!r}; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.values[self.index(name)])
+
+    def error(self, name: str) -> float:
+        """Standard error of a constant."""
+        return float(self.errors[self.index(name)])
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Two-sided confidence limits; Student's where sigma was estimated."""
+        half = quantile(level, self.freedom) * self.error(name)
+        return self[name] - half, self[name] + half
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What must stand beside the numbers: findings, and checks that failed."""
+        return (*map(str, self.findings), *(str(check) for check in self.checks if not check.passed))
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI; the history is left out."""
+        limits = [self.interval(name, level) for name in self.names]
+        return {
+            "sigma": self.sigma,
+            "sigma_given": self.given,
+            "readings": self.innovations.size,
+            "condition": self.condition,
+            "level": level,
+            "constants": [
+                {"name": name, "value": float(v), "standard_error": float(e), "low": low, "high": high}
+                for name, v, e, (low, high) in zip(self.names, self.values, self.errors, limits, strict=True)
+            ],
+            "correlation": self.correlation.tolist(),
+            "checks": [check.to_dict() for check in self.checks],
+            "findings": [finding.to_dict() for finding in self.findings],
+        }
+
+
+def correlation_of(covariance: FloatArray) -> FloatArray:
+    """Correlation from covariance, both of shape (p, p)."""
+    errors = np.sqrt(np.diag(covariance))
+    return np.asarray(covariance / np.outer(errors, errors))
+
+
+def quantile(level: float, freedom: float) -> float:
+    """Half width of an interval of this level, in standard errors."""
+    from scipy.special import ndtri, stdtrit
+
+    if not 0 < level < 1:
+        raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+    above = 0.5 + level / 2
+    return float(ndtri(above) if math.isinf(freedom) else stdtrit(freedom, above))

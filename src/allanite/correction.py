@@ -1,0 +1,60 @@
+"""Correction: what turns a Record into a Record."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .record import Record, Recording
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Correction(ABC):
+    """A known error of a sensor's readings, to be taken off them.
+
+    A child is a frozen value that holds what was estimated (amplitudes of harmonics, coefficients of a regression) and
+    says two things: `what` it takes off, and how large the `error` of each reading is. Taking it off, with a line in
+    the record's history, is the same for all.
+
+    Examples
+    --------
+    >>> @dataclass(frozen=True, eq=False)
+    ... class Offset(Correction):
+    ...     size: float
+    ...     what = "a constant offset"
+    ...     def error(self, record, along=None):
+    ...         return np.full(len(record.values), self.size)
+    >>> record = Record([1.0, 2.0, 4.0], rate=1.0, unit="rad/s", name="z")
+    >>> corrected = Offset(0.5).apply(record)
+    >>> corrected.values.tolist(), corrected.history
+    ([0.5, 1.5, 3.5], ('corrected: a constant offset',))
+    """
+
+    @property
+    @abstractmethod
+    def what(self) -> str:
+        """What is taken off, in a few words for the record's history."""
+
+    @abstractmethod
+    def error(self, record: Record, along: Recording | None = None) -> FloatArray:
+        """Error of each reading of `record`, SI, shape of its values.
+
+        Parameters
+        ----------
+        record : Record
+        along : Recording, optional
+            Channels on the same clock that the error depends on, for example a temperature.
+
+        Raises
+        ------
+        UsageError
+            The correction is not meant for such a record, or a channel that it needs is not in `along`.
+        """
+
+    def apply(self, record: Record, along: Recording | None = None) -> Record:
+        """The record without this error; parameters and errors are those of `error`. NaN stays NaN."""
+        values = record.values - self.error(record, along) / record.factor
+        return record.with_values(values, f"corrected: {self.what}", start=record.start)

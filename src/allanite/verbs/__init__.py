@@ -1,0 +1,1 @@
+"""Bodies of verbs that need more than one command: parse, compute, render."""

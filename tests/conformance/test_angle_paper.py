@@ -1,0 +1,140 @@
+"""The table of the angle sensors holds what is claimed of it, and so does the page about the paper."""
+
+import math
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.conformance.test_benchmark_tables import ROOT, binomial_tail
+from tests.reference.angle import PAPER_SUMS
+
+import allanite as al
+
+PAGE = (ROOT / "docs" / "angle_paper.md").read_text(encoding="utf-8")
+RESULTS = (ROOT / "benchmarks" / "results" / "angle.md").read_text(encoding="utf-8")
+STARTS = range(6)
+
+
+def table():
+    """Rows of the benchmark; headings that stand twice are told apart by a blank at the end."""
+    lines = [line[2:-2] for line in RESULTS.splitlines() if line.startswith("| ")]
+    headings, *rows = [line.split(" | ") for line in lines]
+    return [dict(zip(headings, row, strict=True)) for row in rows]
+
+
+SIMULATED = [row for row in table() if row["simulated"] != "-" and row["base"] == "still"]
+
+
+def total(hour, law="linear", minutes=60, sway=0.0):
+    start = 3600.0 * hour + 30.0 * (60 - minutes)
+    return al.angle.plan(
+        latitude=math.radians(60), start=start, duration=60.0 * minutes, interval=10.0, q_law=law,
+        sway=(math.radians(sway), 60.0) if sway else None,
+    ).total  # fmt: skip
+
+
+def page_row(title):
+    line = next(line for line in PAGE.splitlines() if line.startswith(f"| {title}"))
+    return [float(re.sub(r"[*]", "", cell)) for cell in line.split("|")[2:-1]]
+
+
+def test_every_still_range_is_simulated():
+    assert len(SIMULATED) == 12
+
+
+@pytest.mark.parametrize("row", SIMULATED, ids=lambda r: f"{r['law of q']} {r['h, deg']}")
+def test_simulation_meets_its_demands(row):
+    assert float(row["simulated"]) == pytest.approx(float(row["planned"]), rel=0.10)
+    if row["reference"] != "-":
+        assert float(row["over best"]) == pytest.approx(float(row["reference"]), rel=0.05)
+    if row["reference "] != "-":
+        assert float(row["over best "]) == pytest.approx(float(row["reference "]), rel=0.15)
+    # 300 runs, eight amplitudes, twelve rows: 4 standard errors of 4.1 %
+    assert abs(float(row["worst ratio"]) - 1) < 0.165
+    assert float(row["within 3 sigma %"]) >= 99.3
+    assert 92 <= float(row["95 % cover"]) <= 98
+
+
+def test_speed_and_equality_are_as_demanded():
+    seconds, difference = re.search(
+        r"1000000 readings, 13 constants: ([\d.]+) s.*at most (\S+) relative", RESULTS
+    ).groups()
+    assert float(seconds) < 5
+    assert float(difference) < 1e-9
+
+
+@pytest.mark.parametrize("law", ["linear", "exact"])
+@pytest.mark.parametrize("hour", [0, 2])
+def test_a_part_made_again_agrees(law, hour):
+    """The first 20 runs: share within one planned deviation against that of normal errors, error probability 1e-5."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        from angle import Experiment, Job, plan, run
+    finally:
+        sys.path.pop(0)
+    experiment = Experiment("still", law)
+    row = [row for row in SIMULATED if row["law of q"] == law][hour]
+    planned = plan(experiment, hour)
+    assert f"{planned.total:.3f}" == row["planned"]
+    errors = np.array([run(Job(experiment, hour, seed))[0] for seed in range(1, 21)]) / planned.errors[:8]
+    # eight amplitudes of a run are correlated: each is tested by itself
+    for inside in (np.abs(errors) < 1.0).sum(axis=0):
+        assert binomial_tail(int(inside), 20, 0.683) > 1e-5
+    assert np.sqrt((errors**2).mean()) == pytest.approx(1.0, abs=0.4)
+
+
+@pytest.mark.parametrize(
+    ("title", "options", "over_best"),
+    [
+        ("linear q, planned", {}, True),
+        ("exact q, planned", {"law": "exact"}, True),
+        ("still, 60 min", {}, False),
+        ("still, middle 30 min", {"minutes": 30}, False),
+        ("0.25° of roll and pitch, 60 s; 60 min", {"sway": 0.25}, False),
+        ("1° of the same; 60 min", {"sway": 1.0}, False),
+        ("1° of the same; middle 30 min", {"sway": 1.0, "minutes": 30}, False),
+    ],
+)
+def test_the_page_quotes_what_planning_gives(title, options, over_best):
+    found = np.array([total(hour, **options) for hour in STARTS])
+    found = found / found.min() if over_best else found
+    np.testing.assert_allclose(page_row(title), found, atol=0.0051)
+
+
+def test_the_page_quotes_the_paper_and_the_table():
+    np.testing.assert_allclose(page_row("paper, one simulated run"), np.array(PAPER_SUMS) / 0.41, atol=0.006)
+    for law in ("linear", "exact"):
+        simulated = [float(row["over best "]) for row in SIMULATED if row["law of q"] == law]
+        assert page_row(f"{law} q, 300 simulated runs") == simulated
+    cover = [float(row["95 % cover"]) for row in SIMULATED]
+    assert f"hold the truth in {min(cover):.1f} to {max(cover):.1f} %" in " ".join(PAGE.split())
+    assert min(float(row["within 3 sigma %"]) for row in SIMULATED) >= 99.5
+    assert max(abs(float(row["simulated"]) / float(row["planned"]) - 1) for row in SIMULATED) < 0.03
+    walk = [float(row["95 % cover"]) for row in table() if "walk" in row["base"]]
+    assert f"hold {min(walk):.0f} to {max(walk):.0f} %" in " ".join(PAGE.split())
+
+
+def test_the_minimum_is_flat():
+    best = total(110 / 60)
+    assert max(total(95 / 60), total(125 / 60)) / best == pytest.approx(1.02, abs=0.005)
+
+
+def test_half_an_hour_under_sway_against_a_still_hour():
+    half, full, both = (
+        np.array([total(hour, **options) for hour in STARTS])
+        for options in ({"sway": 1.0, "minutes": 30}, {}, {"sway": 1.0})
+    )
+    ratio = half / full
+    assert [f"{100 * (v - 1):.0f}" for v in (ratio[1:5].min(), ratio[1:5].max())] == ["8", "42"]
+    assert max(ratio[0], ratio[5]) < 1
+    for totals in (half, both):
+        assert 4 < totals[5] / totals.min() < 5
+
+
+def test_the_examples_of_the_page_run(capsys):
+    for code in re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL):
+        exec(compile(code, str(Path("docs/angle_paper.md")), "exec"), {})  # noqa: S102 - the page's own example
+    printed = capsys.readouterr().out
+    assert "('corrected: harmonics 128, 256 of the angle',)" in printed

@@ -1,0 +1,48 @@
+"""The estimator of the angle sensors as textbooks print it, in a few literal lines, and the paper's table."""
+
+import math
+
+import numpy as np
+
+EARTH_RATE = 7.292115e-5
+TURN = 300.0
+
+PAPER = {  # errors of the eight amplitudes by range of h, relative units, in the order of the printed table
+    "0-7": (0.3, 0.1, 0.1, 0.2, 0.05, 0.009, 0.2, 0.09),
+    "7-14": (0.04, 0.2, 0.2, 0.03, 0.05, 0.03, 0.08, 0.02),
+    "14-20": (0.02, 0.1, 0.1, 0.1, 0.02, 0.03, 0.03, 0.01),
+    "20-25": (0.08, 0.05, 0.06, 0.06, 0.06, 0.08, 0.03, 0.05),
+    "25-29": (0.3, 0.2, 0.06, 0.2, 0.09, 0.03, 0.02, 0.002),
+    "29-30": (0.6, 1.4, 0.2, 0.2, 0.3, 0.1, 0.5, 0.06),
+}
+PAPER_SUMS = (1.05, 0.65, 0.41, 0.47, 0.9, 3.36)
+
+
+def row(t, latitude, law):
+    """The row of observation at one instant, written out."""
+    H = EARTH_RATE * t
+    h = math.asin(math.cos(latitude) * math.sin(H))
+    q = math.pi / 2 + H if law == "linear" else math.atan2(math.cos(H), -math.sin(latitude) * math.sin(H))
+    f1 = -math.cos(latitude) * math.sin(h) * math.cos(q) + math.sin(latitude) * math.cos(h)
+    f2 = -math.cos(latitude) * math.cos(h) * math.sin(q)
+    g, rho = f2 / math.cos(h), 2 * math.pi * t / TURN
+    a = []
+    for f, angle in ((f1, h), (f2, q)):
+        for k in (128, 256):
+            a += [f * math.sin(k * angle), f * math.cos(k * angle)]
+    a += [f1 * math.cos(rho) + g * math.sin(rho), -f1 * math.sin(rho) + g * math.cos(rho)]
+    return np.array([*a, math.sin(H), math.cos(H), t])
+
+
+def kalman(rows, z, sigma, prior):
+    """Kalman filter without prediction, covariance in Joseph's form: estimate, covariance, innovations."""
+    x, P = np.zeros(len(prior)), np.diag(np.asarray(prior, dtype=float) ** 2)
+    innovations = []
+    for a, value in zip(rows, z, strict=True):
+        s = a @ P @ a + sigma**2
+        k = P @ a / s
+        innovations.append((value - a @ x) / math.sqrt(s))
+        x = x + k * (value - a @ x)
+        J = np.eye(len(x)) - np.outer(k, a)
+        P = J @ P @ J.T + sigma**2 * np.outer(k, k)
+    return x, P, np.array(innovations)

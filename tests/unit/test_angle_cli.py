@@ -1,0 +1,180 @@
+"""allanite angle: from a CSV to a table, a page, JSON, a corrected file; and what it refuses."""
+
+import csv
+import io
+import json
+import os
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+ARCSEC = np.pi / 648_000
+EXPERIMENT = ["--latitude", "60", "--duration", "3600"]
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["angle", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def gimbal(tmp_path_factory):
+    path = tmp_path_factory.mktemp("angle") / "hour.csv"
+    errors = ["--error", "h:128=3,-1.5", "--error", "q:128=0,2", "--error", "q:256=-1,0.5"]
+    done = run("simulate", path, *EXPERIMENT, "--start", 7200, *errors)
+    assert done.exit_code == 0, done.stderr
+    return path
+
+
+@pytest.fixture(scope="module")
+def encoder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("angle") / "encoder.csv"
+    true = np.linspace(0, 12.5, 4000)
+    known = al.angle.Harmonics.of({128: (20 * ARCSEC, 5 * ARCSEC)})
+    measured = known.read(true) + ARCSEC * np.random.default_rng(1).standard_normal(4000)
+    data = np.degrees(np.mod(np.column_stack([measured, true]), 2 * np.pi))
+    np.savetxt(path, data, delimiter=",", fmt="%.10g", header="enc [deg],ref [deg]", comments="")
+    return path
+
+
+def estimate(path, *arguments):
+    return run("estimate", path, "--difference", "difference", "--latitude", 60, "--rho", "rho", *arguments)
+
+
+def test_estimate_prints_what_was_simulated(gimbal):
+    done = estimate(gimbal)
+    assert done.exit_code == 0, done.stderr
+    row = next(line.split() for line in done.stdout.splitlines() if line.split()[:2] == ["h", "128"])
+    assert float(row[2]) == pytest.approx(3.0, abs=4 * float(row[3]))
+    assert float(row[4]) == pytest.approx(-1.5, abs=4 * float(row[5]))
+    assert "misalignment" in done.stdout
+    assert all(len(line) <= 120 for line in done.stdout.splitlines() if not line.startswith("file"))
+
+
+def test_everything_is_written(gimbal, tmp_path):
+    names = {"report": "a.html", "plot": "a.png", "json": "a.json", "csv": "a.csv", "corrected": "b.csv"}
+    done = estimate(gimbal, *(part for k, v in names.items() for part in (f"--{k}", tmp_path / v)))
+    assert done.exit_code == 0, done.stderr
+    assert sorted(os.listdir(tmp_path)) == sorted(names.values())
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "--ink" in page
+    assert page.count("<svg") == 3
+    assert "<script" not in page
+    assert "harmonic 128 of h: 3." in page
+    data = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert (data["type"], [h["name"] for h in data["harmonics"]]) == ("Calibration", ["h", "q"])
+    assert len(data["provenance"]["sha256"]) == 64
+    assert "latitude 60.0" in data["provenance"]["options"]
+    constants = {row["constant"]: row for row in csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text()))}
+    assert float(constants["S128 h"]["value"]) == data["solution"]["constants"][0]["value"]
+    before = np.genfromtxt(gimbal, delimiter=",", names=True)["q_rad"]
+    after = np.genfromtxt(tmp_path / "b.csv", delimiter=",", names=True)["q_rad"]
+    found = al.angle.Harmonics.from_dict(data["harmonics"][1])
+    np.testing.assert_allclose(after, before - found.at(before), atol=1e-14)
+
+
+def test_files_are_not_overwritten(gimbal, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text("mine")
+    assert estimate(gimbal, "--json", path).exit_code == 2
+    assert path.read_text() == "mine"
+    assert run("simulate", path, *EXPERIMENT, "--error", "h:128=1,1").exit_code == 2
+    assert estimate(gimbal, "--json", gimbal, "--force").exit_code == 2
+
+
+def test_json_on_standard_output_is_all_there_is(gimbal):
+    assert json.loads(estimate(gimbal, "--json", "-").stdout)["type"] == "Calibration"
+
+
+def test_an_encoder(encoder, tmp_path):
+    done = run("calibrate", encoder, "--measured", "enc", "--reference", "ref", "--report", tmp_path / "e.html")
+    assert done.exit_code == 0, done.stderr
+    row = next(line.split() for line in done.stdout.splitlines() if line.split()[:2] == ["enc", "128"])
+    assert float(row[6]) == pytest.approx(np.hypot(20, 5), abs=0.2)
+    assert "not found" in done.stdout
+    assert "Harmonic errors of enc" in (tmp_path / "e.html").read_text(encoding="utf-8")
+
+
+def test_plan_finds_the_window_of_the_paper(tmp_path):
+    done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
+    assert done.exit_code == 0, done.stderr
+    assert "h from 13.38 to 19.77 deg" in done.stdout
+    assert "sum over the 8 amplitudes: 1.129" in done.stdout
+    page = (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert "h from 13.4 to 19.8 deg" in page
+    assert page.count("<svg") == 1
+    one = json.loads(run("plan", *EXPERIMENT, "--start", 0, "--sway", "1,60", "--json", "-").stdout)
+    assert (one["type"], round(one["total"], 2)) == ("Plan", 0.95)
+
+
+REFUSED = [
+    (["plan", "--latitude", 91, "--duration", 3600], 2, "is it in degrees"),
+    (["plan", *EXPERIMENT, "--angles", "h_polar"], 3, "under sway only"),
+    (["plan", *EXPERIMENT, "--orders", "128,x"], 2, "whole numbers such as 128,256"),
+    (["plan", *EXPERIMENT, "--sway", "1"], 2, "amplitude in deg and period in s"),
+    (["plan", *EXPERIMENT, "--start", 0, "--plot", "x.png"], 2, "leave --start out"),
+    (["simulate", "x.csv", *EXPERIMENT], 2, "at least one --error"),
+    (["simulate", "x.csv", *EXPERIMENT, "--error", "h=1"], 2, "h:128=3,-1.5"),
+    (["simulate", "x.csv", *EXPERIMENT, "--error", "k:128=1,1"], 2, "there are h, q"),
+    (["calibrate", "missing.csv", "--measured", "a", "--reference", "b"], 3, "no such file"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "code", "words"), REFUSED)
+def test_refused(arguments, code, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = run(*arguments)
+    assert (done.exit_code, os.listdir(tmp_path)) == (code, [])
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
+        (["--difference", "difference", "--rho", "rho"], 2, "give --latitude"),
+        (["--difference", "difference", "--latitude", 60], 2, "--nuisance A1,A2,A3"),
+        (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300], 2, "the same thing"),
+        (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
+        (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
+        (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--q", "q_polar"], 3, "does not move"),
+        (["--difference", "rho", "--latitude", 60, "--rho", "rho"], 3, "lies within 2"),
+        (
+            ["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"],
+            0,
+            "times the sigma given",
+        ),
+    ],
+)
+def test_estimate_refuses_or_warns(gimbal, options, code, words):
+    done = run("estimate", gimbal, *options)
+    assert done.exit_code == code, done.stderr
+    assert words in " ".join((done.stdout + done.stderr).split())
+
+
+def test_broken_files(tmp_path, gimbal):
+    lines = gimbal.read_text().splitlines()
+    broken = tmp_path / "broken.csv"
+    broken.write_text("\n".join([*lines[:50], lines[40], *lines[50:]]))
+    assert "time goes back at sample 49" in estimate(broken).stderr
+    cells = lines[9].split(",")
+    broken.write_text("\n".join([*lines[:9], ",".join([cells[0], "nan", *cells[2:]]), *lines[10:]]))
+    done = estimate(broken)
+    assert done.exit_code == 3
+    assert "the difference of cosines are not finite, the first at sample 8" in done.stderr
+    broken.write_text("\n".join([lines[0].replace("[rad]", ""), *lines[1:]]))
+    assert "the unit of column 'rho' is not known" in estimate(broken).stderr
+    broken.write_text("no numbers here\n")
+    assert estimate(broken).exit_code == 3
+
+
+def test_known_harmonics_have_no_report():
+    from allanite.report.angle.text import render
+
+    with pytest.raises(al.UsageError, match="given, not estimated"):
+        render(al.angle.Harmonics.of({128: (1e-5, 0.0)}))
