@@ -1,5 +1,6 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
+from . import rate as rate
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
 from .errors import DataError as DataError
@@ -16,11 +17,13 @@ from .model import R as R
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .rate_study import measure_rates as measure_rates
 from .readers import read as read
 from .record import Record as Record
 from .record import Recording as Recording
 from .report import plot as plot
 from .report import report as report
+from .ring_laser import simulate_ring_laser as simulate_ring_laser
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation

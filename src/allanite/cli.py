@@ -14,6 +14,7 @@ from allanite import __version__
 from allanite.errors import AllaniteError
 from allanite.report.files import write
 from allanite.report.outputs import OUTPUTS, STDOUT, demand_outputs
+from allanite.verbs.rate import rate
 
 if TYPE_CHECKING:
     from allanite.study import Recipe, Study
@@ -229,6 +230,7 @@ def _print_table(study: "Study") -> None:
 VERBS: dict[str, click.Command] = {
     "info": info,
     "analyze": analyze,
+    "rate": click.command("rate")(_reading(rate)),
 }
 
 

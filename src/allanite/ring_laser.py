@@ -50,7 +50,7 @@ class RingLaser:
     dither_rate: float = 100.0
     residual: float = 0.0
     residual_band: tuple[float, float] = (25.0, 45.0)
-    coherence: float = 10.0
+    coherence: float = 0.3
     bias: float = 0.0
     warm_up: float = 0.0
     settling: float = 600.0
@@ -71,8 +71,8 @@ class RingLaser:
     def random_walk(self) -> float:
         r"""Angle random walk that lock-in leaves under dither, N = Omega_L sqrt(K / (2 pi Omega_D)), deg/sqrt(h).
 
-        At each of the dither's turning points the phase gets a kick that depends on where it stands; noise on the dither
-        makes the kicks independent. For lock-in that is weak at a turning point (kicks well below a radian).
+        At each of the dither's turning points the phase gets a kick that depends on where it stands; noise on the
+        dither makes the kicks independent. For lock-in that is weak at a turning point (kicks well below a radian).
         """
         pulse, dither = self.pulse / 3600, self.dither_rate * 3600
         return self.lock_in * math.sqrt(pulse / (2 * math.pi * dither))
@@ -86,8 +86,11 @@ class RingLaser:
 
 
 GL1 = RingLaser(pulse=0.32795, lock_in=45.98, residual=0.334, bias=-0.0948)
-"""The gyro GL-1 of Enin and Saneev (2017), as far as the paper's tables determine it: the pulse and the bias are printed
-there, random walk and residual fit the scatter of its two-minute means and windows. True rate 12.4392 deg/h at 400 Hz."""
+"""The gyro GL-1 of Enin and Saneev (2017), as far as the paper's tables determine it.
+
+The pulse and the bias are printed there; random walk and residual fit the scatter of its two-minute means and windows.
+True rate 12.4392 deg/h, sampled at 400 Hz.
+"""
 
 
 def simulate_ring_laser(

@@ -38,8 +38,8 @@ def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     """Split the samples `part` by whether their step is decided within a box.
 
     `samples` is (e, x, right), `box` (p0, p1, q0, q1), half open. The step is monotone in p and q: it lies between that
-    of the lower corner and the last one below the upper corner. Returns the misfit of the decided ones, the least one of
-    the others, their misfit in the box's middle, and how many of them there are (their indices are in `out`).
+    of the lower corner and the last one below the upper corner. Returns the misfit of the decided ones, the least one
+    of the others, their misfit in the box's middle, and how many of them there are (their indices are in `out`).
     """
     e, x, right = samples
     p0, p1, q0, q1 = box
@@ -124,7 +124,7 @@ def _along(lines, box, side):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _cells(lines, box):  # type: ignore[no-untyped-def]
-    """Least misfit in a box of sides below 1, exactly: every cell touches its border or has a corner where lines meet."""
+    """Least misfit in a box of sides below 1, exactly: a cell touches its border or has a corner where lines meet."""
     r, at = lines[0], lines[1]
     least, best_p, best_q = np.inf, 0.0, 0.0
     for side in range(4):
@@ -157,6 +157,26 @@ def _room(store, needed):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _half(box, upper):  # type: ignore[no-untyped-def]
+    """One half of a box, cut across its longer side."""
+    p0, p1, q0, q1 = box
+    if p1 - p0 >= q1 - q0:
+        cut = 0.5 * (p0 + p1)
+        return (cut, p1, q0, q1) if upper else (p0, cut, q0, q1)
+    cut = 0.5 * (q0 + q1)
+    return (p0, p1, cut, q1) if upper else (p0, p1, q0, cut)
+
+
+@njit(cache=True, nogil=True)
+def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
+    """1 if a point lies on the side of the upper half, else 0."""
+    p0, p1, q0, q1 = box
+    if p1 - p0 >= q1 - q0:
+        return 1 if p >= 0.5 * (p0 + p1) else 0
+    return 1 if q >= 0.5 * (q0 + q1) else 0
+
+
+@njit(cache=True, nogil=True)
 def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
     """Least misfit over the box |p|, |q| < half.
 
@@ -181,9 +201,9 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
     """
     n = samples[0].size
     store = np.empty(4 * n + 64, dtype=np.int32)
-    for i in range(n):
-        store[i] = i
+    store[:n] = np.arange(n)
     boxes = np.empty((DEEPEST, 4))
+    # of each level: where its undecided samples are stored, the misfit of the decided ones, halves done, the first one
     first, last = np.zeros(DEEPEST, dtype=np.int64), np.zeros(DEEPEST, dtype=np.int64)
     fixed, turn, near = np.zeros(DEEPEST), np.zeros(DEEPEST, dtype=np.int64), np.zeros(DEEPEST, dtype=np.int64)
     boxes[0, 0], boxes[0, 1], boxes[0, 2], boxes[0, 3] = -half, half, -half, half
@@ -191,22 +211,15 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
     p, q = 0.0, 0.0
     best = misfit(samples[0], samples[1], samples[2], (p, q))
     looked, unresolved, depth = float(n), np.inf, 0
-    while depth >= 0:
+    while depth >= 0 and looked <= work:
         if turn[depth] == 2:
             depth -= 1
             continue
-        p0, p1, q0, q1 = boxes[depth]
-        across = p1 - p0 >= q1 - q0
-        cut = 0.5 * (p0 + p1) if across else 0.5 * (q0 + q1)
+        whole = (boxes[depth, 0], boxes[depth, 1], boxes[depth, 2], boxes[depth, 3])
         if turn[depth] == 0:
-            near[depth] = 1 if (p if across else q) >= cut else 0
-        upper = near[depth] ^ turn[depth]
+            near[depth] = _nearer_half(whole, p, q)
+        box = _half(whole, near[depth] ^ turn[depth])
         turn[depth] += 1
-        if across:
-            p0, p1 = (cut, p1) if upper else (p0, cut)
-        else:
-            q0, q1 = (cut, q1) if upper else (q0, cut)
-        box = (p0, p1, q0, q1)
         size = last[depth] - first[depth]
         store = _room(store, last[depth] + size)
         part, out = store[first[depth] : last[depth]], store[last[depth] : last[depth] + size]
@@ -214,12 +227,10 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
         looked += size
         decided += fixed[depth]
         if decided + middle < best:
-            best, p, q = decided + middle, 0.5 * (p0 + p1), 0.5 * (q0 + q1)
-        if looked > work:
-            return p, q, best, -np.inf
+            best, p, q = decided + middle, 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
         if decided + least >= best:
             continue
-        side = max(p1 - p0, q1 - q0)
+        side = max(box[1] - box[0], box[3] - box[2])
         if side < FINEST and count > MANY:
             unresolved = min(unresolved, decided + least)
         elif (count <= FEW and side < 1.0) or side < FINEST:
@@ -232,4 +243,4 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
             boxes[depth, 0], boxes[depth, 1], boxes[depth, 2], boxes[depth, 3] = box
             first[depth], last[depth] = last[depth - 1], last[depth - 1] + count
             fixed[depth], turn[depth] = decided, 0
-    return p, q, best, min(best, unresolved)
+    return p, q, best, min(best, unresolved) if depth < 0 else -np.inf

@@ -24,8 +24,8 @@ def earth_rate(latitude: float, axis: str = "vertical") -> float:
 
     Examples
     --------
-    >>> round(earth_rate(55.793) * 206264.80624709636, 4)
-    12.4392
+    >>> round(earth_rate(55.793) * 206264.80624709636, 3)
+    12.439
     """
     if not -90 <= latitude <= 90:
         raise UsageError(f"a latitude lies between -90 and 90 degrees, not {latitude!r}")
@@ -69,7 +69,9 @@ class North:
 
     def words(self) -> str:
         """The heading in a sentence."""
-        error = f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
+        error = (
+            f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
+        )
         return (
             f"heading {self.heading:.4f} deg ({self.low:.4f} .. {self.high:.4f}), standard error {error}; "
             f"{self.positions} position(s); {self.other:.4f} deg would measure the same"
@@ -88,8 +90,8 @@ def north(
     r"""Find north from the rate about a horizontal axis.
 
     An axis with the heading psi measures H cos(psi) + bias, with H the earth's rate towards north. One position gives
-    psi = arccos(rate / H), where the bias is known and subtracted. A second one, turned by an angle d clockwise, removes
-    the bias:
+    psi = arccos(rate / H), where the bias is known and subtracted. A second one, turned by an angle d clockwise,
+    removes the bias:
 
         rate - second = 2 H sin(d / 2) sin(psi + d / 2)
 
@@ -142,14 +144,13 @@ def north(
             f"the rate {rate.to(unit):.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
             f"{latitude:g}; subtract the gyro's bias, or measure in two positions"
         )
-    return _heading(value / scale, error / abs(scale), reach / abs(scale), half, (near, level, 1 + (second is not None)))
+    spreads = error / abs(scale), reach / abs(scale)
+    return _heading(value / scale, spreads, half, (near, level, 1 if second is None else 2))
 
 
-def _heading(
-    sine: float, error: float, reach: float, half: float, choice: tuple[float, float, int]
-) -> North:
+def _heading(sine: float, spreads: tuple[float, float], half: float, choice: tuple[float, float, int]) -> North:
     """sin(psi + half) = sine: the solution nearest to `near`, and its limits."""
-    near, level, positions = choice
+    (error, reach), (near, level, positions) = spreads, choice
     s = max(-1.0, min(1.0, sine))
     rising = math.degrees(math.asin(s) - half)
     falling = math.degrees(math.pi - math.asin(s) - half)

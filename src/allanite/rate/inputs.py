@@ -8,7 +8,8 @@ from allanite.errors import DataError
 from allanite.finding import Finding
 from allanite.record import Record
 
-from .row import FloatArray, Interval, Options, Setting
+from .row import Interval
+from .setting import FloatArray, Options, Setting
 
 JUMP = 20.0
 """Median absolute deviations from the median beyond which a reading is called a pulse slip."""

@@ -4,7 +4,8 @@ import numpy as np
 
 from allanite.errors import UsageError
 
-from .row import FloatArray, Interval, Measurement, RateEstimator, Setting, linear
+from .row import Interval, Measurement, RateEstimator, linear
+from .setting import FloatArray, Setting
 
 REACH = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""

@@ -20,7 +20,8 @@ import numpy as np
 from allanite.statistics.gls import Covariance
 
 from .linear import parabola
-from .row import FloatArray, RateEstimator, Setting, linear
+from .row import RateEstimator, linear
+from .setting import FloatArray, Setting
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:

@@ -1,19 +1,16 @@
-"""What accuracy to expect: the variance of an estimator's weights under a model, and the ranking that follows."""
+"""What accuracy to expect: the variance of an estimator's weights under a model."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from allanite.model import Model
+from allanite.model import Model, Term
 from allanite.statistics.gls import Covariance
-from allanite.units import Signal, unit_of
 
-from .row import FloatArray, Setting
-
-NEAR = 0.02
-"""Loss of accuracy that is not worth another method."""
+from .ranking import Ranking
+from .row import RateEstimator
+from .setting import FloatArray, Options, Setting
+from .table import RATE_ESTIMATORS, estimator_named
 
 
 def variance(weights: FloatArray, setting: Setting) -> float:
@@ -45,66 +42,73 @@ def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
     return np.asarray(weights - centred @ back)
 
 
-@dataclass(frozen=True)
-class Ranking:
-    """Predicted standard errors of all methods, the best first.
+def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) -> float:
+    """Of an estimator with these weights, SI; NaN where it cannot be predicted."""
+    return math.sqrt(variance(through_dither(weights, setting), setting) + row.excess(setting))
 
-    Attributes
+
+def predicted_standard_error(
+    method: str,
+    model: Model | Term,
+    *,
+    n: int,
+    rate: float,
+    target: str = "mean",
+    dither: tuple[float, ...] = (),
+    options: Options | None = None,
+) -> float:
+    """The standard error that a method will have under a model, without any data.
+
+    Parameters
     ----------
-    signal : Signal
-    duration : float
-        Measuring time, s.
+    method : str
+        A name in `RATE_ESTIMATORS`.
     model : Model
-    errors : dict
-        Method -> standard error, SI; NaN where it cannot be predicted.
+    n : int
+        Number of samples.
+    rate : float
+        Sampling rate, Hz.
+    target, dither, options
+        As of `estimate`; "staircase" needs ``Options(quantum=...)``, here in SI (rad).
+
+    Returns
+    -------
+    float
+        SI; exact for the linear methods. NaN for "staircase" where the angle's noise is below 0.3 quanta.
+
+    Examples
+    --------
+    >>> from allanite.model import N
+    >>> white = N(0.003, "deg/sqrt(h)")
+    >>> errors = [predicted_standard_error(m, white, n=48000, rate=400.0) for m in ("mean", "regression")]
+    >>> round(errors[1] / errors[0], 4)
+    1.0954
     """
+    options = options or Options()
+    pulse = math.nan if options.quantum is None else options.quantum
+    whole = Model((model,)) if isinstance(model, Term) else model
+    setting = Setting(n, rate, whole, target, tuple(dither), options, pulse)
+    row = estimator_named(method)
+    return standard_error(row, row.weights(setting), setting)
 
-    signal: Signal
-    duration: float
-    model: Model
-    errors: dict[str, float]
 
-    @property
-    def best(self) -> float:
-        """The bound: the least standard error any unbiased linear method has, SI."""
-        return self.errors["optimal"]
+def ranking(setting: Setting) -> Ranking:
+    """Predicted standard errors of all methods under a setting with a model."""
+    model = setting.needed_model
+    errors = {name: standard_error(row, row.weights(setting), setting) for name, row in RATE_ESTIMATORS.items()}
+    return Ranking(model.signal, setting.duration, model, errors)
 
-    def ratio(self, method: str) -> float:
-        """Standard error of a method over the bound."""
-        return self.errors[method] / self.best if self.best > 0 else math.nan
 
-    @property
-    def verdict(self) -> str:
-        """Which method to use, in a sentence."""
-        if not self.best > 0:
-            return "under this model the rate is measured without error"
-        loss = self.ratio("mean") - 1
-        if loss <= NEAR:
-            return f"for this gyro averaging is already within {max(100 * loss, 0.1):.2g} % of the optimum"
-        simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
-        use = simple[0] if simple else "optimal"
-        gain = self.errors["mean"] / self.errors[use]
-        text = f"use {use}: {gain:.3g} times better than averaging"
-        if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
-            text += f", and {100 * (self.ratio('regression') - 1):.2g} % better than regression"
-        return text
+def rank(model: Model | Term, *, n: int, rate: float, target: str = "mean", options: Options | None = None) -> Ranking:
+    """Which method is the best for a gyro, and by how much; parameters as of `predicted_standard_error`.
 
-    def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows: method, standard error in `unit`, its ratio to the bound."""
-        unit = unit or self.signal.sheet[0]
-        factor = unit_of(unit).factor
-        ordered = sorted(self.errors, key=lambda m: math.inf if math.isnan(self.errors[m]) else self.errors[m])
-        rows: list[list[Any]] = [[m, self.errors[m] / factor, self.ratio(m)] for m in ordered]
-        return ["method", f"standard error, {unit}", "over the bound"], rows
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI."""
-        return {
-            "allanite": 1,
-            "type": "Ranking",
-            "unit": self.signal.unit,
-            "duration": self.duration,
-            "model": self.model.to_dict(),
-            "errors": self.errors,
-            "verdict": self.verdict,
-        }
+    Examples
+    --------
+    >>> from allanite.model import N, Q
+    >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
+    'for this gyro averaging is already within 0.1 % of the optimum'
+    """
+    options = options or Options()
+    pulse = math.nan if options.quantum is None else options.quantum
+    whole = Model((model,)) if isinstance(model, Term) else model
+    return ranking(Setting(n, rate, whole, target, (), options, pulse))

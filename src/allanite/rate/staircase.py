@@ -7,7 +7,8 @@ import numpy as np
 from allanite.errors import UsageError
 
 from .linear import parabola
-from .row import FloatArray, Interval, Measurement, RateEstimator, Setting
+from .row import Interval, Measurement, RateEstimator
+from .setting import FloatArray, Setting
 
 WORK = 8e6
 """Samples that the search may look at before it gives its best so far: some 40 ms."""
@@ -104,7 +105,7 @@ def _excess(setting: Setting) -> float:
     if not noise >= DITHERED:
         return math.nan
     ends = CUBE_ROOT * noise ** (2 / 3) * (setting.size + 1) ** (-1 / 3)
-    return (ends * setting.pulse / setting.duration) ** 2
+    return float((ends * setting.pulse / setting.duration) ** 2)
 
 
 STAIRCASE = RateEstimator(

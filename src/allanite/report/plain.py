@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import math
-from typing import Any
+from typing import Any, Protocol
 
 from allanite.study import Study
 
@@ -13,9 +13,16 @@ from .words import readable_unit
 COLUMNS = ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count")
 
 
-def to_json(study: Study) -> str:
+class Plain(Protocol):
+    """Whatever can become plain data."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+
+
+def to_json(value: Plain) -> str:
     """Strictly valid JSON: what is no number is null."""
-    return json.dumps(_strict(study.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
+    return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _strict(value: Any) -> Any:

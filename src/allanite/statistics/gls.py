@@ -165,7 +165,9 @@ class Covariance:
             z = self._precondition(r)
             rho, last = float(r @ z), rho
             p = z + (rho / last) * p
-        raise UsageError(f"the covariance of {', '.join(map(str, self.terms))} cannot be inverted at {self.size} samples")
+        raise UsageError(
+            f"the covariance of {', '.join(map(str, self.terms))} cannot be inverted at {self.size} samples"
+        )
 
 
 def generalised_least_squares(covariance: Covariance, y: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -191,5 +193,5 @@ def generalised_least_squares(covariance: Covariance, y: FloatArray, X: FloatArr
     ([2.0], [[0.2]])
     """
     solved = np.column_stack([covariance.solve(column) for column in X.T])
-    error = np.linalg.inv(X.T @ solved)
+    error = np.asarray(np.linalg.inv(X.T @ solved), dtype=np.float64)
     return error @ (solved.T @ y), error
