@@ -34,6 +34,28 @@ def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def compass(samples, step, finest):  # type: ignore[no-untyped-def]
+    """A good point to begin with: the best of eight neighbours as long as there is a better one, at ever finer steps.
+
+    Returns (p, q, misfit).
+    """
+    e, x, right = samples
+    p, q = 0.0, 0.0
+    best = misfit(e, x, right, (p, q))
+    while step >= finest:
+        old = best
+        here_p, here_q = p, q
+        for k in range(9):
+            corner = (here_p + (k // 3 - 1) * step, here_q + (k % 3 - 1) * step)
+            found = misfit(e, x, right, corner)
+            if found < best:
+                best, p, q = found, corner[0], corner[1]
+        if best == old:
+            step *= 0.7
+    return p, q, best
+
+
+@njit(cache=True, nogil=True)
 def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     """Split the samples `part` by whether their step is decided within a box.
 
@@ -177,7 +199,7 @@ def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
+def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-def]
     """Least misfit over the box |p|, |q| < half.
 
     Depth first, each box cut in two across its longer side, the half nearer to the best point first. A box is left as
@@ -189,6 +211,8 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
     samples : (e, x, right)
         Arrays of shape (n,): steps of the data, the line about which is searched, and where between the ends of p
         (right = 0) and q (right = 1) the sample lies; `right` ascends.
+    known : (p, q, misfit)
+        The best point so far.
     half : float
         Half the side of the box.
     work : float
@@ -196,8 +220,8 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
 
     Returns
     -------
-    (p, q, misfit, bound)
-        No staircase has a misfit below `bound`; it is minus infinity where the work was not enough.
+    (p, q, misfit, bound, looked at)
+        No staircase in the box has a misfit below `bound`; it is minus infinity where the work was not enough.
     """
     n = samples[0].size
     store = np.empty(4 * n + 64, dtype=np.int32)
@@ -208,9 +232,8 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
     fixed, turn, near = np.zeros(DEEPEST), np.zeros(DEEPEST, dtype=np.int64), np.zeros(DEEPEST, dtype=np.int64)
     boxes[0, 0], boxes[0, 1], boxes[0, 2], boxes[0, 3] = -half, half, -half, half
     last[0] = n
-    p, q = 0.0, 0.0
-    best = misfit(samples[0], samples[1], samples[2], (p, q))
-    looked, unresolved, depth = float(n), np.inf, 0
+    p, q, best = known
+    looked, unresolved, depth = 0.0, np.inf, 0
     while depth >= 0 and looked <= work:
         if turn[depth] == 2:
             depth -= 1
@@ -243,4 +266,4 @@ def nearest_staircase(samples, half, work):  # type: ignore[no-untyped-def]
             boxes[depth, 0], boxes[depth, 1], boxes[depth, 2], boxes[depth, 3] = box
             first[depth], last[depth] = last[depth - 1], last[depth - 1] + count
             fixed[depth], turn[depth] = decided, 0
-    return p, q, best, min(best, unresolved) if depth < 0 else -np.inf
+    return p, q, best, min(best, unresolved) if depth < 0 else -np.inf, looked
