@@ -58,9 +58,7 @@ def global_staircase(y, reach):
     n = len(y)
     t = np.arange(n) - (n - 1) / 2
     slope = t @ y / (t @ t)
-    meeting = [
-        np.arange(math.floor((slope - reach) * k), math.ceil((slope + reach) * k) + 1) / k for k in range(1, n)
-    ]
+    meeting = [np.arange(math.floor((slope - reach) * k), math.ceil((slope + reach) * k) + 1) / k for k in range(1, n)]
     slopes = np.unique(np.concatenate([*meeting, [slope - reach, slope + reach]]))
     slopes = slopes[(slopes >= slope - reach) & (slopes <= slope + reach)]
     gaps = np.diff(slopes)
