@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.reference.rate import turnaround_kick
 
 import allanite as al
 from allanite.rate import (
@@ -19,7 +20,6 @@ from allanite.rate import (
 )
 from allanite.rate_study import RateChoices, measure_rates
 from allanite.ring_laser import GL1, RingLaser
-from tests.reference.rate import turnaround_kick
 
 DEG_H = math.pi / 180 / 3600
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.Q(0.2, "arcsec")
