@@ -272,8 +272,8 @@ def main() -> None:
         ("The bound", "The optimal weights at 48 000 samples against Levinson's recursion.", bounds()),
         (
             "The search for the staircase",
-            f"{options.searches} records of 48 000 counts with white angle noise, for each noise; misfit above the least "
-            "there is, which the certified search proves.",
+            f"{options.searches} records of 48 000 counts with white angle noise, for each noise; misfit above the "
+            "least there is, which the certified search proves.",
             search(options.searches),
         ),
     )

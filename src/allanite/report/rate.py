@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from allanite.rate import RATE_ESTIMATORS, Experiment
 from allanite.rate_study import RateChannel, RateStudy
+from allanite.statistics import expected
 from allanite.units import unit_of
 
 from . import style, words
@@ -22,6 +23,13 @@ COLORS = {
     "optimal": "#008F6B",
 }  # fmt: skip
 """One colour a method, everywhere."""
+
+_LATEX = (
+    (r"\hat\Omega", "Ω̂"), (r"\Omega", "Ω"), (r"\sum", "Σ"), (r"\cos", "cos"), (r"\theta", "θ"), (r"\bar t", "t̄"),
+    (r"\min", "min"), (r"\lfloor", "⌊"), (r"\rfloor", "⌋"), (r"\varphi", "φ"), ("^T", "ᵀ"), ("^{-1}", "⁻¹"),
+    ("_{U, φ}", " over U, φ:"), ("_i", "ᵢ"), ("_j", "ⱼ"), ("_k", "ₖ"), ("_0", "₀"),
+)  # fmt: skip
+"""What the formulas of the methods hold beyond those of the terms."""
 
 MOST_MARKED = 40
 """Intervals up to which each is marked."""
@@ -78,12 +86,27 @@ def sentences(channel: RateChannel, study: RateStudy) -> Iterator[str]:
         yield f"{found.start.size} intervals of {words.duration(found.duration)}; errors against {said}"
     if found.drift:
         yield found.drift
+    yield from _wander(found)
     yield from found.notes
     yield from (f"{method} is left out: {why}" for method, why in found.left_out.items())
     if channel.bias is not None:
         yield f"bias by reversal: {channel.bias.words(level=study.recipe.level)}"
     if channel.north is not None:
         yield channel.north.words()
+
+
+def _wander(found: Experiment) -> Iterator[str]:
+    """Why neighbouring intervals scatter more than each is measured."""
+    if found.ranking is None or found.start.size == 1:
+        return
+    wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
+    if wandering:
+        unit = found.signal.sheet[0]
+        both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
+        yield (
+            f"predicted is the error of each interval's own mean rate; {', '.join(wandering)} moves that from interval "
+            f"to interval, so that neighbouring averages differ by {both:.3g} {unit} (their Allan deviation)"
+        )
 
 
 def _table(found: Experiment) -> Iterator[str]:
@@ -167,7 +190,7 @@ def rate_page(study: RateStudy) -> str:
     look = re.search(r"<style>.*?</style>", folder.joinpath("page.html.j2").read_text(encoding="utf-8"), re.DOTALL)
     assert look is not None  # noqa: S101 - the page of a study holds the style of all pages
     env = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    env.filters["clean"], env.filters["formula"] = words.printable, formula
+    env.filters["clean"], env.filters["formula"] = words.printable, lambda latex: formula(_plain(latex))
     channels = [
         {
             "name": c.record.name or "channel",
@@ -183,13 +206,19 @@ def rate_page(study: RateStudy) -> str:
     ]
     content = {
         "style": Markup(look.group()),  # noqa: S704 - our own template's
-        "name": study.provenance.get("source") or "data in memory",
+        "name": PurePath(study.provenance["source"]).name or "data in memory",
         "channels": channels,
         "methods": RATE_ESTIMATORS.values(),
         "notes": study.notes,
         "provenance": study.provenance,
     }
     return env.from_string(folder.joinpath("rate.html.j2").read_text(encoding="utf-8")).render(content)
+
+
+def _plain(latex: str) -> str:
+    for code, sign in _LATEX:
+        latex = latex.replace(code, sign)
+    return latex
 
 
 def rate_figure(study: RateStudy, path: str) -> bytes:
