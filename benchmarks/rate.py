@@ -27,6 +27,7 @@ from scipy.linalg import solve_toeplitz
 
 import allanite as al
 from allanite.rate import RATE_ESTIMATORS, Experiment, Options, Plan, experiment, predicted_standard_error
+from allanite.rate.measure import setting_of
 from allanite.rate.setting import TARGETS
 from allanite.ring_laser import GL1
 from allanite.statistics.gls import autocovariance
@@ -71,6 +72,27 @@ def acceptance(runs: int) -> Table:
             cells.append(f"{mean:.5f} ({table[:, i].min():.5f} .. {table[:, i].max():.5f})")
         rows.append(tuple(cells))
     return ("method", "paper", "exact covariance", "seed 1", f"{runs} runs", "with warm-up"), rows
+
+
+def correlated_angle(sigma: float, seconds: float) -> dict[str, float]:
+    """Standard errors under angle noise that is exponentially correlated and nothing else, deg/h."""
+    c = sigma**2 * np.exp(-np.arange(N + 1) / RATE / seconds)
+    rates = RATE**2 * np.r_[2 * (c[0] - c[1]), 2 * c[1:-1] - c[:-2] - c[2:]]
+    setting = setting_of(al.Record(np.zeros(N), rate=RATE, unit="deg/h"), None, "mean")
+    weights = {m: RATE_ESTIMATORS[m].weights(setting) for m in ("mean", "hamming", "regression")}
+    found = {m: math.sqrt(w @ product(rates, w)) for m, w in weights.items()}
+    return found | {"bound": 1 / math.sqrt(solve_toeplitz(rates, np.ones(N)).sum())}
+
+
+def fitting() -> Table:
+    """Stationary noise that fits rows of the paper's table 3."""
+    white = {m: exact("optimal" if m == "bound" else m) for m in ("mean", "hamming", "regression", "bound")}
+    models = {"random walk and white angle noise (GL1.model)": white}
+    models["angle noise of 0.286 arcsec, correlated over 3.3 s"] = correlated_angle(0.286, 3.3)
+    models["angle noise of 0.30 arcsec, correlated over 15 s"] = correlated_angle(0.30, 15.0)
+    rows = [("the paper", "0.0034", "0.0022", "0.0018", "(staircase 0.0013)")]
+    rows += [(name, *(f"{found[m]:.5f}" for m in white)) for name, found in models.items()]
+    return ("noise", "mean", "hamming", "regression", "Cramer-Rao bound"), rows
 
 
 def efficiency() -> Table:
@@ -257,6 +279,11 @@ def main() -> None:
             "Standard deviations of 94 two-minute errors of the simulated GL-1, deg/h (numerically '/min). Runs: the "
             "root mean square of their deviations, least and largest. Warm-up: -0.01 deg/h at the start, 10 min.",
             acceptance(options.runs),
+        ),
+        (
+            "Noise that fits the paper",
+            "Exact standard deviations of two-minute errors, deg/h.",
+            fitting(),
         ),
         (
             "Predictions",
