@@ -10,8 +10,8 @@ from .linear import parabola
 from .row import Interval, Measurement, RateEstimator
 from .setting import FloatArray, Setting
 
-WORK = 6e6
-"""Samples that the search may look at before it gives its best so far: some 30 ms."""
+WORK = 7e6
+"""Samples that the search may look at before it gives its best so far: some 40 ms."""
 
 GRID = (0.4, 0.01)
 """Steps of the descent that comes first, from and to, pulses."""
@@ -56,7 +56,7 @@ def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float,
     whole = math.sqrt(misfit(*samples, (0.0, 0.0)))
     p, q, least = compass(samples, *GRID)
     near = _about(y, line + p + (q - p) * right, right)
-    p_, q_, least, _, looked = nearest_staircase(near, (0.0, 0.0, least), NEIGHBOURHOOD, work / 2)
+    p_, q_, least, _, looked = nearest_staircase(near, (0.0, 0.0, least), NEIGHBOURHOOD, work)
     known = (p + p_, q + q_, least)
     # |floor(x) + 1/2 - x| <= 1/2 puts the best staircase's line into an ellipse about the line through the steps'
     # middles; in the heights p, q of the two ends it is n (p^2 + p q + q^2) / 3 <= square, so |p|, |q| <= half
