@@ -23,6 +23,8 @@ from .record import Record as Record
 from .record import Recording as Recording
 from .report import plot as plot
 from .report import report as report
+from .ring_laser import GL1 as GL1
+from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS

@@ -42,7 +42,7 @@ class RingLaser:
     Examples
     --------
     >>> print(GL1.model)
-    N = 0.000292 deg/sqrt(h), Q = 0.2545 arcsec
+    N = 0.0002918 deg/sqrt(h), Q = 0.2544 arcsec
     """
 
     pulse: float

@@ -311,7 +311,7 @@ BAD = {
     "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
     "a quantum of nothing": (
         lambda: (np.ones(9), "staircase", {"options": Options(quantum=0.0)}),
-        al.DataError,
+        al.UsageError,
         "positive number",
     ),
     "a model of another sensor": (

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.errors import DataError
+from allanite.errors import DataError, UsageError
 from allanite.finding import Finding
 from allanite.record import Record
 
@@ -22,7 +22,7 @@ def pulse_of(record: Record, options: Options) -> float:
     """Quantum of the angle in readings (of a rate: readings times the sample interval); NaN where there is none."""
     if options.quantum is not None:
         if not (math.isfinite(options.quantum) and options.quantum > 0):
-            raise DataError(f"a quantum is a positive number of {record.unit}, not {options.quantum!r}")
+            raise UsageError(f"a quantum is a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
         return readings * record.rate if record.kind == "rate" else readings
     return 1.0 if record.kind == "count" else math.nan

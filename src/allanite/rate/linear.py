@@ -37,7 +37,7 @@ def parabola(n: int) -> FloatArray:
 
     Examples
     --------
-    >>> parabola(3).tolist()
+    >>> parabola(3).round(12).tolist()
     [0.3, 0.4, 0.3]
     """
     j = np.arange(1.0, n + 1)

@@ -58,7 +58,7 @@ def estimate(
     >>> record = Record([3, 4, 4, 5, 3, 4], rate=1.0, unit="arcsec", kind="count", scale=0.5)
     >>> found = estimate(record, "optimal", model=N(0.001, "deg/sqrt(h)") + Q(0.2, "arcsec"))
     >>> found.words("deg/h")
-    '2.04 (1.91 .. 2.16) deg/h'
+    '1.961 (1.872 .. 2.050) deg/h'
     """
     demand_whole(record)
     row, setting = estimator_named(method), setting_of(record, model, target, dither=dither, options=options)

@@ -29,7 +29,7 @@ def white_and_angle(n: int, kappa: float) -> FloatArray:
 
     Examples
     --------
-    >>> white_and_angle(3, math.inf).round(9).tolist(), white_and_angle(3, 0.0).tolist()
+    >>> white_and_angle(3, math.inf).round(9).tolist(), white_and_angle(3, 0.0).round(9).tolist()
     ([0.333333333, 0.333333333, 0.333333333], [0.3, 0.4, 0.3])
     """
     if kappa == 0:
