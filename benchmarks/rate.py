@@ -300,7 +300,7 @@ def main() -> None:
         (
             "The search for the staircase",
             f"{options.searches} records of 48 000 counts with white angle noise, for each noise; misfit above the "
-            "least there is, which the certified search proves.",
+            "least there is, which the certified search proves and which is printed of the last record.",
             search(options.searches),
         ),
     )

@@ -26,6 +26,7 @@ from .rate_noise import identified, supposed
 from .readers import read
 from .record import Record, Recording
 from .study import Recipe
+from .units import Signal
 from .version import __version__
 
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
@@ -47,6 +48,8 @@ class RateChoices:
         Intervals, methods, target; its `reference` is overruled by `latitude`.
     model : Model or None
         The noise; identified if it is not given.
+    signal : Signal or None
+        The kind of sensor that `reference` and `bias` of the plan are of, if they are given.
     latitude : float or None
         Degrees. For a vertical axis the earth's rate is the reference, for a horizontal one north is found.
     horizontal : bool
@@ -61,6 +64,7 @@ class RateChoices:
 
     plan: Plan = field(default_factory=Plan)
     model: Model | None = None
+    signal: Signal | None = None
     latitude: float | None = None
     horizontal: bool = False
     turned: float = 180.0
@@ -185,13 +189,15 @@ def _recording(source: Source, recipe: Recipe) -> Recording:
 
 
 def _channel(record: Record, second: Record | None, recipe: Recipe, choices: RateChoices) -> RateChannel:
+    if choices.signal is not None and choices.signal is not record.signal:
+        raise DataError(f"the true rate or bias that was given belongs to another sensor: {choices.signal.name}")
     fit, alerts = (None, ()) if choices.model is not None else identified(record, recipe)
     plan, model = choices.plan, choices.model
     if fit is not None:
         size = min(round(plan.interval * record.rate), record.size)
         model, said = supposed(fit, size, record.rate)
         alerts += said
-    if choices.latitude is not None and not choices.horizontal:
+    if choices.latitude is not None and not choices.horizontal and record.signal.name == "gyro":
         plan = replace(plan, reference=earth_rate(choices.latitude))
     found = experiment(record, model, plan)
     alerts += tuple(map(str, found.findings))

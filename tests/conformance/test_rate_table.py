@@ -80,8 +80,11 @@ def test_the_page_quotes_the_table():
     searches = {row["noise, pulses"]: row for row in section("The search for the staircase")}
     for row in section("The search", PAGE):
         found = searches[row["noise, pulses"]]
-        assert row["default above the minimum, most"].split()[0] == found["default above, most"]
+        assert row["default above the minimum, most"] == f"{found['default above, most']} of {found['least misfit']}"
         assert row["descent above it, mean"] == found["descent above, mean"]
+        assert [row[k] for k in ("default, ms", "certified, ms")] == [
+            found[k] for k in ("default, ms", "certified, ms")
+        ]
 
 
 def test_a_part_made_again_agrees(bench):

@@ -62,8 +62,8 @@ def estimate(
     """
     demand_whole(record)
     row, setting = estimator_named(method), setting_of(record, model, target, dither=dither, options=options)
-    weights = row.weights(setting)
-    found = in_si(row.measure(interval := interval_of(record, setting), weights, setting), interval)
+    weights, interval = row.weights(setting), interval_of(record, setting)
+    found = in_si(row.measure(interval, weights, setting), interval)
     return RateEstimate(
         value=found.value,
         standard_error=math.nan if setting.model is None else standard_error(row, weights, setting),

@@ -13,6 +13,7 @@ from allanite.report.outputs import STDOUT, demand_outputs
 if TYPE_CHECKING:
     from allanite.model import Model
     from allanite.rate_study import RateChoices, RateStudy
+    from allanite.units import Signal
 
 WIDTH = 120
 """Columns of text that no terminal bounds."""
@@ -29,8 +30,8 @@ OPTIONS = (
     click.option("--noise", metavar="TERMS", help="The noise, as 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [identified]"),
     click.option("--terms", metavar="QNBKR", help="Terms to look for.  [auto]"),
     click.option("--latitude", type=float, metavar="DEG", help="The earth's rate there is the true rate."),
-    click.option("--reference", type=float, metavar="DEG/H", help="The true rate, deg/h (ug of an accelerometer)."),
-    click.option("--bias", type=float, default=0.0, metavar="DEG/H", help="A known bias to subtract, deg/h or ug."),
+    click.option("--reference", metavar="RATE", help="The true rate, in deg/h or as '12.4 deg/h'."),
+    click.option("--bias", metavar="RATE", help="A known bias to subtract, in deg/h or as '3 ug'."),
     click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north at --latitude."),
     click.option("--second", metavar="FILE", type=click.Path(), help="The same gyro, turned: removes the bias."),
     click.option("--turned", type=float, default=180.0, metavar="DEG", help="How far it was turned.  [180]"),
@@ -82,17 +83,18 @@ def rate(file: str, *, force: bool, quiet: bool, second: str | None, **choices: 
             click.echo(f"{name}: {path}", err=silent)
 
 
-def _choices(*, noise: str | None, latitude: float | None, reference: float | None, **rest: Any) -> "RateChoices":
+def _choices(*, latitude: float | None, reference: str | None, bias: str | None, **rest: Any) -> "RateChoices":
     from allanite.errors import UsageError
     from allanite.rate import RATE_ESTIMATORS, Options, Plan
     from allanite.rate_study import DURATIONS, RateChoices
-    from allanite.units import unit_of
 
     if latitude is not None and reference is not None:
         raise UsageError("the true rate is given twice: by --latitude and by --reference")
-    model = None if noise is None else noise_model(noise)
-    unit = unit_of("deg/h" if model is None else model.signal.sheet[0]).factor
-    dither = rest["dither"]
+    known = [None if text is None else _quantity(text) for text in (reference, bias)]
+    signals = [quantity[1] for quantity in known if quantity is not None]
+    if len({signal.name for signal in signals}) > 1:
+        raise UsageError("the true rate and the bias are given in units of different sensors")
+    noise, dither = rest["noise"], rest["dither"]
     return RateChoices(
         plan=Plan(
             interval=rest["interval"],
@@ -100,17 +102,31 @@ def _choices(*, noise: str | None, latitude: float | None, reference: float | No
             target=rest["target"],
             dither=() if dither is None else tuple(_number(text, "--dither") for text in _words(dither)),
             options=Options(rest["window"], rest["lines"], None, rest["quantum"], rest["certified"]),
-            reference=None if reference is None else reference * unit,
-            bias=rest["bias"] * unit,
+            reference=None if known[0] is None else known[0][0],
+            bias=0.0 if known[1] is None else known[1][0],
             gaps="split" if rest["split_gaps"] else "error",
         ),
-        model=model,
+        model=None if noise is None else noise_model(noise),
+        signal=signals[-1] if signals else None,
         latitude=latitude,
         horizontal=rest["horizontal"],
         turned=rest["turned"],
         near=rest["near"],
         durations=() if rest["no_times"] else DURATIONS,
     )
+
+
+def _quantity(text: str) -> "tuple[float, Signal]":
+    """A number with the unit of a signal, or in deg/h: its SI value and the signal."""
+    from allanite.errors import UnitError
+    from allanite.units import signal_with, unit_of
+
+    number, _, unit = text.strip().partition(" ")
+    found = unit_of(unit or "deg/h")
+    signal = signal_with(found.dimension)
+    if signal is None:
+        raise UnitError(f"a rate has a unit such as deg/h or ug, not {unit!r}")
+    return _number(number, text) * found.factor, signal
 
 
 def noise_model(text: str) -> "Model":
@@ -141,7 +157,7 @@ def _number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise click.BadParameter(f"{option} wants numbers, not {text!r}") from None
+        raise click.BadParameter(f"{option!r} wants a number, not {text!r}") from None
 
 
 def _print(study: "RateStudy") -> None:
