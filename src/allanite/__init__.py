@@ -1,6 +1,7 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import rate as rate
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
@@ -19,12 +20,16 @@ from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
 from .psd import Spectrum as Spectrum
+from .rate_study import measure_rates as measure_rates
 from .readers import read as read
 from .readers import write as write
 from .record import Record as Record
 from .record import Recording as Recording
 from .report import plot as plot
 from .report import report as report
+from .ring_laser import GL1 as GL1
+from .ring_laser import RingLaser as RingLaser
+from .ring_laser import simulate_ring_laser as simulate_ring_laser
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation

@@ -4,10 +4,12 @@ import click
 
 from allanite import __version__
 from allanite.verbs.angle import angle
+from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
 from .curves import deviation, dynamic, spectrum
 from .front import Front
+from .reading import reading
 
 VERBS: dict[str, click.Command] = {
     "info": info,
@@ -15,6 +17,7 @@ VERBS: dict[str, click.Command] = {
     "deviation": deviation,
     "spectrum": spectrum,
     "dynamic": dynamic,
+    "rate": click.command("rate")(reading(rate)),
     "angle": angle,
 }
 

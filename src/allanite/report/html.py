@@ -88,10 +88,10 @@ def _channel(channel: Channel, level: float, i: int) -> dict[str, Any]:
         "good": good.verdict if good and good.explained else "",
         "notes": channel.fit.notes if channel.fit else (),
         "rows": [_row(e, level) for e in channel.fit] if channel.fit else [],
-        "figure": _svg(plot_panels(panels_of(channel), level=level), f"curve{i}", "deviation by averaging time")
+        "figure": svg(plot_panels(panels_of(channel), level=level), f"curve{i}", "deviation by averaging time")
         if channel.curve
         else "",
-        "goodness": _svg(plot_goodness(good), f"goodness{i}", "observed over expected power by frequency")
+        "goodness": svg(plot_goodness(good), f"goodness{i}", "observed over expected power by frequency")
         if good
         else "",
         "curve": _curve(panels_of(channel)[0], level) if channel.curve else None,
@@ -134,7 +134,7 @@ def _number(value: float) -> str:
     return f"{value:.5g}"
 
 
-def _svg(figure: Figure, prefix: str, label: str) -> Markup:
+def svg(figure: Figure, prefix: str, label: str) -> Markup:
     """A figure for the middle of a page: names made its own, so that figures do not share parts by mistake."""
     text = style.encode(figure, "svg").decode()
     text = text[text.index("<svg") :]

@@ -8,7 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from allanite.angle import Calibration, Scan
 from allanite.report import words
-from allanite.report.html import _svg
+from allanite.report.html import svg
 from allanite.version import __version__
 
 from . import figures
@@ -57,11 +57,11 @@ def _result(result: Result, level: float) -> dict[str, Any]:
         "passed": [str(check) for check in solution.checks if check.passed],
         "rows": rows,
         "others": list(others(solution)),
-        "errors": _svg(figures.plot_errors(result, level), "error", "error over the angle"),
-        "history": _svg(figures.plot_history(result, level), "history", "amplitudes on their way")
+        "errors": svg(figures.plot_errors(result, level), "error", "error over the angle"),
+        "history": svg(figures.plot_history(result, level), "history", "amplitudes on their way")
         if len(solution.history.count) > 1
         else "",
-        "innovations": _svg(figures.plot_innovations(solution), "left", "innovations and their autocorrelation"),
+        "innovations": svg(figures.plot_innovations(solution), "left", "innovations and their autocorrelation"),
         "gimbal": len(parts(result)) > 1 or "offset" not in solution.names,
         "prior": solution.prior is not None,
     }
@@ -97,7 +97,7 @@ def _scan(scan: Scan) -> dict[str, Any]:
         + (f"; {_sway(setup.sway)}" if setup.sway else ""),
         "warnings": [str(f) for f in best.findings],
         "deviations": [(name, f"{error:.4g}") for name, error in best.standard_deviations.items()],
-        "figure": _svg(figures.plot_scan(scan), "scan", "expected accuracy by the start of the interval"),
+        "figure": svg(figures.plot_scan(scan), "scan", "expected accuracy by the start of the interval"),
         "windows": [
             (f"{s / 60:.1f}", f"{math.degrees(a):.2f}", f"{math.degrees(b):.2f}", f"{t:.4g}", f"{c:.4g}")
             for s, a, b, t, c in scan.rows()[1]

@@ -1,0 +1,117 @@
+"""RateEstimate: a constant rate, how sure it is, and what was supposed."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from allanite.errors import UnitError, UsageError
+from allanite.finding import Finding
+from allanite.units import Signal, unit_of
+
+
+def rate_factor(unit: str, signal: Signal) -> float:
+    """Size of `unit`, a unit of the signal itself, in SI."""
+    found = unit_of(unit)
+    if found.dimension != signal.dimension:
+        raise UnitError(
+            f"{unit!r} is no unit of the {signal.name}'s signal; usual ones are {signal.sheet[0]}, {signal.unit}"
+        )
+    return found.factor
+
+
+@dataclass(frozen=True, eq=False)
+class RateEstimate:
+    """A constant rate measured in a short time, SI.
+
+    Attributes
+    ----------
+    value : float
+    standard_error : float
+        Under the noise model; NaN where none was given, or where none can be predicted.
+    method, assumes : str
+        Name in `RATE_ESTIMATORS`; when that method is the best there is.
+    signal : Signal
+    target : str
+        What was estimated, if the rate wanders: "mean" over the interval, "centre", "start", or a "constant".
+    duration : float
+        Measuring time, s.
+    limits : (low, high) or None
+        Limits that hold with certainty: of counts without noise.
+    details : dict
+        What the method says of its work: share of lines kept, misfit, phase.
+    findings : tuple of Finding
+        What must be known beside the number.
+    name : str
+        Channel.
+    history : tuple of str
+        What was done with the number: bias subtracted, reversal.
+    """
+
+    value: float
+    standard_error: float
+    method: str
+    assumes: str
+    signal: Signal
+    target: str
+    duration: float
+    limits: tuple[float, float] | None = None
+    details: Mapping[str, float] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+    name: str = ""
+    history: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.unit
+
+    def to(self, unit: str) -> float:
+        """The value in `unit`."""
+        return self.value / rate_factor(unit, self.signal)
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Confidence limits (low, high), SI; certain ones where there are any; NaN without a standard error."""
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        if self.limits is not None:
+            return self.limits
+        from scipy.special import ndtri
+
+        reach = float(ndtri((1 + level) / 2)) * self.standard_error
+        return self.value - reach, self.value + reach
+
+    def words(self, unit: str | None = None, level: float = 0.95) -> str:
+        """The value and its limits: ``12.4331 (12.4298 .. 12.4364) deg/h``."""
+        unit = unit or self.signal.sheet[0]
+        factor = rate_factor(unit, self.signal)
+        low, high = (v / factor for v in self.interval(level))
+        if not math.isfinite(low):
+            return f"{self.value / factor:.8g} {unit} (no standard error: give a noise model)"
+        half = (high - low) / 2
+        digits = max(0, 1 - math.floor(math.log10(half))) if half > 0 else 9
+        return f"{self.value / factor:.{digits}f} ({low:.{digits}f} .. {high:.{digits}f}) {unit}"
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI, with the data-sheet form under "shown"."""
+        low, high = self.interval(level)
+        unit = self.signal.sheet[0]
+        factor = rate_factor(unit, self.signal)
+        numbers = {"value": self.value, "low": low, "high": high, "standard_error": self.standard_error}
+        return {
+            "allanite": 1,
+            "type": "RateEstimate",
+            "name": self.name,
+            "method": self.method,
+            "assumes": self.assumes,
+            "target": self.target,
+            "duration": self.duration,
+            **numbers,
+            "level": level,
+            "unit": self.unit,
+            "certain": self.limits is not None,
+            "shown": {**{key: number / factor for key, number in numbers.items()}, "unit": unit},
+            "details": dict(self.details),
+            "findings": [finding.to_dict() for finding in self.findings],
+            "history": list(self.history),
+        }

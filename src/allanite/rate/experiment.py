@@ -1,0 +1,212 @@
+"""How the errors of every method scatter over the intervals of a record."""
+
+import math
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from allanite.finding import Finding
+from allanite.units import Signal
+
+from .estimate import rate_factor
+from .ranking import Ranking
+from .setting import FloatArray
+
+DRIFT = 3.0
+"""Standard deviations by which neighbours must be more alike than independent intervals to be called a drift."""
+
+
+class Scatter(NamedTuple):
+    """How the rates of one method scatter over the intervals, SI.
+
+    `low`, `high` are limits of `deviation` (chi-square); `neighbours` is the deviation from differences of neighbouring
+    intervals, which a slow drift does not reach; `bound` is three deviations; `worst` the largest error.
+    """
+
+    method: str
+    mean: float
+    deviation: float
+    low: float
+    high: float
+    neighbours: float
+    bound: float
+    worst: float
+    predicted: float
+
+
+class Ratio(NamedTuple):
+    """Standard deviation of one method over that of another, with limits that know that both saw the same data."""
+
+    first: str
+    second: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """Rates of all methods over the intervals of a record, SI.
+
+    Attributes
+    ----------
+    name : str
+        Channel.
+    signal : Signal
+    methods : tuple of str
+    start : array, shape (k,)
+        Start of each interval, s after the record's first sample.
+    duration, rate : float
+        Length of an interval, s; sampling rate, Hz.
+    rates : array, shape (methods, k)
+    reference : float
+        The rate that the errors are counted from: known, or the mean of the intervals by the last method.
+    known : bool
+        Whether the reference was given.
+    predicted : array, shape (methods,)
+        Standard errors under the model; NaN without one.
+    ranking : Ranking or None
+        What the model says of the methods.
+    left_out : dict
+        Method -> why it could not be used.
+    notes, findings
+        What was left out of the record; what must be known beside the numbers.
+    """
+
+    name: str
+    signal: Signal
+    methods: tuple[str, ...]
+    start: FloatArray
+    duration: float
+    rate: float
+    rates: FloatArray
+    reference: float
+    known: bool
+    predicted: FloatArray
+    ranking: Ranking | None = None
+    left_out: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def errors(self) -> FloatArray:
+        """Rates less the reference, shape (methods, k)."""
+        return self.rates - self.reference
+
+    def scatter(self, method: str, level: float = 0.68) -> Scatter:
+        """How the rates of a method scatter."""
+        row = self.methods.index(method)
+        errors = self.errors[row]
+        k = errors.size
+        deviation = float(errors.std(ddof=1)) if k > 1 else math.nan
+        low, high = (deviation * factor for factor in _chi_limits(k, level))
+        neighbours = math.sqrt(float(np.square(np.diff(errors)).mean()) / 2) if k > 1 else math.nan
+        worst = float(errors[np.abs(errors).argmax()])
+        return Scatter(
+            method,
+            float(errors.mean()),
+            deviation,
+            low,
+            high,
+            neighbours,
+            3 * deviation,
+            worst,
+            float(self.predicted[row]),
+        )
+
+    def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
+        """Ratios of the standard deviations of all pairs of methods.
+
+        Limits after Pitman and Morgan: sums and differences of the two standardised errors are uncorrelated where the
+        ratio is right, so that the correlation of the two series, which is high, narrows them.
+
+        References
+        ----------
+        E. J. G. Pitman, Biometrika 31 (1939) 9; W. A. Morgan, ibid. 13.
+        """
+        if self.start.size < 3:
+            return ()
+        return tuple(self._ratio(a, b, level) for a, b in combinations(self.methods, 2))
+
+    def _ratio(self, first: str, second: str, level: float) -> Ratio:
+        from scipy.special import stdtrit
+
+        a, b = (self.rates[self.methods.index(m)] for m in (first, second))
+        value, k = float(a.std(ddof=1) / b.std(ddof=1)), a.size
+        correlation = float(np.corrcoef(a, b)[0, 1])
+        t = float(stdtrit(k - 2, (1 + level) / 2))
+        c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
+        narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
+        return Ratio(first, second, value, value * narrow, value / narrow if narrow > 0 else math.inf)
+
+    @property
+    def drift(self) -> str:
+        """What the rates do over the record besides scattering, in words; empty if nothing.
+
+        By von Neumann's ratio of the mean square difference of neighbours to the variance, of the method of least
+        scatter.
+        """
+        k = self.start.size
+        if k < 8:
+            return ""
+        errors = self.errors[int(self.errors.std(axis=1).argmin())]
+        variance = float(errors.var())
+        if not variance > 0:
+            return ""
+        ratio = float(np.square(np.diff(errors)).mean()) / (2 * variance) * (k - 1) / k
+        if (1 - ratio) < DRIFT * math.sqrt((k - 2) / (k**2 - 1)):
+            return ""
+        part = max(1, k // 10)
+        unit = self.signal.sheet[0]
+        change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
+        return (
+            f"the rate drifts: neighbouring intervals are more alike than independent ones (ratio {ratio:.2f}, not "
+            f"1); the first {part} of {k} lie {-change:+.2g} {unit} from the rest"
+        )
+
+    def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, a method each, in `unit`."""
+        unit = unit or self.signal.sheet[0]
+        factor = rate_factor(unit, self.signal)
+        share = f"{100 * level:g} %"
+        headings = ["method", "mean error", "std", f"{share} low", f"{share} high"]
+        headings += ["neighbours", "3 sigma", "worst", "predicted"]
+        found = (self.scatter(method, level) for method in self.methods)
+        return headings, [[s.method, *(v / factor for v in s[1:])] for s in found]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI."""
+        return {
+            "allanite": 1,
+            "type": "Experiment",
+            "name": self.name,
+            "unit": self.signal.unit,
+            "duration": self.duration,
+            "reference": self.reference,
+            "reference_known": self.known,
+            "start": self.start.tolist(),
+            "methods": [
+                {**self.scatter(method)._asdict(), "rates": self.rates[i].tolist()}
+                for i, method in enumerate(self.methods)
+            ],
+            "ratios": [ratio._asdict() for ratio in self.ratios()],
+            "drift": self.drift,
+            "ranking": None if self.ranking is None else self.ranking.to_dict(),
+            "left_out": self.left_out,
+            "notes": list(self.notes),
+            "findings": [finding.to_dict() for finding in self.findings],
+        }
+
+
+def _chi_limits(k: int, level: float) -> tuple[float, float]:
+    """Limits of a standard deviation of k values, over it."""
+    if k < 2:
+        return math.nan, math.nan
+    from scipy.special import gammaincinv
+
+    low, high = (
+        math.sqrt((k - 1) / (2 * float(gammaincinv((k - 1) / 2, p)))) for p in ((1 + level) / 2, (1 - level) / 2)
+    )
+    return low, high

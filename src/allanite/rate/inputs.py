@@ -1,0 +1,93 @@
+"""From a record to the data of a measurement, and what must be known of it first."""
+
+import math
+
+import numpy as np
+
+from allanite.errors import DataError, UsageError
+from allanite.finding import Finding
+from allanite.record import Record
+
+from .row import Interval
+from .setting import FloatArray, Options, Setting
+
+JUMP = 20.0
+"""Median absolute deviations from the median beyond which a reading is called a pulse slip."""
+
+REPEATED = 0.999
+"""Share of equal readings from which a record of counts is called saturated."""
+
+
+def pulse_of(record: Record, options: Options) -> float:
+    """Quantum of the angle in readings (of a rate: readings times the sample interval); NaN where there is none."""
+    if options.quantum is not None:
+        if not (math.isfinite(options.quantum) and options.quantum > 0):
+            raise UsageError(f"a quantum is a positive number of {record.unit}, not {options.quantum!r}")
+        readings = options.quantum / (1.0 if record.scale is None else record.scale)
+        return readings * record.rate if record.kind == "rate" else readings
+    return 1.0 if record.kind == "count" else math.nan
+
+
+def reading_size(record: Record) -> float:
+    """Rate of one reading, SI."""
+    return record.factor if record.kind == "rate" else record.factor * record.rate
+
+
+def demand_whole(record: Record) -> None:
+    """Refuse readings that are not finite.
+
+    Raises
+    ------
+    DataError
+        It says how many there are and where the first is.
+    """
+    bad = ~np.isfinite(record.values)
+    if bad.any():
+        raise DataError(
+            f"{int(bad.sum())} of {bad.size} readings of {record.name!r} are not finite, the first at sample "
+            f"{int(bad.argmax())}; measure between the gaps with gaps='split', or cut a window without them"
+        )
+
+
+def interval_of(record: Record, setting: Setting) -> Interval:
+    """The readings of each sample interval, a constant and the dither's sinusoids subtracted."""
+    values = record.values
+    if record.kind == "angle":
+        steps, offset = np.diff(values).astype(np.float64), 0.0
+    else:
+        offset = float(record.constant)
+        steps = np.asarray(values - record.constant, dtype=np.float64)
+    return Interval(without_dither(steps, setting), offset, reading_size(record), pulse_of(record, setting.options))
+
+
+def without_dither(steps: FloatArray, setting: Setting) -> FloatArray:
+    """The readings less the sinusoids that fit them best, beside a constant."""
+    X = setting.sinusoids
+    if not X.shape[1]:
+        return steps
+    centred = X - X.mean(axis=0)
+    return np.asarray(steps - X @ np.linalg.solve(centred.T @ centred, centred.T @ steps))
+
+
+def findings_of(record: Record) -> tuple[Finding, ...]:
+    """What makes a rate of this record doubtful: a dead or saturated output, slipped pulses."""
+    values = np.diff(record.values) if record.kind == "angle" else record.values
+    if not values.any():
+        what = "every reading is zero: the output is dead, or the axis does not turn"
+        return (Finding("dead", what, "the rate is zero without any evidence", "check that the sensor is connected"),)
+    typical = float(np.median(values))
+    away = np.abs(values - typical)
+    equal = float((away == 0).mean())
+    if equal >= REPEATED:
+        what = f"{100 * equal:.4g} % of the readings are {typical:g}"
+        return (Finding("constant", what, "a saturated or stuck output looks like this", "check the output's range"),)
+    spread = float(np.median(away)) or float(away.mean())
+    # coarse counts have a spread of nothing: a slip is more than a few pulses in any case
+    limit = JUMP * max(spread, 1.0 if record.kind == "count" else 0.0)
+    worst = int(away.argmax())
+    if away[worst] <= limit:
+        return ()
+    count = int((away > limit).sum())
+    what = f"{count} reading(s) jump, the first at sample {int((away > limit).argmax())}, the largest by "
+    what += f"{away[worst]:.6g} at sample {worst}, where {spread:.3g} is usual"
+    return (Finding("slip", what, "lost or doubled pulses go into the rate whole", "cut a window without them"),)

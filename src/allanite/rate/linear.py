@@ -1,0 +1,128 @@
+"""Estimators whose weights are known beforehand: averaging, windows, regression of the angle."""
+
+import numpy as np
+
+from allanite.errors import UsageError
+
+from .row import Interval, Measurement, RateEstimator, linear
+from .setting import FloatArray, Setting
+
+REACH = 2 * 1.4826
+"""Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
+
+
+def _flat(setting: Setting) -> FloatArray:
+    return np.full(setting.size, 1 / setting.size)
+
+
+def _window(setting: Setting) -> FloatArray:
+    n, name = setting.size, setting.options.window
+    if name == "hamming":
+        weights = np.hamming(n)
+    else:
+        from scipy.signal import get_window
+
+        try:
+            weights = get_window(name, n, fftbins=False)
+        except ValueError as error:
+            raise UsageError(f"unknown window {name!r}: {error}; for example hamming, hann, blackman") from None
+    total = float(weights.sum())
+    if not total > 0:
+        raise UsageError(f"the window {name!r} of {n} samples has no positive sum")
+    return np.asarray(weights / total, dtype=np.float64)
+
+
+def parabola(n: int) -> FloatArray:
+    """Weights of n rates in the slope of the line through their n + 1 angles.
+
+    Examples
+    --------
+    >>> parabola(3).round(12).tolist()
+    [0.3, 0.4, 0.3]
+    """
+    j = np.arange(1.0, n + 1)
+    return j * (n + 1 - j) * (6 / (n * (n + 1.0) * (n + 2.0)))
+
+
+def _lines(setting: Setting) -> tuple[int, int]:
+    """Number of lines and the sample intervals under each."""
+    n, lines = setting.size, setting.options.lines
+    if lines is None:
+        lines = max(1, n // 160)
+    if not 1 <= lines <= n - 1:
+        raise UsageError(
+            f"{lines} regression lines, each one sample later, do not fit into {n} samples; at most {n - 1} do"
+        )
+    return lines, n - lines + 1
+
+
+def _many_parabolas(setting: Setting) -> FloatArray:
+    lines, length = _lines(setting)
+    total = np.concatenate(([0.0], np.cumsum(parabola(length)), np.ones(lines - 1)))
+    shifted = np.concatenate((np.zeros(lines), total[: setting.size]))
+    # the sum of windows of a running sum: each weight is the mean of those parabolas that cover it
+    return np.asarray(total[1 : setting.size + 1] - shifted[1 : setting.size + 1]) / lines
+
+
+def _slopes(interval: Interval, setting: Setting) -> FloatArray:
+    """Slopes of all lines, all in one pass, shape (lines,).
+
+    The line through everything is subtracted first, so that the running sums stay small.
+    """
+    lines, length = _lines(setting)
+    whole = float(parabola(setting.size) @ interval.steps)
+    angle = np.concatenate(([0.0], np.cumsum(interval.steps - whole)))
+    position = np.arange(angle.size, dtype=np.float64)
+    level, moment = (np.concatenate(([0.0], np.cumsum(a))) for a in (angle, position * angle))
+    start = np.arange(lines)
+    sums, moments = (s[start + length + 1] - s[start] for s in (level, moment))
+    centred = moments - (start + length / 2) * sums
+    return np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
+
+
+def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> Measurement:
+    slopes = _slopes(interval, setting)
+    middle = float(np.median(slopes))
+    away = np.abs(slopes - middle)
+    allowed = setting.options.allowed
+    reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
+    kept = away <= reach
+    return Measurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
+
+
+MEAN = RateEstimator(
+    name="mean",
+    title="mean of all samples",
+    formula=r"\hat\Omega = \theta(T) / T",
+    reference="IEEE Std 647; the mean of means of equal parts is the same number",
+    assumes="white noise of the rate (angle random walk) alone",
+    weights=_flat,
+    measure=linear,
+)
+HAMMING = RateEstimator(
+    name="hamming",
+    title="mean under a window",
+    formula=r"\hat\Omega = \sum a_j \Omega_j / \sum a_j, a_j = 0.54 - 0.46 \cos(2 \pi j / (n - 1))",
+    reference="R. W. Hamming, Digital Filters, 1977",
+    assumes="nothing: it trades a sixth of the accuracy under angle random walk for ends that count little",
+    weights=_window,
+    measure=linear,
+)
+REGRESSION = RateEstimator(
+    name="regression",
+    title="slope of the line through the angle",
+    formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
+    reference="Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)",
+    assumes="white noise of the angle (quantization, dither residual) alone",
+    weights=lambda setting: parabola(setting.size),
+    measure=linear,
+)
+CONDITIONAL = RateEstimator(
+    name="conditional",
+    title="mean of regression lines, outliers dropped",
+    formula=r"\hat\Omega = mean of \Omega_k, |\Omega_k - median| within two standard deviations",
+    reference="Saneev, Engineering Journal 2015(1); Enin, Saneev 2017",
+    assumes="as regression, of which it is a copy: neighbouring lines share all but a sample",
+    weights=_many_parabolas,
+    measure=_conditional,
+)

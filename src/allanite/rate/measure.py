@@ -1,0 +1,106 @@
+"""A rate measured by one of the estimators."""
+
+import math
+
+from allanite.errors import UnitError
+from allanite.model import Model, Term
+from allanite.record import Record
+
+from .estimate import RateEstimate
+from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
+from .predict import standard_error
+from .row import Interval, Measurement
+from .setting import Options, Setting
+from .table import estimator_named
+
+
+def estimate(
+    record: Record,
+    method: str = "optimal",
+    *,
+    model: Model | Term | None = None,
+    target: str = "mean",
+    dither: tuple[float, ...] = (),
+    options: Options | None = None,
+) -> RateEstimate:
+    """Measure the constant rate of a record.
+
+    Parameters
+    ----------
+    record : Record
+        Counts with their scale, increments, an angle or a rate; every reading finite.
+    method : str
+        A name in `RATE_ESTIMATORS`.
+    model : Model, optional
+        The noise; needed by "optimal", and by all for a standard error.
+    target : {"mean", "centre", "start", "constant"}
+        What is estimated, if the model holds terms whose rate wanders (B, K, R).
+    dither : tuple of float
+        Frequencies of the dither's residual, Hz, also above half the sampling rate; their sinusoids are taken out by
+        least squares.
+    options : Options, optional
+        Choices that concern one method each.
+
+    Returns
+    -------
+    RateEstimate
+
+    Raises
+    ------
+    DataError
+        A reading is not finite.
+    UsageError
+        An unknown method or target; a model or quantum is missing; more lines than fit into the record.
+
+    Examples
+    --------
+    >>> from allanite.model import N, Q
+    >>> record = Record([3, 4, 4, 5, 3, 4], rate=1.0, unit="arcsec", kind="count", scale=0.5)
+    >>> found = estimate(record, "optimal", model=N(0.001, "deg/sqrt(h)") + Q(0.2, "arcsec"))
+    >>> found.words("deg/h")
+    '1.961 (1.872 .. 2.050) deg/h'
+    """
+    demand_whole(record)
+    row, setting = estimator_named(method), setting_of(record, model, target, dither=dither, options=options)
+    weights, interval = row.weights(setting), interval_of(record, setting)
+    found = in_si(row.measure(interval, weights, setting), interval)
+    return RateEstimate(
+        value=found.value,
+        standard_error=math.nan if setting.model is None else standard_error(row, weights, setting),
+        method=row.name,
+        assumes=row.assumes,
+        signal=record.signal,
+        target=setting.target,
+        duration=setting.duration,
+        limits=found.bounds,
+        details=found.details,
+        findings=findings_of(record),
+        name=record.name,
+    )
+
+
+def in_si(found: Measurement, interval: Interval) -> Measurement:
+    """A measurement with its offset, in SI."""
+
+    def rate(value: float) -> float:
+        return (value + interval.offset) * interval.size
+
+    bounds = None if found.bounds is None else (rate(found.bounds[0]), rate(found.bounds[1]))
+    return Measurement(rate(found.value), found.details, bounds)
+
+
+def setting_of(
+    record: Record,
+    model: Model | Term | None,
+    target: str,
+    *,
+    dither: tuple[float, ...] = (),
+    options: Options | None = None,
+) -> Setting:
+    """What the weights follow from, for a record."""
+    model = Model((model,)) if isinstance(model, Term) else model
+    if model is not None and model.signal is not record.signal:
+        raise UnitError(f"the model is that of a {model.signal.name}, the record that of a {record.signal.name}")
+    options = options or Options()
+    pulse = pulse_of(record, options) * reading_size(record) / record.rate
+    return Setting(record.size, record.rate, model, target, tuple(dither), options, pulse)

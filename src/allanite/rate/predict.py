@@ -1,0 +1,114 @@
+"""What accuracy to expect: the variance of an estimator's weights under a model."""
+
+import math
+
+import numpy as np
+
+from allanite.model import Model, Term
+from allanite.statistics.gls import Covariance
+
+from .ranking import Ranking
+from .row import RateEstimator
+from .setting import FloatArray, Options, Setting
+from .table import RATE_ESTIMATORS, estimator_named
+
+
+def variance(weights: FloatArray, setting: Setting) -> float:
+    """Mean square error of a linear estimator, SI squared.
+
+    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the wandering one, and the
+    square of what a ramp adds, (w - g)'R.
+    """
+    total = 0.0
+    noise = tuple(t for t in setting.wandering if t.row.waveform is None)
+    if setting.settled:
+        total += Covariance(setting.settled, setting.size, setting.rate).variance(weights)
+    if noise:
+        total += Covariance(noise, setting.size, setting.rate).variance(weights - setting.aim)
+    for t in setting.wandering:
+        if t.row.waveform is not None:
+            drift = t.value * setting.rate**t.row.power * t.row.waveform(setting.size)
+            total += float((weights - setting.aim) @ drift) ** 2
+    return max(total, 0.0)
+
+
+def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
+    """The weights on the raw rates of an estimator that is given rates without their dither sinusoids."""
+    X = setting.sinusoids
+    if not X.shape[1]:
+        return weights
+    centred = X - X.mean(axis=0)
+    back = np.linalg.solve(centred.T @ centred, X.T @ weights)
+    return np.asarray(weights - centred @ back)
+
+
+def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) -> float:
+    """Of an estimator with these weights, SI; NaN where it cannot be predicted."""
+    return math.sqrt(variance(through_dither(weights, setting), setting) + row.excess(setting))
+
+
+def predicted_standard_error(
+    method: str,
+    model: Model | Term,
+    *,
+    n: int,
+    rate: float,
+    target: str = "mean",
+    dither: tuple[float, ...] = (),
+    options: Options | None = None,
+) -> float:
+    """The standard error that a method will have under a model, without any data.
+
+    Parameters
+    ----------
+    method : str
+        A name in `RATE_ESTIMATORS`.
+    model : Model
+    n : int
+        Number of samples.
+    rate : float
+        Sampling rate, Hz.
+    target, dither, options
+        As of `estimate`; "staircase" needs ``Options(quantum=...)``, here in SI (rad).
+
+    Returns
+    -------
+    float
+        SI; exact for the linear methods. NaN for "staircase" where the angle's noise is below 0.3 quanta.
+
+    Examples
+    --------
+    >>> from allanite.model import N
+    >>> white = N(0.003, "deg/sqrt(h)")
+    >>> errors = [predicted_standard_error(m, white, n=48000, rate=400.0) for m in ("mean", "regression")]
+    >>> round(errors[1] / errors[0], 4)
+    1.0954
+    """
+    options = options or Options()
+    pulse = math.nan if options.quantum is None else options.quantum
+    whole = Model((model,)) if isinstance(model, Term) else model
+    setting = Setting(n, rate, whole, target, tuple(dither), options, pulse)
+    row = estimator_named(method)
+    return standard_error(row, row.weights(setting), setting)
+
+
+def ranking(setting: Setting) -> Ranking:
+    """Predicted standard errors of all methods under a setting with a model."""
+    model = setting.needed_model
+    errors = {name: standard_error(row, row.weights(setting), setting) for name, row in RATE_ESTIMATORS.items()}
+    return Ranking(model.signal, setting.duration, model, errors)
+
+
+def rank(model: Model | Term, *, n: int, rate: float, target: str = "mean", options: Options | None = None) -> Ranking:
+    """Which method is the best for a gyro, and by how much; parameters as of `predicted_standard_error`.
+
+    Examples
+    --------
+    >>> from allanite.model import N, Q
+    >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
+    'for this gyro averaging is already within 0.1 % of the optimum'
+    """
+    options = options or Options()
+    pulse = math.nan if options.quantum is None else options.quantum
+    whole = Model((model,)) if isinstance(model, Term) else model
+    return ranking(Setting(n, rate, whole, target, (), options, pulse))

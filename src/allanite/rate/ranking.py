@@ -1,0 +1,76 @@
+"""Which method is the best for a gyro, and by how much."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from allanite.model import Model
+from allanite.units import Signal, unit_of
+
+NEAR = 0.02
+"""Loss of accuracy that is not worth another method."""
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Predicted standard errors of all methods, the best first.
+
+    Attributes
+    ----------
+    signal : Signal
+    duration : float
+        Measuring time, s.
+    model : Model
+    errors : dict
+        Method -> standard error, SI; NaN where it cannot be predicted.
+    """
+
+    signal: Signal
+    duration: float
+    model: Model
+    errors: dict[str, float]
+
+    @property
+    def best(self) -> float:
+        """The bound: the least standard error any unbiased linear method has, SI."""
+        return self.errors["optimal"]
+
+    def ratio(self, method: str) -> float:
+        """Standard error of a method over the bound."""
+        return self.errors[method] / self.best if self.best > 0 else math.nan
+
+    @property
+    def verdict(self) -> str:
+        """Which method to use, in a sentence."""
+        if not self.best > 0:
+            return "under this model the rate is measured without error"
+        loss = self.ratio("mean") - 1
+        if loss <= NEAR:
+            return f"for this gyro averaging is already within {max(100 * loss, 0.1):.2g} % of the optimum"
+        simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
+        use = simple[0] if simple else "optimal"
+        gain = self.errors["mean"] / self.errors[use]
+        text = f"use {use}: {gain:.3g} times better than averaging"
+        if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
+            text += f", and {100 * (self.ratio('regression') - 1):.2g} % better than regression"
+        return text
+
+    def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: method, standard error in `unit`, its ratio to the bound."""
+        unit = unit or self.signal.sheet[0]
+        factor = unit_of(unit).factor
+        ordered = sorted(self.errors, key=lambda m: math.inf if math.isnan(self.errors[m]) else self.errors[m])
+        rows: list[list[Any]] = [[m, self.errors[m] / factor, self.ratio(m)] for m in ordered]
+        return ["method", f"standard error, {unit}", "over the bound"], rows
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI."""
+        return {
+            "allanite": 1,
+            "type": "Ranking",
+            "unit": self.signal.unit,
+            "duration": self.duration,
+            "model": self.model.to_dict(),
+            "errors": self.errors,
+            "verdict": self.verdict,
+        }

@@ -1,0 +1,185 @@
+"""The experiment: a long record in short intervals, every method on each."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import DataError, UsageError
+from allanite.model import Model, Term
+from allanite.record import KINDS, Record
+
+from .experiment import Experiment
+from .inputs import demand_whole, findings_of, interval_of
+from .measure import in_si, setting_of
+from .predict import ranking, standard_error
+from .setting import FloatArray, Options, Setting
+from .table import RATE_ESTIMATORS, estimator_named
+
+MOST = 100
+"""Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Choices of an experiment.
+
+    Attributes
+    ----------
+    interval : float
+        Length of an interval, s; the whole record if it is shorter.
+    methods : tuple of str
+        Names in `RATE_ESTIMATORS`.
+    target, dither, options
+        As of `estimate`.
+    reference : float or None
+        The true rate, SI.
+    bias : float
+        A known bias, subtracted from every rate, SI.
+    most : int or None
+        Intervals that are measured at most, spread over the record.
+    gaps : {"error", "split"}
+        Whether to measure between lost readings, in intervals that hold none.
+    """
+
+    interval: float = 120.0
+    methods: tuple[str, ...] = tuple(RATE_ESTIMATORS)
+    target: str = "mean"
+    dither: tuple[float, ...] = ()
+    options: Options = field(default_factory=Options)
+    reference: float | None = None
+    bias: float = 0.0
+    most: int | None = None
+    gaps: str = "error"
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.interval) and self.interval > 0):
+            raise UsageError(f"an interval is a positive number of seconds, not {self.interval!r}")
+        if self.gaps not in ("error", "split"):
+            raise UsageError(f"gaps are an 'error', or the record is 'split' at them, not {self.gaps!r}")
+        for method in self.methods:
+            estimator_named(method)
+
+
+def experiment(record: Record, model: Model | Term | None = None, plan: Plan | None = None) -> Experiment:
+    """Measure the rate in every interval of a record by every method.
+
+    Parameters
+    ----------
+    record : Record
+    model : Model, optional
+        The noise, ``identify(record).model``; "optimal" and predictions need it.
+    plan : Plan, optional
+        Intervals of two minutes and all methods, if left out.
+
+    Returns
+    -------
+    Experiment
+
+    Raises
+    ------
+    DataError
+        A reading is not finite and the gaps are not to be split; no interval fits between them.
+    UsageError
+        No method can be used; a choice is impossible.
+
+    Examples
+    --------
+    >>> from allanite.ring_laser import GL1, simulate_ring_laser
+    >>> record = simulate_ring_laser(GL1, 12.4392, 60_000, 400.0, rng=np.random.default_rng(1))
+    >>> found = experiment(record, GL1.model, Plan(interval=10.0, methods=("mean", "regression")))
+    >>> found.rates.shape, found.notes
+    ((2, 15), ())
+    """
+    plan = plan or Plan()
+    size = min(max(3, round(plan.interval * record.rate)), record.size)
+    if plan.gaps == "error":
+        demand_whole(record)
+    starts, notes = _intervals(record, size)
+    if plan.most is not None and starts.size > plan.most:
+        starts = starts[np.linspace(0, starts.size - 1, plan.most).astype(np.int64)]
+        notes += (f"{plan.most} intervals, spread over the record, were measured",)
+    setting = setting_of(
+        _piece(record, int(starts[0]), size), model, plan.target, dither=plan.dither, options=plan.options
+    )
+    left_out = dict(_unusable(plan, setting))
+    methods = tuple(method for method in plan.methods if method not in left_out)
+    if not methods:
+        raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
+    weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
+    rates = np.empty((len(methods), starts.size))
+    for i, start in enumerate(starts):
+        interval = interval_of(_piece(record, int(start), size), setting)
+        for j, method in enumerate(methods):
+            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, weights[method], setting), interval).value
+    rates -= plan.bias
+    known = plan.reference is not None
+    return Experiment(
+        name=record.name,
+        signal=record.signal,
+        methods=methods,
+        start=starts / record.rate,
+        duration=size / record.rate,
+        rate=record.rate,
+        rates=rates,
+        reference=float(rates[-1].mean()) if plan.reference is None else plan.reference,
+        known=known,
+        predicted=_predicted(methods, weights, setting),
+        ranking=None if setting.model is None else ranking(setting),
+        left_out=left_out,
+        notes=notes,
+        findings=() if plan.gaps == "split" else findings_of(record),
+    )
+
+
+def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+    if setting.model is None:
+        return np.full(len(methods), math.nan)
+    return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], setting) for m in methods])
+
+
+def _unusable(plan: Plan, setting: Setting) -> Iterator[tuple[str, str]]:
+    for method in plan.methods:
+        row = RATE_ESTIMATORS[method]
+        if row.needs_model and setting.model is None:
+            yield method, "it needs a noise model"
+        if row.needs_quantum and not math.isfinite(setting.pulse):
+            yield method, "it needs counts, or the quantum of the angle (quantum=, --quantum)"
+
+
+def _intervals(record: Record, size: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """First samples of intervals that hold no lost reading, and what that leaves out."""
+    extra = KINDS[record.kind][1]
+    lost = np.flatnonzero(~np.isfinite(record.values))
+    edges = np.concatenate(([-1], lost, [len(record.values)]))
+    starts: list[int] = []
+    for left, right in zip(edges[:-1] + 1, edges[1:], strict=True):
+        starts += range(int(left), int(right) - extra - size + 1, size)
+    if not starts:
+        raise DataError(
+            f"no interval of {size / record.rate:g} s fits between the {lost.size} lost readings of {record.name!r}"
+        )
+    rest = record.size - len(starts) * size
+    if not rest:
+        return np.array(starts), ()
+    what = f"{rest / record.rate:.6g} s of {record.duration:.6g} s fill no interval and are left out"
+    return np.array(starts), (what + (f"; {lost.size} readings are lost" if lost.size else ""),)
+
+
+def _piece(record: Record, start: int, size: int) -> Record:
+    return replace(record, values=record.values[start : start + size + KINDS[record.kind][1]])
+
+
+def by_duration(
+    record: Record, durations: tuple[float, ...], model: Model | Term | None = None, plan: Plan | None = None
+) -> tuple[Experiment, ...]:
+    """The experiment for several measuring times, s: the accuracy against the time it takes.
+
+    Times that do not fit twice into the record are left out. At most a hundred intervals of each, spread over the
+    record, are measured.
+    """
+    plan = plan or Plan()
+    fitting = [d for d in durations if 3 <= d * record.rate <= record.size / 2]
+    return tuple(experiment(record, model, replace(plan, interval=d, most=MOST)) for d in fitting)

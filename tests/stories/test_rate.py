@@ -1,0 +1,165 @@
+"""An engineer with a ring laser gyro: which method, how accurate, where is north."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.ring_laser import GL1
+
+HOW = ("--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "0.32795")
+NOISE = ("--noise", "N 0.000292 deg/sqrt(h), Q 0.2545 arcsec")
+
+
+def counts(path, turning, seconds, seed=1, gyro=GL1):
+    n = int(400 * seconds)
+    record = al.simulate_ring_laser(gyro, turning, n, 400.0, rng=np.random.default_rng(seed))
+    np.savetxt(path, record.values, fmt="%d", header="z", comments="")
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("rate")
+
+
+@pytest.fixture(scope="module")
+def vertical(folder):
+    """20 minutes."""
+    return counts(folder / "vertical.csv", 12.4392, 1200)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["rate", *map(str, arguments)])
+
+
+def test_which_method(vertical):
+    result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times")
+    assert result.exit_code == 0, result.stderr
+    assert "in 2 min: use optimal: 2.11 times better than averaging, and 8.9 % better than regression" in result.stdout
+    assert "10 intervals of 2 min; errors against the true rate, 12.4392 deg/h" in result.stdout
+    for method in al.rate.RATE_ESTIMATORS:
+        assert f"\n  {method}" in result.stdout
+    assert max(map(len, result.stdout.splitlines())) <= 120
+    assert result.stdout.isascii()
+
+
+def test_the_noise_is_identified_where_none_is_given(vertical):
+    result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
+    assert "the noise was identified from blocks of 400 readings (1 s)" in result.stdout
+    assert "Q = 0.2" in result.stdout
+
+
+def test_everything_is_written(vertical, tmp_path):
+    paths = {
+        name: tmp_path / f"out.{suffix}" for name, suffix in (("report", "html"), ("plot", "svg"), ("json", "json"))
+    }
+    options = [part for name, path in paths.items() for part in (f"--{name}", path)]
+    result = run(vertical, *HOW, *NOISE, "--methods", "mean,optimal", *options)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.splitlines()[-3:] == [f"{name}: {path}" for name, path in paths.items()]
+    page = paths["report"].read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "<h1>vertical.csv</h1>" in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "\\" not in page
+    data = json.loads(paths["json"].read_text(), parse_constant=pytest.fail)
+    (channel,) = data["channels"]
+    assert [m["method"] for m in channel["experiment"]["methods"]] == ["mean", "optimal"]
+    assert [e["duration"] for e in channel["by_duration"]] == [1, 3, 10, 30, 60]
+    assert paths["plot"].stat().st_size > 10_000
+    again = run(vertical, *HOW, *NOISE, "--report", paths["report"])
+    assert again.exit_code == 2
+    assert "--force" in again.stderr
+
+
+def test_json_alone_on_standard_output(vertical):
+    result = run(vertical, *HOW, *NOISE, "--methods", "mean", "--no-times", "--json", "-")
+    assert json.loads(result.stdout)["type"] == "RateStudy"
+
+
+def test_one_short_record_gives_estimates(folder):
+    path = counts(folder / "short.csv", 12.4392, 120, seed=3)
+    result = run(path, *HOW, *NOISE, "--bias", "-0.0948")
+    line = next(line for line in result.stdout.splitlines() if line.startswith("  optimal"))
+    value, low, high = (float(line.replace("(", "").replace(")", "").split()[i]) for i in (1, 2, 4))
+    assert low < value < high
+    assert low - 0.003 < 12.4392 < high + 0.003
+
+
+def test_a_staircase_without_noise_has_certain_limits(folder):
+    quiet = replace(GL1, lock_in=0.0, residual=0.0, bias=0.0)
+    path = counts(folder / "quiet.csv", 12.4392, 120, gyro=quiet)
+    result = run(path, *HOW, "--methods", "staircase", "--noise", "Q 0.0947 arcsec")
+    line = next(line for line in result.stdout.splitlines() if line.startswith("  staircase"))
+    low, high = (float(line.replace("(", "").replace(")", "").split()[i]) for i in (2, 4))
+    assert low <= 12.4392 <= high
+    assert high - low < 2e-5
+
+
+def test_reversal_and_north(folder):
+    horizontal = al.rate.earth_rate(55.8, "north") * 206264.806247
+    heading = 97.0
+    east = float(horizontal * np.cos(np.radians(heading)))
+    biased = replace(GL1, bias=0.7)
+    first = counts(folder / "first.csv", east, 120, seed=1, gyro=biased)
+    second = counts(folder / "second.csv", -east, 120, seed=2, gyro=biased)
+    result = run(first, *HOW, *NOISE, "--horizontal", "--latitude", "55.8", "--second", second, "--no-times")
+    assert result.exit_code == 0, result.stderr
+    said = next(line for line in result.stdout.splitlines() if "heading" in line)
+    assert abs(float(said.split()[1]) - heading) < 0.03
+    assert "2 position(s)" in result.stdout
+    bias = next(line for line in result.stdout.splitlines() if "bias by reversal" in line)
+    assert abs(float(bias.split()[3]) - 0.7) < 0.01
+    single = run(first, *HOW, *NOISE, "--horizontal", "--latitude", "55.8", "--bias", "0.7", "--no-times")
+    assert "1 position(s)" in single.stdout
+
+
+BAD = {
+    "no latitude": (("--horizontal",), 2, "north is found at a latitude"),
+    "two references": (("--latitude", "50", "--reference", "3"), 2, "given twice"),
+    "an unknown method": (("--methods", "mean,median"), 2, "known are mean, hamming"),
+    "a term without unit": (("--noise", "N 0.003"), 2, "a symbol, a number and a unit"),
+    "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "wants a number"),
+    "a bias in degrees": (("--bias", "3 deg"), 2, "has a unit such as deg/h"),
+    "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another sensor: accelerometer"),
+    "no seconds": (("--interval", "0"), 2, "positive number of seconds"),
+    "dither that folds onto zero": (("--dither", "400"), 2, "cannot be told from a rate"),
+    "too many lines": (("--lines", "60000"), 2, "do not fit into 48000 samples"),
+    "an unknown target": (("--target", "end"), 2, "unknown target 'end'"),
+    "a constant that wanders": (
+        ("--target", "constant", "--noise", "N 0.001 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
+        2,
+        "wander without bound",
+    ),
+    "a rate that the earth does not have": (("--horizontal", "--latitude", "80"), 3, "more than the earth turns"),
+    "a second file that is the output": (("--second", "x.json", "--json", "x.json"), 2, "would overwrite"),
+}
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_choices_end_with_a_sentence(vertical, what):
+    options, code, words = BAD[what]
+    noise = () if "--noise" in options else NOISE
+    result = run(vertical, *HOW, *noise, "--no-times", *options)
+    assert result.exit_code == code, result.output
+    assert words in " ".join(result.stderr.split())
+    assert "Traceback" not in result.stderr
+
+
+def test_lost_readings_are_named_or_split(folder):
+    path = folder / "gaps.csv"
+    values = np.random.default_rng(1).standard_normal(4000)
+    text = ["z"] + [("nan" if i == 1234 else f"{v:.6f}") for i, v in enumerate(values)]
+    path.write_text("\n".join(text) + "\n")
+    how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate", "--noise", "N 0.0053 deg/sqrt(h)", "--interval", "60")
+    refused = run(path, *how)
+    assert refused.exit_code == 3
+    assert "1 of 4000 readings of 'z' are not finite, the first at sample 1234" in refused.stderr
+    split = run(path, *how, "--split-gaps")
+    assert split.exit_code == 0, split.stderr
+    assert "1 readings are lost" in split.stdout
