@@ -32,8 +32,8 @@ class Curve:
         What the plain variance was multiplied with: the bias ratio kf of theobr and theoh, or one over a bias.
     unit : str
         Unit of the deviation.
-    name, rate, history
-        The record's channel, sampling rate and history.
+    name, rate, size, history
+        The record's channel, sampling rate, sample intervals (lost ones included; 0 if not known) and history.
     noise : Model, optional
         The model supposed for the confidence limits.
     law : optional
@@ -48,6 +48,7 @@ class Curve:
     factor: FloatArray
     unit: str
     rate: float
+    size: int = 0
     name: str = ""
     history: tuple[str, ...] = ()
     noise: Model | None = None
@@ -107,6 +108,7 @@ class Curve:
             "statistic": self.statistic,
             "unit": self.unit,
             "rate": self.rate,
+            "size": self.size,
             "name": self.name,
             "history": list(self.history),
             "m": self.m.tolist(),
@@ -135,6 +137,7 @@ class Curve:
             factor=np.array(data["factor"], dtype=np.float64),
             unit=data["unit"],
             rate=data["rate"],
+            size=data["size"],
             name=data["name"],
             history=tuple(data["history"]),
             noise=Model.from_dict(data["noise"]) if "noise" in data else None,

@@ -11,7 +11,7 @@ from allanite.curve import Curve
 from allanite.errors import UsageError
 from allanite.fit import Fit
 from allanite.model import Model, Term
-from allanite.statistics import expected
+from allanite.statistics import STATISTICS, expected
 from allanite.units import convert, unit_of
 
 from .words import readable_unit
@@ -35,9 +35,18 @@ class Panel(NamedTuple):
         return readable_unit(self.curve.unit)
 
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
-        """The deviation that a model or term leads one to expect, in the unit that is shown; NaN where it is zero."""
-        variance = expected(model, self.curve.statistic, tau)
-        return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
+        """The deviation that a model or term leads one to expect, in the unit that is shown; NaN where there is none."""
+        curve, row = self.curve, STATISTICS[self.curve.statistic]
+        if row.differences and not row.summed and not row.power:
+            variance = expected(model, row.name, tau)
+            return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
+        try:
+            variance = expected(model, row.name, curve.tau, rate=curve.rate, size=curve.size or None)
+        except UsageError:  # a maximum, or what depends on the record beyond the model
+            return np.full_like(tau, np.nan)
+        with np.errstate(divide="ignore"):
+            between = np.interp(np.log(tau), np.log(curve.tau), np.log(variance), np.nan, np.nan)
+        return np.exp(between / 2) / unit_of(self.unit).factor
 
     def shown(self, values: FloatArray) -> FloatArray:
         """Values of the curve in the unit that is shown."""

@@ -86,6 +86,7 @@ def deviation(
         factor=factor,
         unit=record.signal.si[row.power],
         rate=record.rate,
+        size=record.size,
         name=record.name,
         history=record.history,
         noise=noise,
