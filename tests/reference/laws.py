@@ -1,0 +1,27 @@
+"""Power laws of the rate's spectrum as structure functions of the angle; the sample interval is 1."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.special import sici
+
+from allanite.terms import TERMS
+
+
+def flicker_of_the_angle(t):
+    """2 (gamma + ln 2 pi fh t - Ci(2 pi fh t)) with the sharp cut-off fh = 1/2."""
+    u = np.pi * np.where(t > 0, t, 1.0)
+    return np.where(t > 0, 2 * (np.euler_gamma + np.log(u) - sici(u)[1]), 0.0)
+
+
+STRUCTURES = {
+    2: TERMS["Q"].structure,
+    1: flicker_of_the_angle,
+    0: TERMS["N"].structure,
+    -1: TERMS["B"].structure,
+    -2: TERMS["K"].structure,
+    -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
+    -4: lambda t: t**5,
+}
+LAWS = {alpha: SimpleNamespace(structure=D, waveform=None) for alpha, D in STRUCTURES.items()}
+"""alpha -> what `dense.moments` takes for a term."""
