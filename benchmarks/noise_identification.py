@@ -67,7 +67,7 @@ def flicker(n: int, rng: np.random.Generator) -> np.ndarray:
 
 
 def plainly_rounded(x: np.ndarray, most: int) -> int:
-    """The rule as published: alpha = 2 - round(2 delta) - 2d, whatever d."""
+    """The rule as published: alpha = 2 - round(2 delta) - 2d, whatever d, and no law that cannot be."""
     t = np.linspace(-1, 1, x.size)
     z = x - np.polyval(np.polyfit(t, x, 2), t)
     for d in range(most + 1):
@@ -77,7 +77,7 @@ def plainly_rounded(x: np.ndarray, most: int) -> int:
         if delta < 0.25 or d == most:
             break
         z = np.diff(z)
-    return 2 - round(2 * delta) - 2 * d
+    return max(2 - 2 * most, min(2, 2 - round(2 * delta) - 2 * d))
 
 
 def made(cell: Cell, records: int, first: int = 1) -> tuple[str, ...]:

@@ -40,7 +40,7 @@ def s_w(t, alpha):
 
 
 def s_x(t, F, alpha):
-    if F == math.inf:
+    if math.isinf(F):
         return s_w(t, alpha + 2)
     return F**2 * (2 * s_w(t, alpha) - s_w(t - 1 / F, alpha) - s_w(t + 1 / F, alpha))
 
@@ -49,13 +49,16 @@ def s_z(t, F, alpha, d):
     return sum((-1) ** k * math.comb(2 * d, d + k) * s_x(t + k, F, alpha) for k in range(-d, d + 1))
 
 
-def basic_sum(J, M, S, F, alpha, d):
-    total = s_z(0, F, alpha, d) ** 2 + (1 - J / M) * s_z(J / S, F, alpha, d) ** 2
-    return total + 2 * sum((1 - j / M) * s_z(j / S, F, alpha, d) ** 2 for j in range(1, J))
+def basic_sum(J, M, S, F, law):
+    total = s_z(0, F, *law) ** 2 + (1 - J / M) * s_z(J / S, F, *law) ** 2
+    return total + 2 * sum((1 - j / M) * s_z(j / S, F, *law) ** 2 for j in range(1, J))
 
 
 def greenhall_riley(alpha, d, m, N, *, modified=False, overlapped=True):
-    """C. A. Greenhall & W. J. Riley, Uncertainty of stability variances based on finite differences, 35th PTTI, 2003."""
+    """C. A. Greenhall & W. J. Riley, Uncertainty of stability variances based on finite differences, PTTI 2003.
+
+    d is 1, 2, 3 for first, Allan, Hadamard differences.
+    """
     assert alpha + 2 * d > 1, "the variance does not exist"
     F = 1 if modified else m
     S = m if overlapped else 1
@@ -64,31 +67,36 @@ def greenhall_riley(alpha, d, m, N, *, modified=False, overlapped=True):
     M = 1 + S * (N - L) // m
     J = min(M, (d + 1) * S)
     r = M / S
+    law = (alpha, d)
     if F == 1:
-        if J <= J_MAX:
-            return M * s_z(0, 1, alpha, d) ** 2 / basic_sum(J, M, S, 1, alpha, d)
-        if r >= d + 1:
-            a0, a1 = GR_TABLE_1[alpha][d - 1]
-            return r / (a0 - a1 / r)
-        return J_MAX * s_z(0, 1, alpha, d) ** 2 / basic_sum(J_MAX, J_MAX, J_MAX / r, 1, alpha, d)
+        return by_regime(J, M, S, law, (GR_TABLE_1, 1, 1, 1, s_z(0, 1, *law) ** 2))
     if alpha <= 0:
-        if J <= J_MAX:
-            F = m if m * (d + 1) <= J_MAX else math.inf
-            return M * s_z(0, F, alpha, d) ** 2 / basic_sum(J, M, S, F, alpha, d)
-        if r >= d + 1:
-            a0, a1 = GR_TABLE_2[alpha][d - 1]
-            return r / (a0 - a1 / r)
-        return J_MAX * s_z(0, math.inf, alpha, d) ** 2 / basic_sum(J_MAX, J_MAX, J_MAX / r, math.inf, alpha, d)
+        near = m if m * (d + 1) <= J_MAX else math.inf
+        return by_regime(J, M, S, law, (GR_TABLE_2, near, math.inf, 1, s_z(0, math.inf, *law) ** 2))
     if alpha == 1:
-        if J <= J_MAX:
-            return M * s_z(0, m, 1, d) ** 2 / basic_sum(J, M, S, m, 1, d)
         b0, b1 = GR_TABLE_3[d - 1]
-        if r >= d + 1:
-            a0, a1 = GR_TABLE_2[1][d - 1]
-            return r * (b0 + b1 * math.log(m)) ** 2 / (a0 - a1 / r)
-        return J_MAX * (b0 + b1 * math.log(m)) ** 2 / basic_sum(J_MAX, J_MAX, J_MAX / r, J_MAX / r, 1, d)
+        head = (b0 + b1 * math.log(m)) ** 2
+        return by_regime(J, M, S, law, (GR_TABLE_2, m, J_MAX / r, head, head))
+    return white_angle(M, r, d)
+
+
+def by_regime(J, M, S, law, case):
+    """Cases 1 to 3: the sum while it is short, its fit, or the sum thinned out to J_MAX lags."""
+    alpha, d = law
+    table, near, far, scale, head = case
+    r = M / S
+    if J <= J_MAX:
+        return M * s_z(0, near, *law) ** 2 / basic_sum(J, M, S, near, law)
+    if r >= d + 1:
+        a0, a1 = table[alpha][d - 1]
+        return r * scale / (a0 - a1 / r)
+    return J_MAX * head / basic_sum(J_MAX, J_MAX, J_MAX / r, far, law)
+
+
+def white_angle(M, r, d):
+    """Case 4: alpha = 2, not modified, m > 1."""
     K = math.ceil(r)
-    if K <= d:
+    if d >= K:
         tail = sum((1 - k / r) * math.comb(2 * d, d - k) ** 2 for k in range(1, K))
         return M / (1 + 2 / math.comb(2 * d, d) ** 2 * tail)
     a0, a1 = GR_TABLE_2[2][d - 1]
@@ -110,27 +118,27 @@ def overlapped_allan(alpha, m, N):
 
 
 def total(alpha, m, N):
-    """NIST SP 1065 table 8; tau up to half the record."""
+    """NIST SP 1065; tau up to half the record."""
     b, c = {0: (1.50, 0.0), -1: (1.17, 0.22), -2: (0.93, 0.36)}[alpha]
     return b * (N - 1) / m - c
 
 
 def modified_total(alpha, m, N):
-    """D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 table 9."""
+    """D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065."""
     table = {2: (1.90, 2.10), 1: (1.20, 1.40), 0: (1.10, 1.20), -1: (0.85, 0.50), -2: (0.75, 0.31)}
     b, c = table[alpha]
     return b * (N - 1) / m - c
 
 
 def hadamard_total(alpha, m, N):
-    """D. A. Howe et al., PTTI 2000; NIST SP 1065 table 11."""
+    """D. A. Howe et al., PTTI 2000; NIST SP 1065."""
     table = {0: (0.559, 1.004), -1: (0.868, 1.140), -2: (0.938, 1.696), -3: (2.554, 0.974), -4: (3.149, 1.276)}
     b0, b1 = table[alpha]
     return (N - 1) / m / (b0 + b1 * m / (N - 1))
 
 
 def theo1(alpha, m, N):
-    """T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004; NIST SP 1065 table 12. t = 0.75 m."""
+    """T. N. Tasset, D. A. Howe & D. B. Percival, FCS 2004; NIST SP 1065. t = 0.75 m."""
     t = 0.75 * m
     if alpha == 2:
         return 0.86 * (N + 1) * (N - 4 * t / 3) / (N - t) * t / (t + 1.14)

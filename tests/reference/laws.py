@@ -7,6 +7,8 @@ from scipy.special import sici
 
 from allanite.terms import TERMS
 
+from .dense import moments, quadratic_form
+
 
 def flicker_of_the_angle(t):
     """2 (gamma + ln 2 pi fh t - Ci(2 pi fh t)) with the sharp cut-off fh = 1/2."""
@@ -25,3 +27,15 @@ STRUCTURES = {
 }
 LAWS = {alpha: SimpleNamespace(structure=D, waveform=None) for alpha, D in STRUCTURES.items()}
 """alpha -> what `dense.moments` takes for a term."""
+
+
+def exact_edf(row, alpha, m, n):
+    """Degrees of freedom 2 E^2 / Var of a statistic under a power law, from full matrices."""
+    if row.overlapped:
+        return 1 / moments(quadratic_form(row, m, n), [LAWS[alpha]])[1][0, 0]
+    weights, filters = row.window(m)
+    A = np.zeros((n + 1, n + 1))
+    for i in range(0, n - filters.shape[1] + 2, m):
+        here = slice(i, i + filters.shape[1])
+        A[here, here] += (filters.T * weights) @ filters
+    return 1 / moments(A, [LAWS[alpha]])[1][0, 0]

@@ -63,7 +63,7 @@ _MODIFIED_TOTAL = PublishedBias(
 PUBLISHED_BIAS: dict[str, PublishedBias] = {
     "totdev": PublishedBias(
         reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
-        limits="tau up to half the record; nothing for noise of the angle, for which the statistic is high by 1.34 tau/T",
+        limits="tau up to half the record; nothing for noise of the angle, where the variance is high by 1.34 tau/T",
         factor=_total,
         coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
     ),
