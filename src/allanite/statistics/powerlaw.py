@@ -16,11 +16,11 @@ from allanite.model import Model
 from allanite.terms import TERMS
 
 from .allan import OADEV
-from .angle import Angle
+from .angle import Angle, Piece
 from .estimate import windows
 from .modified import MDEV
 from .moments import expectation
-from .row import FloatArray, IntArray, Statistic
+from .row import FloatArray, Statistic
 
 SYMBOLS = {2: "Q", 1: "N", 0: "N", -1: "B", -2: "K", -3: "K", -4: "K"}
 """alpha -> term of `TERMS`. Flicker of the angle and flicker and random walk of the ramp have no term: the term beside
@@ -29,6 +29,9 @@ them is taken that has the fewer degrees of freedom (N, not Q), or the only one 
 
 ENOUGH = 30
 """Points from which on the autocorrelation decides."""
+
+SHORT = 12
+"""Points of a mean piece below which the angle itself is not correlated, only its differences."""
 
 FEWEST = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
@@ -96,10 +99,16 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
 
     Notes
     -----
-    Lag 1: the angle at every m-th point, less a parabola, is differenced d = 0, 1, .. times until
+    Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until
     ``delta = r1 / (1 + r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then
     ``alpha = 2 - round(2 delta) - 2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola but for
-    its constant, and their products are pooled. Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
+    its constant, and their products are pooled.
+
+    B1: the variance of the m-sample means of the rate over their Allan variance, and for third differences that about a
+    line over their Hadamard variance, is compared with its exact expectation for each law. A ramp is not removed in the
+    former.
+
+    Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
 
     References
     ----------
@@ -109,14 +118,14 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     Examples
     --------
     >>> from allanite.record import Record
-    >>> from allanite.statistics import OADEV, integrated
+    >>> from allanite.statistics import integrated
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
     >>> [law.alpha for law in identify_power_law(integrated(record, 2), OADEV, np.array([1.0, 10.0, 100.0]))]
     [0, 0, 0]
     """
-    order = max(2, row.order)
     strides = np.clip(np.rint(times), 1, _longest(angle)).astype(np.int64)
-    laws = {int(m): _law(angle, int(m), order) for m in np.unique(strides)}
+    flat = angle._replace(pieces=_flat(angle.pieces))
+    laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
     return tuple(laws[int(m)] for m in strides)
 
 
@@ -134,28 +143,28 @@ def _longest(angle: Angle) -> int:
     return max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
 
 
-def _law(angle: Angle, m: int, order: int) -> PowerLaw:
-    pieces = [(piece.start + m * np.arange(-(-piece.x.size // m)), piece.x[::m]) for piece in angle.pieces]
+def _law(angle: Angle, flat: Angle, m: int, order: int) -> PowerLaw:
     # a piece that has no two differences left at the end says nothing on the way either
-    long = [(t, x) for t, x in pieces if x.size > order + 1]
-    enough = sum(x.size for _, x in long) >= ENOUGH
-    alpha, method = (lag1(_flat(long), order), "lag1") if enough else (_by_ratio(pieces, m, order), "b1")
-    if alpha > 0 and m > 3 and (ratio := _modified_ratio(angle, m)) is not None:
+    long = [piece.x[::m] for piece in flat.pieces if piece.x.size > m * (order + 1)]
+    enough = sum(x.size for x in long) >= ENOUGH
+    alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
+    if alpha > 0 and m > 3 and (ratio := _modified_ratio(flat, m)) is not None:
         alpha, method = _by_modified(ratio, m), "rn"
     return PowerLaw(alpha, SYMBOLS[alpha], method, m)
 
 
-def _flat(pieces: list[tuple[IntArray, FloatArray]]) -> list[FloatArray]:
+def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
     """The pieces less one parabola whose constant is each piece's own."""
-    longest = max(float(t[-1]) for t, _ in pieces)
-    lines = [2 * t / longest - 1 for t, _ in pieces]
+    end = pieces[-1].start + pieces[-1].x.size
+    lines = [np.linspace(2 * start / end - 1, 2 * (start + x.size - 1) / end - 1, x.size) for start, x in pieces]
     x, lines, squares = (
-        [z - z.mean() for z in series] for series in ([x for _, x in pieces], lines, [u * u for u in lines])
+        [z - z.mean() for z in series] for series in ([piece.x for piece in pieces], lines, [u * u for u in lines])
     )
     # two columns, all but orthogonal: normal equations lose no digits that matter, and take a tenth of the time
     gram = np.array([[_dot(a, b) for b in (lines, squares)] for a in (lines, squares)])
     line, square = np.linalg.solve(gram, [_dot(lines, x), _dot(squares, x)])
-    return [z - line * u - square * v for z, u, v in zip(x, lines, squares, strict=True)]
+    rest = (z - line * u - square * v for z, u, v in zip(x, lines, squares, strict=True))
+    return tuple(Piece(piece.start, z) for piece, z in zip(pieces, rest, strict=True))
 
 
 def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
@@ -164,7 +173,10 @@ def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
 
 def lag1(pieces: list[FloatArray], most: int) -> int:
     """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
-    for d in range(most + 1):
+    # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
+    first = 0 if sum(z.size for z in pieces) >= SHORT * len(pieces) else 1
+    pieces = [np.diff(z) if first else z - z.mean() for z in pieces]
+    for d in range(first, most + 1):
         r1 = _autocorrelation(pieces)
         delta = r1 / (1 + r1)
         if d == most or delta < 0.25:
@@ -188,17 +200,19 @@ def _autocorrelation(pieces: list[FloatArray]) -> float:
     return max(-0.95, products / squares * (count - 1) / pairs)
 
 
-def _by_ratio(pieces: list[tuple[IntArray, FloatArray]], m: int, order: int) -> int:
+def _by_ratio(angle: Angle, m: int, order: int) -> int:
     """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
     laws = [alpha for alpha in STRUCTURES if alpha >= 2 - 2 * order]
-    rate = np.concatenate([np.diff(x) for _, x in pieces])
-    forms = ratio_forms([(t[:-1] / m) for t, _ in pieces], order)
+    rates = [np.diff(piece.x[::m]) for piece in angle.pieces]
+    starts = [
+        piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(angle.pieces, rates, strict=True)
+    ]
+    forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)
     spread, local = (float(rate @ form @ rate) for form in forms)
     if not spread or not local:
         return 0
-    start = np.concatenate([t[:-1] for t, _ in pieces]) / m
-    expected = [expected_ratio(forms, start, alpha) for alpha in laws]
-    return laws[int(np.argmin(np.abs(np.log(spread / local / np.array(expected)))))]
+    expected = np.array([expected_ratio(forms, start, alpha) for alpha in laws])
+    return laws[int(np.argmin(np.abs(np.log(spread / local / expected))))]
 
 
 def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:
