@@ -17,7 +17,7 @@ def rows_of(name):
     return [dict(zip(headings, row, strict=True)) for row in rows]
 
 
-@pytest.mark.parametrize("name", ["identification.md", "speed.md", "angle.md"])
+@pytest.mark.parametrize("name", ["identification.md", "noise_identification.md", "speed.md", "angle.md"])
 def test_tables_say_how_they_were_made(name):
     head = (RESULTS / name).read_text().split("\n| ")[0]
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
@@ -101,3 +101,48 @@ def test_damaged_files_of_every_format_are_read_or_refused():
         assert re.fullmatch(r"[0-9a-f]{7}", row["commit"])
         assert int(row["read"]) + int(row["refused"]) == int(row["mutations"]) >= 8000
         assert (int(row["failures"]), int(row["slowest ms"]) < 2000, int(row["memory MB"]) < 100) == (0, True, True)
+
+
+def noise_cells():
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        import noise_identification
+    finally:
+        sys.path.pop(0)
+    return noise_identification
+
+
+# what the autocorrelation is known to reach, in percent at so many points, less three standard errors of 200 records
+KNOWN = {
+    ("oadev", "WFM"): {4097: 98, 513: 98, 129: 95, 65: 87, 33: 68},
+    ("oadev", "FFM"): {4097: 98, 513: 98, 129: 95, 65: 80, 33: 46},
+    ("oadev", "RWFM"): {4097: 98, 513: 98, 129: 98, 65: 93, 33: 82},
+    ("ohdev", "RWFM"): {257: 98, 129: 92, 65: 87},
+    ("ohdev", "FWFM"): {257: 98, 129: 94, 65: 88},
+    ("ohdev", "RRFM"): {257: 98, 129: 98, 65: 95},
+}
+
+
+@pytest.mark.parametrize("case", KNOWN, ids="-".join)
+def test_noise_is_identified_as_often_as_it_can_be(case):
+    rows = [r for r in rows_of("noise_identification.md") if (r["row"], r["noise"]) == case]
+    for row in rows:
+        assert float(row["found %"]) >= KNOWN[case].get(int(row["points"]), 50)
+
+
+def test_plain_rounding_takes_flicker_for_random_walk():
+    rows = [r for r in rows_of("noise_identification.md") if (r["row"], r["noise"]) == ("oadev", "FFM")]
+    for row in rows:
+        assert float(row["plain rounding %"]) < float(row["found %"]) - 10
+
+
+@pytest.mark.parametrize("which", range(0, len(rows_of("noise_identification.md")), 5))
+def test_a_part_of_noise_identification_made_again_agrees(which):
+    """The same 200 seeds: two records may fall on the other side of a threshold by rounding."""
+    script = noise_cells()
+    row = rows_of("noise_identification.md")[which]
+    made = dict(zip(script.HEADINGS, script.made(script.CELLS[which], 200), strict=True))
+    for heading in script.HEADINGS[:5]:
+        assert made[heading] == row[heading]
+    for heading in script.HEADINGS[5:]:
+        assert float(made[heading]) == pytest.approx(float(row[heading]), abs=1.0)

@@ -35,7 +35,7 @@ class Panel(NamedTuple):
         return readable_unit(self.curve.unit)
 
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
-        """The deviation that a model or term leads one to expect, in the unit that is shown; NaN where there is none."""
+        """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
         curve, row = self.curve, STATISTICS[self.curve.statistic]
         if row.differences and not row.summed and not row.power:
             variance = expected(model, row.name, tau)
