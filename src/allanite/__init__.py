@@ -37,6 +37,8 @@ from .statistics import expected as expected
 from .statistics.dynamic import dynamic as dynamic
 from .statistics.multitaper import Multitaper as Multitaper
 from .statistics.spectrum import spectrum as spectrum
+from .statistics.stability import averaging_stability as averaging_stability
+from .statistics.stability import minimum as minimum
 from .statistics.welch import Welch as Welch
 from .study import Recipe as Recipe
 from .study import Study as Study

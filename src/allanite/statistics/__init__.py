@@ -1,21 +1,25 @@
 """Statistics of a record over averaging time: the table, the estimates, their expectation and confidence."""
 
 from collections.abc import Sequence
+from typing import Literal
 
-from allanite.curve import Curve
+from allanite.curve import Curve, Law
 from allanite.errors import DataError, UsageError
 from allanite.model import Model
 from allanite.record import Record
+from allanite.units import Signal
 
-from .angle import integrated
-from .confidence import law
+from .angle import Angle
+from .angle import integrated as integrated
+from .bias import correction, demand_bias
+from .confidence import Points, automatic, law, power_laws, unit_term
 from .estimate import estimate
 from .expect import expected as expected
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .moments import covariance as covariance
 from .moments import edf as edf
-from .row import BoolArray, IntArray, Statistic
+from .row import BoolArray, FloatArray, IntArray, Statistic
 from .table import STATISTICS as STATISTICS
 from .table import statistic_named as statistic_named
 
@@ -26,7 +30,8 @@ def deviation(
     *,
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
-    noise: Model | None = None,
+    noise: Model | Literal["auto"] | None = "auto",
+    bias: Literal["exact", "published", "model"] | None = None,
     join: float = 0.2,
     divisor: int = 30,
 ) -> Curve:
@@ -43,8 +48,13 @@ def deviation(
         every one; or seconds. The named grids reach to the statistic's largest averaging factor.
     m : sequence of int, optional
         Averaging factors instead of times; of theoh, those of oadev up to the joint and of Theo1 beyond.
-    noise : Model, optional
-        The noise supposed for the confidence limits, ``identify(record).model``.
+    noise : Model or "auto", optional
+        The noise supposed for the confidence limits and for a bias: a model as ``identify(record).model``, or the
+        power law that is found at each tau; None for no limits.
+    bias : {"exact", "published", "model"}, optional
+        None for the plain definition. "exact" divides the variance by its exact expectation over that of the
+        statistic it estimates (totdev: oadev, mtotdev: mdev, theo1: oadev ...), "published" by the published factor;
+        for theobr and theoh "model" puts the exact ratio in the place of their own. `Curve.factor` has the factor.
     join : float
         Share of the record up to which theoh is the overlapped Allan deviation.
     divisor : {30, 6}
@@ -69,6 +79,7 @@ def deviation(
     [91.22945, 85.95287]
     """
     row = statistic_named(statistic)
+    demand_bias(bias, row)
     if not 0 < join < 1:
         raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
@@ -77,6 +88,10 @@ def deviation(
     variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor)
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
+    points = Points(row, factors, angle.runs, record.size, record.rate, join)
+    if bias is not None:
+        wanted = _corrected(points, bias, noise, angle, record.signal)
+        variance, factor = variance * wanted / factor, wanted
     return Curve(
         statistic=row.name,
         m=factors,
@@ -89,11 +104,26 @@ def deviation(
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=noise,
-        law=None
-        if noise is None or row.extreme
-        else law(row, noise, factors, angle.runs, size=record.size, rate=record.rate, join=join),
+        noise=noise if isinstance(noise, Model) else None,
+        law=_law(points, noise, angle, record.signal),
     )
+
+
+def _law(points: Points, noise: Model | str | None, angle: Angle, signal: Signal) -> Law | None:
+    """The confidence law, where there is one: a maximum has none, and the angle's own error only under white noise."""
+    if noise is None or points.row.order < 2:
+        return None
+    return law(points, [noise]) if isinstance(noise, Model) else automatic(points, angle, signal)
+
+
+def _corrected(points: Points, bias: str, noise: Model | str | None, angle: Angle, signal: Signal) -> FloatArray:
+    if noise is None:
+        raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record).model, or noise='auto'")
+    if isinstance(noise, Model):
+        return correction(points, bias, [noise], None)
+    laws = power_laws(points, angle)
+    models = [Model((unit_term(law.symbol, signal),)) for law in laws]
+    return correction(points, bias, models, [law.alpha for law in laws])
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:

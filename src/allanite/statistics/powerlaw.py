@@ -19,8 +19,8 @@ from .allan import OADEV
 from .angle import Angle, Piece
 from .estimate import windows
 from .modified import MDEV
-from .moments import expectation
-from .row import FloatArray, Statistic
+from .moments import by_term
+from .row import FloatArray, IntArray, Statistic
 
 SYMBOLS = {2: "Q", 1: "N", 0: "N", -1: "B", -2: "K", -3: "K", -4: "K"}
 """alpha -> term of `TERMS`. Flicker of the angle and flicker and random walk of the ramp have no term: the term beside
@@ -129,11 +129,10 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     return tuple(laws[int(m)] for m in strides)
 
 
-def local_term(model: Model, row: Statistic, tau: FloatArray) -> tuple[str, ...]:
-    """Symbol of the term that has the largest share of a statistic's expectation at each `tau` (s, shape (k,))."""
-    shares = [expectation(row, Model((term,)).structure, tau) for term in model]
+def local_term(model: Model, row: Statistic, m: IntArray, *, size: int, rate: float) -> tuple[str, ...]:
+    """Symbol of the term that has the largest share of a statistic's expectation at each averaging factor."""
     symbols = [term.symbol for term in model]
-    return tuple(symbols[i] for i in np.argmax(shares, axis=0))
+    return tuple(symbols[int(np.argmax(by_term(row, model, int(k), size, rate)))] for k in m)
 
 
 def _longest(angle: Angle) -> int:

@@ -1,0 +1,129 @@
+"""What is read off a record or a curve beside the statistics: N-second stability, and the minimum of the curve."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.curve import Curve
+from allanite.errors import DataError, UsageError
+from allanite.model import Model
+from allanite.record import Record
+
+from .row import BoolArray
+
+FLOOR = math.sqrt(2 * math.log(2) / math.pi)
+"""Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
+
+KNOWN = 10.0
+"""Degrees of freedom from which on a point's minimum is not the luck of the draw."""
+
+
+class Stability(NamedTuple):
+    """Standard deviation of N-second means.
+
+    Attributes
+    ----------
+    value : float
+        SI.
+    seconds, blocks, duration : float, int, float
+        Length of a mean, how many there are, and of the record: for all but white noise the value grows with it.
+    unit : str
+    expected : float or None
+        What a model leads one to expect, exactly, for this length.
+    """
+
+    value: float
+    seconds: float
+    blocks: int
+    duration: float
+    unit: str
+    expected: float | None
+
+
+class Minimum(NamedTuple):
+    """The lowest point of a curve, and the bias instability that it would be if all of it were flicker: at most this.
+
+    Attributes
+    ----------
+    value : float
+        ``min / 0.66428``, in the curve's unit.
+    deviation, tau : float
+        The point.
+    inside : bool
+        Whether the curve rises again; else the minimum is its last point and only a limit.
+    """
+
+    value: float
+    deviation: float
+    tau: float
+    inside: bool
+
+
+def averaging_stability(record: Record, seconds: float = 10.0, *, model: Model | None = None) -> Stability:
+    """N-second stability: the standard deviation of the means over `seconds`, without overlap.
+
+    ``s^2 = sum (Y_j - mean Y)^2 / (K - 1)``. Under a model its expectation is
+    ``1/(K (K-1)) sum_l (K - l) (2 D(tau) + 2 D(l tau) - D((l+1) tau) - D((l-1) tau)) / tau^2``. Means that touch a gap
+    are left out.
+
+    Raises
+    ------
+    UsageError
+        `seconds` is no multiple of the sample interval.
+    DataError
+        There are fewer than 2 means.
+
+    Examples
+    --------
+    >>> record = Record([1.0, 3, 2, 2, 5, 3], rate=1.0, unit="rad/s", kind="rate")
+    >>> averaging_stability(record, 2.0).value.round(4).item()
+    1.1547
+    """
+    m = round(seconds * record.rate)
+    if m < 1 or abs(m - seconds * record.rate) > 1e-6 * m:
+        raise UsageError(f"{seconds:g} s is no multiple of the sample interval {record.interval:g} s")
+    rates = record.rate_values
+    means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
+    whole = np.isfinite(means)
+    blocks = int(whole.sum())
+    if blocks < 2:
+        raise DataError(
+            f"{record.name!r} has {blocks} complete means over {seconds:g} s, 2 are needed; the longest possible is "
+            f"{record.duration / 2:g} s"
+        )
+    value = float(np.std(means[whole], ddof=1))
+    expected = None if model is None else math.sqrt(_variance(model, seconds, whole))
+    return Stability(value, seconds, blocks, record.duration, record.signal.si[0.0], expected)
+
+
+def _variance(model: Model, tau: float, whole: BoolArray) -> float:
+    """Expected variance of those of successive means over tau that are `whole`."""
+    size = 2 * whole.size
+    pairs = np.rint(np.fft.irfft(np.abs(np.fft.rfft(whole, size)) ** 2, size)[1 : whole.size])
+    lag, D = np.arange(1.0, whole.size), model.structure
+    squares = 2 * D(np.full_like(lag, tau)) + 2 * D(lag * tau) - D((lag + 1) * tau) - D((lag - 1) * tau)
+    blocks = int(whole.sum())
+    return float(pairs @ squares / (blocks * (blocks - 1)) / tau**2)
+
+
+def minimum(curve: Curve) -> Minimum:
+    """The minimum of a curve as an upper limit of the bias instability.
+
+    Only points with 10 degrees of freedom count, if the curve knows them: the lowest of points that scatter is low by
+    luck. With N and K alone, and no flicker at all, the minimum is sqrt(2 N K / 1.732).
+
+    Examples
+    --------
+    >>> from allanite.statistics import deviation
+    >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
+    >>> minimum(deviation(record)).inside
+    False
+    """
+    known = curve.edf >= KNOWN if curve.law is not None else np.ones(curve.tau.size, dtype=bool)
+    if not known.any():
+        raise DataError(f"no point of the curve has {KNOWN:g} degrees of freedom; record longer")
+    lowest = int(np.where(known, curve.deviation, np.inf).argmin())
+    last = int(np.flatnonzero(known)[-1])
+    value = float(curve.deviation[lowest])
+    return Minimum(value / FLOOR, value, float(curve.tau[lowest]), lowest < last)

@@ -1,0 +1,86 @@
+"""Corrections of bias: their factor, what it makes of expectations, and what is refused."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+
+BIASED = [name for name, row in al.STATISTICS.items() if row.target and not row.parts]
+UNIT = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
+
+
+def model_of(**coefficients):
+    return al.Model(tuple(al.model.term(s, v, UNIT[s]) for s, v in coefficients.items()))
+
+
+def record_of(model, n=2000, seed=1):
+    return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("name", BIASED)
+@pytest.mark.parametrize("symbols", ["Q", "N", "B", "K", "NK"])
+def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols):
+    model = model_of(**dict.fromkeys(symbols, 1.0))
+    curve = al.deviation(record_of(model), name, noise=model, bias="exact")
+    plain = al.deviation(record_of(model), name, noise=model)
+    np.testing.assert_allclose(curve.variance, plain.variance * curve.factor)
+    own = al.expected(model, name, curve.tau, rate=1.0, size=2000)
+    target = al.STATISTICS[name].target
+    wanted = (
+        al.expected(model, target, curve.tau, rate=1.0) if name != "theo1" else al.expected(model, target, curve.tau)
+    )
+    np.testing.assert_allclose(curve.factor * own, wanted, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["oadev", "ohdev", "mdev", "pdev"])
+def test_what_estimates_itself_has_no_bias(name):
+    model = model_of(N=1.0)
+    assert set(al.deviation(record_of(model), name, noise=model, bias="exact").factor) == {1.0}
+
+
+def test_published_factors_go_by_the_power_law_that_is_found():
+    record = record_of(model_of(N=1.0))
+    curve = al.deviation(record, "mtotdev", m=[10], bias="published")
+    assert curve.factor[0] == pytest.approx(1 / 0.73)
+    assert "bias factor" in curve.rows()[0]
+
+
+def test_the_model_takes_the_place_of_the_ratio_of_theobr():
+    model = model_of(N=1.0, K=0.1)
+    record = record_of(model, 4000)
+    raw = al.deviation(record, "theo1", m=[2000], noise=model)
+    by_model = al.deviation(record, "theobr", m=[2000], noise=model, bias="model")
+    ratio = al.expected(model, "oadev", raw.tau) / al.expected(model, "theo1", raw.tau, rate=1.0)
+    np.testing.assert_allclose(by_model.variance, raw.variance * ratio, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("oadev", {"bias": "best"}, "known are exact, published, model"),
+        ("theo1", {"bias": "model"}, "for theobr, theoh"),
+        ("theoh", {"bias": "exact"}, "takes"),
+        ("theo1", {"bias": "exact", "noise": None}, "a bias depends on the noise"),
+        ("theo1", {"bias": "published", "noise": model_of(N=1.0)}, "noise='auto'"),
+    ],
+)
+def test_corrections_that_make_no_sense_are_refused(name, options, words):
+    with pytest.raises(al.UsageError, match=words):
+        al.deviation(record_of(model_of(N=1.0)), name, **options)
+
+
+@pytest.mark.parametrize("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
+def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
+    model = model_of(K=1.0)
+    curve = al.deviation(record_of(model, 1000), name)
+    known = al.deviation(record_of(model, 1000), name, noise=model)
+    low, high = curve.interval(0.95)
+    assert np.all((low < curve.deviation) & (curve.deviation < high))
+    early = curve.m < 40
+    np.testing.assert_allclose(curve.edf[early], known.edf[early], rtol=0.35)
+
+
+@pytest.mark.parametrize("name", ["mtie", "tierms"])
+def test_what_no_noise_gives_limits_to_has_none(name):
+    with pytest.raises(al.UsageError, match="confidence"):
+        _ = al.deviation(record_of(model_of(N=1.0)), name).edf
