@@ -1,5 +1,6 @@
 # make demo   the main job on a sample, or on FILE=...
 # make test   everything that must hold
+# make docs   the documentation site
 # Both set up what they need in .venv first; python3 (3.11 or later), pip and make are enough.
 
 PYTHON  ?= python3
@@ -15,13 +16,14 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test lint setup clean
+.PHONY: help demo test lint docs setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
 	@echo "make demo FILE=path    ... of your own record; options of 'allanite analyze' go into ARGS='--rate 100 --unit deg/s'"
 	@echo "make test              lint, types, layers and all tests"
 	@echo "make lint              lint, types and layers only"
+	@echo "make docs              build the documentation site into build/site"
 	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
 	@echo "PYTHON=python3.12      behind any of these: another Python than python3 (for a new .venv)"
@@ -38,6 +40,10 @@ lint: .venv/test
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+
+docs: .venv/test
+	@$(THREADS) $(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
+	@echo "the documentation is in build/site/index.html"
 
 setup: .venv/test
 
@@ -64,7 +70,7 @@ setup: .venv/test
 
 .venv/test: .venv/made pyproject.toml constraints.txt
 	@echo "installing allanite and what its tests need into .venv (once)" >&2
-	@$(PIP) -e '.[test]'
+	@$(PIP) -e '.[test,docs]'
 	@touch .venv/run $@
 
 clean:

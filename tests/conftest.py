@@ -1,4 +1,4 @@
-"""Where real recordings are, for the tests that use them."""
+"""Where real recordings and published tables are, for the tests that use them."""
 
 import os
 from pathlib import Path
@@ -19,3 +19,9 @@ def _folder(variable, name, needed):
 def recordings():
     """Folder of real recordings: ALLANITE_RECORDINGS, or beside the project."""
     return _folder("ALLANITE_RECORDINGS", "recordings", "psins_lasergyro.imu")
+
+
+@pytest.fixture(scope="session")
+def reference():
+    """Folder of published reference values: ALLANITE_REFERENCE, or beside the project."""
+    return _folder("ALLANITE_REFERENCE", "reference", "INDEX.md")

@@ -16,7 +16,9 @@ from .model import R as R
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .psd import Spectrum as Spectrum
 from .readers import read as read
+from .readers import write as write
 from .record import Record as Record
 from .record import Recording as Recording
 from .report import plot as plot
@@ -25,8 +27,13 @@ from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation
 from .statistics import expected as expected
+from .statistics.dynamic import dynamic as dynamic
+from .statistics.multitaper import Multitaper as Multitaper
+from .statistics.spectrum import spectrum as spectrum
+from .statistics.welch import Welch as Welch
 from .study import Recipe as Recipe
 from .study import Study as Study
 from .study import analyze as analyze
+from .surface import Surface as Surface
 from .terms import TERMS as TERMS
 from .version import __version__ as __version__

@@ -16,6 +16,9 @@ from .record import Record, Recording
 from .statistics import deviation
 from .version import __version__
 
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+"""Choices of a recipe that say what the file holds."""
+
 
 @dataclass(frozen=True)
 class Recipe:
@@ -27,9 +30,12 @@ class Recipe:
     rate: float | None = None
     unit: str | None = None
     kind: str | None = None
-    scale: float | None = None
+    scale: float | str | None = None
     channels: tuple[str, ...] | None = None
     time: str | None = None
+    dtype: str | None = None
+    columns: int | None = None
+    offset: int | None = None
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
@@ -41,11 +47,12 @@ class Recipe:
     level: float = 0.95
 
     def __post_init__(self) -> None:
-        for key in ("rate", "scale", "start", "until", "quiet_window", "level"):
+        for key in ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset"):
             value = getattr(self, key)
-            if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
+            if value is not None and (isinstance(value, bool) or not fine):
                 raise UsageError(f"{key} is a number, not {value!r}")
-        for key in ("unit", "kind", "time", "statistic", "terms", "method"):
+        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method"):
             value = getattr(self, key)
             if value is not None and not isinstance(value, str):
                 raise UsageError(f"{key} is a word, not {value!r}")
@@ -165,7 +172,7 @@ def analyze(
     recipe = recipe or Recipe()
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    recording = _recording(source, recipe)
+    recording = recording_of(source, recipe)
     channels = []
     for i, record in enumerate(recording):
         tell(f"analysing {record.name}", (i + 0.3) / (len(recording) + 0.3))
@@ -187,19 +194,19 @@ def examine(
     recipe = recipe or Recipe()
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    recording = _recording(source, recipe)
+    recording = recording_of(source, recipe)
     channels = []
     for i, record in enumerate(recording):
         tell(f"looking at {record.name}", (i + 0.3) / (len(recording) + 0.3))
         channels.append(_looked_at(record, recording))
     tell("done", 1.0)
-    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+    return Study(tuple(channels), recipe, recording.notes, provenance_of(recording))
 
 
 def _study(channels: list[Channel], recipe: Recipe, recording: Recording) -> Study:
     if all(channel.refusal for channel in channels):
         raise DataError("; ".join(f"{channel.record.name or 'the record'}: {channel.refusal}" for channel in channels))
-    return Study(tuple(channels), recipe, recording.notes, _provenance(recording))
+    return Study(tuple(channels), recipe, recording.notes, provenance_of(recording))
 
 
 def _looked_at(record: Record, recording: Recording) -> Channel:
@@ -207,7 +214,7 @@ def _looked_at(record: Record, recording: Recording) -> Channel:
     return Channel(record, quality, refusal=quality.refusal)
 
 
-def _recording(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
+def recording_of(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
     """The part of the recording that the recipe wants."""
     whole = trim(_whole(source, recipe), recipe.start, recipe.until)
     return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
@@ -218,7 +225,7 @@ def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) 
         return source
     if isinstance(source, Record):
         return Recording((source,))
-    options = {key: getattr(recipe, key) for key in ("rate", "unit", "kind", "scale", "channels", "time")}
+    options = {key: getattr(recipe, key) for key in READING}
     return read(source, **options)
 
 
@@ -234,7 +241,8 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
     return replace(seen, curve=curve, fit=replace(fit, curve=curve))
 
 
-def _provenance(recording: Recording) -> dict[str, str]:
+def provenance_of(recording: Recording) -> dict[str, str]:
+    """Version and input, for whoever wants to do it again."""
     import platform
 
     return {

@@ -2,24 +2,56 @@
 
 import numpy as np
 import pytest
+from tests.anchors.values import WHO, Data, disagreements, value
 
 import allanite as al
 
 NBS14 = [892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0]
 
 PUBLISHED = [
-    # data, statistic, m, deviation as printed
-    ("nbs14", "adev", 1, "91.22945"),
-    ("nbs14", "adev", 2, "115.8082"),
-    ("nbs14", "oadev", 1, "91.22945"),
-    ("nbs14", "oadev", 2, "85.95287"),
-    ("lcg", "adev", 1, "2.922319e-1"),
-    ("lcg", "adev", 10, "9.965736e-2"),
-    ("lcg", "adev", 100, "3.897804e-2"),
-    ("lcg", "oadev", 1, "2.922319e-1"),
-    ("lcg", "oadev", 10, "9.159953e-2"),
-    ("lcg", "oadev", 100, "3.241343e-2"),
+    # data, statistic, m, deviations as printed
+    ("nbs14", "adev", (1, 2), "91.22945 115.8082"),
+    ("nbs14", "oadev", (1, 2), "91.22945 85.95287"),
+    ("nbs14", "mdev", (1, 2), "91.22945 74.78849"),
+    ("nbs14", "tdev", (1, 2), "52.67135 86.35831"),
+    ("nbs14", "hdev", (1, 2), "70.80607 116.7980"),
+    ("nbs14", "ohdev", (1, 2), "70.80607 85.61487"),
+    ("nbs14", "totdev", (1, 2), "91.22945 93.90379"),
+    ("nbs14", "mtotdev", (1, 2), "75.50203 75.83606"),
+    ("nbs14", "ttotdev", (1, 2), "43.59112 87.56794"),
+    ("nbs14", "htotdev", (1, 2), "70.80607 91.16396"),
+    ("lcg", "adev", (1, 10, 100), "2.922319e-1 9.965736e-2 3.897804e-2"),
+    ("lcg", "oadev", (1, 10, 100), "2.922319e-1 9.159953e-2 3.241343e-2"),
+    ("lcg", "mdev", (1, 10, 100), "2.922319e-1 6.172376e-2 2.170921e-2"),
+    ("lcg", "tdev", (1, 10, 100), "1.687202e-1 3.563623e-1 1.253382e+0"),
+    ("lcg", "hdev", (1, 10, 100), "2.943883e-1 1.052754e-1 3.910860e-2"),
+    ("lcg", "ohdev", (1, 10, 100), "2.943883e-1 9.581083e-2 3.237638e-2"),
+    ("lcg", "totdev", (1, 10, 100), "2.922319e-1 9.134743e-2 3.406530e-2"),
+    ("lcg", "mtotdev", (1, 10, 100), "2.418528e-1 6.499161e-2 2.287774e-2"),
+    ("lcg", "ttotdev", (1, 10, 100), "1.396338e-1 3.752293e-1 1.320847e+0"),
+    ("lcg", "htotdev", (1, 10, 100), "2.943883e-1 9.614787e-2 3.058103e-2"),
+    ("lcg", "theo1", (10, 100, 1000), "1.075740e-1 3.178931e-2 5.052400e-3"),
 ]
+
+PUBLISHED_BIAS = {
+    # statistic: (published expectation of the raw variance over the true one, the m from which it is applied)
+    "mtotdev": (0.73, 1),  # white rate noise
+    "ttotdev": (0.73, 1),
+    "htotdev": (0.995, 2),  # m = 1 is the overlapped Hadamard variance
+}
+
+PDEV = {
+    # F. Vernotte, SigmaTheta 3.0, on the 1000-point set
+    1: 0.292231878106752,
+    2: 0.2144523356425264,
+    4: 0.15618112158618463,
+    8: 0.11709745745448434,
+    16: 0.06902958518983934,
+    32: 0.04974970773039839,
+    64: 0.03894741733071374,
+    128: 0.03086239274137211,
+    256: 0.012447414341332683,
+}
 
 
 def lcg():
@@ -31,20 +63,25 @@ def lcg():
     return np.array(values)
 
 
-DATA = {"nbs14": np.array(NBS14), "lcg": lcg()}
+DATA = {"nbs14": Data.of_rate(NBS14), "lcg": Data.of_rate(lcg())}
 
 
 def test_the_generator_is_the_published_one():
-    assert round(DATA["lcg"].mean(), 9) == 0.489774463
-    assert round(DATA["lcg"].std(ddof=1), 7) == 0.2884664
+    assert round(lcg().mean(), 9) == 0.489774463
+    assert round(lcg().std(ddof=1), 7) == 0.2884664
 
 
+@pytest.mark.parametrize("who", WHO)
 @pytest.mark.parametrize(("data", "statistic", "m", "printed"), PUBLISHED)
-def test_every_printed_digit(data, statistic, m, printed):
-    record = al.Record(DATA[data], rate=1.0, unit="1", kind="rate")
-    found = al.deviation(record, statistic, m=[m]).deviation[0]
-    digits = len(printed.split("e")[0].replace(".", ""))
-    assert f"{found:.{digits - 1}e}" == f"{float(printed):.{digits - 1}e}"
+def test_every_printed_digit(who, data, statistic, m, printed):
+    bias, first = PUBLISHED_BIAS.get(statistic, (1, 1))
+    found = value(who, statistic, DATA[data], m) / np.where(np.array(m) < first, 1, bias) ** 0.5
+    assert not disagreements(found, printed.split())
+
+
+@pytest.mark.parametrize("who", WHO)
+def test_parabolic_deviation_of_sigmatheta(who):
+    np.testing.assert_allclose(value(who, "pdev", DATA["lcg"], PDEV), list(PDEV.values()), rtol=2e-12)
 
 
 GOLDEN_EDF = [

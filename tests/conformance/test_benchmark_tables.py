@@ -129,3 +129,20 @@ def test_a_part_of_noise_identification_made_again_agrees(which):
         assert made[heading] == row[heading]
     for heading in script.HEADINGS[5:]:
         assert float(made[heading]) == pytest.approx(float(row[heading]), abs=1.0)
+
+
+def test_damaged_files_of_every_format_are_read_or_refused():
+    text = (RESULTS / "fuzz.md").read_text()
+    assert "command: `python benchmarks/fuzz_readers.py" in text
+    assert "seed" in text
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        from fuzz_readers import SEEDS
+    finally:
+        sys.path.pop(0)
+    rows = {row["file"]: row for row in rows_of("fuzz.md")}
+    assert set(rows) == set(SEEDS)
+    for row in rows.values():
+        assert re.fullmatch(r"[0-9a-f]{7}", row["commit"])
+        assert int(row["read"]) + int(row["refused"]) == int(row["mutations"]) >= 8000
+        assert (int(row["failures"]), int(row["slowest ms"]) < 2000, int(row["memory MB"]) < 100) == (0, True, True)

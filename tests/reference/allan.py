@@ -1,28 +1,24 @@
-"""The Allan variance as the standards print it (NIST SP 1065 eqs. 8 and 11), in literal lines, any number type."""
+"""The Allan variance from the phase x_0 .. x_N, as NIST SP 1065 and IEEE Std 952 print it."""
 
-from itertools import pairwise
-
-
-def phase(y, interval=1):
-    """x_0 = 0, x_{k+1} = x_k + tau0 y_k."""
-    x = [y[0] * 0]
-    for value in y:
-        x.append(x[-1] + value * interval)
-    return x
+from .terms import indices, mean, phase
 
 
-def adev(y, m, interval=1):
-    """Variance from block means: half the mean squared difference of neighbours."""
-    means = [sum(y[i : i + m]) / m for i in range(0, len(y) - m + 1, m)]
-    differences = [(b - a) ** 2 for a, b in pairwise(means)]
-    return sum(differences) / (2 * len(differences))
+def adev(x, m, tau0):
+    """Every m-th point: 1/(2 tau^2) mean_j (x_{(j+2)m} - 2 x_{(j+1)m} + x_{jm})^2. NIST SP 1065 eq. 7."""
+    x = x[::m]
+    j = indices(len(x) - 2)
+    return mean((x[j + 2] - 2 * x[j + 1] + x[j]) ** 2) / (2 * (m * tau0) ** 2)
 
 
-def oadev(y, m, interval=1):
-    """Variance from every second difference of the phase."""
-    x = phase(y, interval)
-    squares = [(x[i + 2 * m] - 2 * x[i + m] + x[i]) ** 2 for i in range(len(x) - 2 * m)]
-    return sum(squares) / (2 * (m * interval) ** 2 * len(squares))
+def oadev(x, m, tau0):
+    """1/(2 tau^2) mean_i (x_{i+2m} - 2 x_{i+m} + x_i)^2 over all i. NIST SP 1065 eq. 11."""
+    i = indices(len(x) - 2 * m)
+    return mean((x[i + 2 * m] - 2 * x[i + m] + x[i]) ** 2) / (2 * (m * tau0) ** 2)
 
 
-REFEREES = {"adev": adev, "oadev": oadev}
+def _of_rate(referee):
+    """The same referee for a list of rates."""
+    return lambda y, m, tau0=1: referee(phase(y, tau0), m, tau0)
+
+
+REFEREES = {"adev": _of_rate(adev), "oadev": _of_rate(oadev)}

@@ -1,5 +1,6 @@
 """What cannot be analysed is refused in words: exit code, what came, what was expected, what to do."""
 
+import json
 import pickle
 from pathlib import Path
 
@@ -116,3 +117,27 @@ def test_one_bad_channel_does_not_stop_the_others(tmp_path):
     assert result.exit_code == 0
     assert "never changes" in " ".join(result.output.split())
     assert "angle random walk" in result.output
+
+
+def test_raw_binary_from_the_command_line(tmp_path):
+    counts = np.random.default_rng(1).integers(-900, 900, (3000, 2)).astype(">i2")
+    (tmp_path / "log.bin").write_bytes(b"HEADER" + counts.tobytes())
+    layout = ["--dtype", ">i2", "--columns", "2", "--offset", "6"]
+    fine = CliRunner().invoke(
+        main, ["info", str(tmp_path / "log.bin"), *layout, "--scale", "0.01deg/s", "--rate", "100"]
+    )
+    assert fine.exit_code == 0, fine.output
+    assert "3000 readings" in fine.output
+    assert "0.01 deg/s" in fine.output
+    (tmp_path / "choices.toml").write_text(
+        'dtype = ">i2"\ncolumns = 2\noffset = 6\nscale = "0.01deg/s"\nrate = 100\nchannels = ["2"]\nmethod = "slopes"\n'
+    )
+    again = CliRunner().invoke(
+        main, ["analyze", str(tmp_path / "log.bin"), "--recipe", str(tmp_path / "choices.toml"), "--json", "-"]
+    )
+    assert again.exit_code == 0, again.output
+    channel = json.loads(again.output)["channels"][0]
+    assert (channel["name"], channel["rate"], channel["size"]) == ("column 2", 100.0, 3000)
+    wrong = CliRunner().invoke(main, ["info", str(tmp_path / "log.bin"), *layout[:4], "--rate", "100"])
+    assert wrong.exit_code == 3
+    assert "no multiple of the 4 bytes of a row" in " ".join(wrong.output.split())

@@ -192,7 +192,7 @@ def test_version_and_help():
 HEAVY = ("numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["--version"]])
+@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
 def test_help_imports_nothing_heavy(arguments):
     code = (
         "import sys\nfrom allanite.cli import main\n"

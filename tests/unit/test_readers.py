@@ -42,13 +42,13 @@ def test_a_relative_path_stays_as_given(write, monkeypatch):
 
 @pytest.mark.parametrize("name", READERS)
 def test_table_of_formats(name):
-    assert READERS[name].title
+    assert READERS[name].TITLE
     assert not READERS[name].sniff(b"", "")
     assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
 
 
 def test_import_is_cheap():
-    heavy = "pyarrow,scipy,numba,matplotlib,pandas"
+    heavy = "pyarrow,scipy,numba,matplotlib,pandas,h5py,rdata,zipfile"
     code = f"import sys, allanite.readers; print([m for m in '{heavy}'.split(',') if m in sys.modules])"
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
@@ -111,11 +111,10 @@ def test_useless_content_is_refused_in_words(write, name, content):
     assert len(str(caught.value)) > 40
 
 
-def test_an_enormous_line_is_refused(write):
+def test_rows_of_thousands_of_numbers_are_refused(write):
+    row = b"1.5," * 1500
     with pytest.raises(DataError, match="one row for each sample"):
-        read(write(b"1.5," * 500_000), rate=100, unit="deg/s")
-    with pytest.raises(DataError, match="one row for each sample"):
-        read(write(b"1.5," * 5_000), rate=100, unit="deg/s")
+        read(write((row + b"\n") * 2000), rate=100, unit="deg/s")
 
 
 @pytest.mark.parametrize("rate", [0, -1.0, float("nan"), float("inf"), "100", True, [100]])
@@ -124,7 +123,7 @@ def test_impossible_rates(write, rate):
         read(write(GOOD), rate=rate)
 
 
-@pytest.mark.parametrize("scale", [0, -1.0, float("nan"), "1"])
+@pytest.mark.parametrize("scale", [0, -1.0, float("nan"), "one", "-1", "deg/s"])
 def test_impossible_scales(write, scale):
     with pytest.raises(UsageError, match="scale"):
         read(write(GOOD), scale=scale)

@@ -32,56 +32,209 @@ def test_coarse_stamps_are_fine_while_they_follow_the_grid(stamped):
     assert record.rate == pytest.approx(400.0)
 
 
-def test_a_gap_is_refused_with_place_size_and_remedy(stamped):
+def only(recording, name):
+    assert [finding.name for finding in recording.findings] == [name]
+    (finding,) = recording.findings
+    assert finding.what
+    assert finding.consequence
+    assert finding.remedy
+    return finding
+
+
+def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[600:] += 0.5
-    with pytest.raises(DataError) as caught:
-        read(stamped(stamps))
-    for words in ("not evenly spaced", "sample 599", "0.51 s, before sample 600", "--rate", "--time", "--from"):
-        assert words in str(caught.value)
+    recording = read(stamped(stamps))
+    record = recording["gx"]
+    assert (record.size, record.rate) == (1050, pytest.approx(100.0))
+    assert np.flatnonzero(np.isnan(record.values)).tolist() == list(range(600, 650))
+    assert record.history == ("50 lost readings marked as gaps",)
+    finding = only(recording, "lost samples")
+    assert finding.place == pytest.approx((6.0, 6.5))
+    for words in ("50 samples", "4.8 %", "1 gap", "of 0.5 s at 6 s", "--from", "--time none"):
+        assert words in str(finding)
+    assert any("50 lost intervals counted" in note for note in recording.notes)
+    closed = read(stamped(stamps), time="none", rate=100)
+    assert (closed["gx"].size, closed.findings) == (1000, ())
 
 
-def test_bursts_are_refused_and_the_median_is_never_the_rate(stamped):
+def test_half_of_the_samples_lost_at_random(stamped):
+    kept = np.sort(np.random.default_rng(1).choice(2000, 1000, replace=False))
+    record = read(stamped(kept * 0.01))["gx"]
+    assert record.rate == pytest.approx(100.0)
+    assert np.flatnonzero(~np.isnan(record.values)).tolist() == (kept - kept[0]).tolist()
+
+
+def test_lost_counts_become_increments(tmp_path):
+    path = tmp_path / "counts.csv"
+    path.write_text("t [s],pulses\n" + "".join(f"{k / 10},{k % 7}\n" for k in range(100) if k not in (50, 51)))
+    record = read(path, unit="arcsec", kind="count", scale=0.1, channels=["pulses"])["pulses"]
+    assert (record.kind, record.scale, record.values.dtype) == ("increment", 0.1, np.float64)
+    assert np.flatnonzero(np.isnan(record.values)).tolist() == [50, 51]
+
+
+def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
     bursts = (np.arange(100)[:, None] * 0.1 + np.arange(10) * 0.002).ravel()
-    with pytest.raises(DataError, match="departs by"):
-        read(stamped(bursts))
-    recording = read(stamped(bursts), rate=100)
-    assert recording["gx"].rate == 100.0
-    assert any("taken as evenly spaced" in note for note in recording.notes)
+    recording = read(stamped(bursts))
+    assert recording["gx"].rate == pytest.approx(999 / bursts[-1])
+    finding = only(recording, "bursty stamps")
+    assert "500 Hz by the median step" in finding.what
+    assert read(stamped(bursts), rate=100)["gx"].rate == 100.0
 
 
-def test_stamps_that_go_back(stamped):
+def test_a_clock_that_is_set_back_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
-    with pytest.raises(DataError, match="1 stamps go back in time, the first at sample 500"):
+    with pytest.raises(
+        DataError, match=r"1 stamp of column 'time \[s\]' is earlier than the one before, the first in row 501"
+    ) as caught:
         read(stamped(stamps))
+    assert "--rate" in str(caught.value)
+    finding = only(read(stamped(stamps), rate=100), "reversed stamps")
+    assert "2.99 s" in finding.what
+
+
+def test_a_clock_that_is_set_forward_is_refused(stamped):
+    stamps = np.arange(1000) * 0.01
+    stamps[3:] += 1.7e9
+    with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
+        read(stamped(stamps))
+    assert "closed up" in only(read(stamped(stamps), rate=100), "lost samples").consequence
 
 
 def test_stamps_of_whole_seconds(stamped):
-    with pytest.raises(DataError, match="repeat"):
-        read(stamped(np.arange(1000) // 5))
+    recording = read(stamped((np.arange(1002) + 2) // 5))
+    assert recording["gx"].rate == 5.0
+    assert "stamps of 1 s" in only(recording, "coarse stamps").what
 
 
-def test_constant_and_missing_stamps(stamped):
-    with pytest.raises(DataError, match="not later than the first"):
+def test_a_second_that_is_missing_from_whole_seconds(stamped):
+    stamps = np.delete(np.arange(1000) // 5, np.s_[500:510])
+    recording = read(stamped(stamps))
+    assert recording["gx"].rate == 5.0
+    assert [f.name for f in recording.findings] == ["lost samples", "coarse stamps"]
+    assert np.flatnonzero(np.isnan(recording["gx"].values)).tolist() == list(range(500, 510))
+
+
+def test_constant_stamps_are_asked_around(stamped):
+    with pytest.raises(UsageError, match=r"all stamps .* are equal .*--rate 100"):
         read(stamped(np.zeros(50)))
+    only(read(stamped(np.zeros(50)), rate=100), "constant stamps")
+
+
+def test_missing_stamps(stamped):
     stamps = np.arange(50.0)
     stamps[7] = np.nan
-    with pytest.raises(DataError, match="no stamp at sample 7"):
+    with pytest.raises(DataError, match="no stamp in 1 of 50 rows, the first is row 8"):
         read(stamped(stamps))
 
 
 def test_a_drifting_clock_is_no_gap(stamped):
     k = np.arange(100_000)
-    recording = read(stamped((k + 3e-10 * k**2) * 0.01 + 0.001))  # 30 ppm over the record, 0.75 intervals in its middle
+    recording = read(stamped((k + 3e-10 * k**2) * 0.01 + 0.001))  # 60 ppm over the record
     assert recording["gx"].rate == pytest.approx(100.0, rel=1e-4)
+    assert recording.findings == ()
     recording = read(stamped((k + 2e-9 * k**2) * 0.01))
-    assert any("wanders by" in note and "ppm" in note for note in recording.notes)
+    assert "ppm" in only(recording, "clock drift").what
+    assert recording["gx"].size == 100_000
 
 
-def test_one_lost_sample_of_many_is_noted(stamped):
-    stamps = np.delete(np.arange(1001), 500) * 0.01
-    assert any("before sample 500" in note and "may be lost" in note for note in read(stamped(stamps)).notes)
+def test_one_lost_sample_of_many(stamped):
+    recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
+    assert "1 sample (0.1 %) lost in 1 gap" in only(recording, "lost samples").what
+    assert np.isnan(recording["gx"].values[500])
+
+
+def test_a_late_stamp_is_no_loss(stamped):
+    stamps = np.arange(1000) * 0.01
+    stamps[500:520] = stamps[520] - 1e-4 * np.arange(20, 0, -1)  # the logger wrote to its card for 0.2 s
+    record = read(stamped(stamps))["gx"]
+    assert (record.size, record.rate) == (1000, pytest.approx(100.0))
+
+
+def test_rows_out_of_order(stamped):
+    stamps = np.arange(200) * 0.01
+    stamps[[50, 51]] = stamps[[51, 50]]
+    recording = read(stamped(stamps))
+    assert "row 52 of the data by 10 ms" in only(recording, "reversed stamps").what
+    plain = read(stamped(np.arange(200) * 0.01))["gx"].values
+    assert recording["gx"].values[[50, 51]].tolist() == plain[[51, 50]].tolist()
+
+
+def test_a_clock_of_32_bits_starts_again(stamped):
+    stamps = (2**32 - 5_000_000 + np.arange(1000) * 10_000) % 2**32
+    recording = read(stamped(stamps, "micros"))
+    assert recording["gx"].rate == pytest.approx(100.0)
+    assert any("starts again at 2^32" in note for note in recording.notes)
+    assert recording.findings == ()
+
+
+CLOCKS = "receive_time [s],stamp [s],coarse_stamp [s],gx [deg/s]"
+
+
+def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
+    rng = np.random.default_rng(1)
+    k = np.arange(500)
+    received = np.sort(k * 0.025 + rng.uniform(0, 0.04, 500))
+    path = tmp_path / "bag.csv"
+    rows = (
+        f"{a:.6f},{b:.6f},{c:d},{x:.3f}\n"
+        for a, b, c, x in zip(received, k / 40, k // 40, rng.normal(size=500), strict=True)
+    )
+    path.write_text(CLOCKS + "\n" + "".join(rows))
+    recording = read(path)
+    assert recording["gx"].rate == pytest.approx(40.0)
+    note = next(note for note in recording.notes if "taken as the clock" in note)
+    assert note.startswith("column 'stamp [s]' is taken as the clock, of 3")
+    assert "repeats 98 % of its stamps" in note
+    assert recording.findings == ()
+
+
+def counted(tmp_path, steps, header="Packet number,gx [deg/s]", row="{count},{value}"):
+    path = tmp_path / "packets.csv"
+    counts = np.concatenate(([7], 7 + np.cumsum(steps))) % 65536
+    rows = (row.format(count=c, value=f"{k % 5}.5", k=k) for k, c in enumerate(counts))
+    path.write_text(header + "\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
+    steps = np.tile([1, 2, 1, 3], 100)
+    path = counted(tmp_path, steps)
+    with pytest.raises(UsageError, match=r"counter column 'Packet number' says which samples were lost.*--rate 100"):
+        read(path)
+    recording = read(path, rate=100)
+    assert recording.channels == ("gx",)
+    assert recording["gx"].size == steps.sum() + 1
+    finding = only(recording, "lost samples")
+    assert "by the counter column 'Packet number'" in finding.what
+    assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
+
+
+def test_a_counter_that_starts_again_or_counts_by_tens(tmp_path):
+    steps = np.ones(70_000, dtype=int)
+    steps[1000] = 4
+    assert read(counted(tmp_path, steps), rate=100)["gx"].size == 70_004
+    steps = np.full(500, 10)
+    steps[100] = 30
+    assert read(counted(tmp_path, steps), rate=100)["gx"].size == 503
+    assert read(counted(tmp_path, np.full(500, 10)), rate=100).findings == ()
+
+
+def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(tmp_path):
+    steps = np.ones(999, dtype=int)
+    steps[::10] = 2
+    path = tmp_path / "packets.csv"
+    counts = np.concatenate(([0], np.cumsum(steps)))
+    stamps = counts // 20 * 0.2 + 0.001 * (counts % 20)
+    stamps[-1] = counts[-1] * 0.01
+    path.write_text(
+        "time,seq,gx [deg/s]\n"
+        + "".join(f"{t:.3f},{c},{k % 3}.5\n" for k, (t, c) in enumerate(zip(stamps, counts, strict=True)))
+    )
+    recording = read(path)
+    assert recording["gx"].rate == pytest.approx(100.0)
+    assert recording["gx"].size == counts[-1] + 1
 
 
 @pytest.mark.parametrize(

@@ -284,3 +284,141 @@ def test_a_file_of_many_blocks(write):
 @pytest.mark.parametrize("text", ["1,2,3\n4,5,6\n", "1;2;3\n4;5;6\n", "1\t2\t3\n4\t5\t6\n", "1 2  3\n 4 5 6\n"])
 def test_delimiters(text):
     assert layout.find(text.encode()).width == 3
+
+
+NOISE = np.random.default_rng(5).normal(size=(60, 6)).round(4)
+
+
+def lines(rows, form):
+    return "".join(form(k, *row) + "\n" for k, row in enumerate(rows.tolist()))
+
+
+@pytest.mark.parametrize("delimiter", [",", ", ", ";", " ", "\t"])
+@pytest.mark.parametrize("name", ["", "gx [deg/s]"])
+def test_a_recording_on_one_line(write, delimiter, name):
+    values = np.random.default_rng(1).normal(size=90_000).round(5)
+    text = delimiter.join([*([name] if name and delimiter != " " else []), *map(repr, values.tolist())])
+    recording = read(write(text), rate=100, unit="deg/s")
+    assert len(recording) == 1
+    assert np.array_equal(recording[0].values, values)
+    assert noted(recording, "line of 90000 numbers", "one channel")
+
+
+def test_a_channel_on_each_line(write):
+    values = np.random.default_rng(1).normal(size=(3, 2000)).round(5)
+    text = "".join(
+        " ".join([f"g{axis}", *map(repr, row)]) + "\n" for axis, row in zip("xyz", values.tolist(), strict=True)
+    )
+    recording = read(write("# a matrix\n" + text), rate=100, unit="deg/s")
+    assert recording.channels == ("gx", "gy", "gz")
+    assert np.array_equal([record.values for record in recording], values)
+
+
+@pytest.mark.parametrize("header", ["", "t [s],gx [deg/s],gy [deg/s]\nax [g],ay [g],az [g],T\n", "# by two lines\n\n"])
+def test_two_lines_for_a_sample(write, header):
+    text = lines(NOISE, lambda k, a, b, c, d, e, _: f"{k * 0.01:.2f},{a},{b}\n{c},{d},{e},20.5")
+    options = {} if "gx" in header else {"time": "1", "unit": "deg/s", "channels": "2,3"}
+    recording = read(write(header + text), **options)
+    assert recording[0].rate == pytest.approx(100.0)
+    assert np.array_equal(recording[0].values, NOISE[:, 0])
+    assert np.array_equal(recording[1].values, NOISE[:, 1])
+    assert recording.channels == (("gx", "gy", "ax", "ay", "az") if "gx" in header else ("column 2", "column 3"))
+    assert noted(recording, "2 lines of 3, 4 numbers", "one row")
+
+
+def test_blank_lines_between_rows(write):
+    text = lines(NOISE, lambda k, a, b, *_: f"{k * 0.01:.2f}\t {a}  \t{b}\n   ")
+    recording = read(write("t gx gy\n\n" + text), unit="deg/s")
+    assert np.array_equal(recording["gy"].values, NOISE[:, 1])
+
+
+def test_ids_of_sensors_between_the_columns(write):
+    text = lines(
+        NOISE, lambda k, a, b, c, d, e, f: f"{k * 0.01:.2f}, 3, {a}, {b}, {c}, 4, {d}, {e}, {f}, 5, 1.5, 2.5, {a}"
+    )
+    recording = read(write(text), time="1", unit="rad/s", channels=["sensor 4 x", "sensor 4 z"])
+    assert np.array_equal(recording["sensor 4 x"].values, NOISE[:, 3])
+    assert np.array_equal(recording["sensor 4 z"].values, NOISE[:, 5])
+    assert noted(recording, "2 (always 3), 6 (always 4), 10 (always 5)", "ids of sensors")
+    assert read(write(text), rate=100, unit="rad/s").channels[0] == "sensor 3 x"
+
+
+def test_a_row_for_each_sensor(write):
+    text = lines(
+        NOISE, lambda k, a, b, c, d, e, f: f"4,{k * 0.01:.2f},{a},{b},{c}\n3,{k * 0.01 + 0.001:.3f},{d},{e},{f}"
+    )
+    recording = read(write("id,t [s],x,y,z\n" + text), unit="rad/s", channels=["4 x", "4 z"])
+    assert np.array_equal(recording["4 z"].values, NOISE[:, 2])
+    assert recording[0].rate == pytest.approx(100.0)
+    assert noted(recording, "rows are those of 2 sensors by column 'id': 3 (60 rows), 4 (60 rows)")
+    bare = read(write(text), rate=100, unit="rad/s", channels=["4 column 3"])
+    assert np.array_equal(bare[0].values, NOISE[:, 0])
+
+
+def test_rows_of_sensors_with_different_rates(write):
+    text = lines(
+        NOISE,
+        lambda k, a, b, c, d, e, f: f"GYRO,{k * 10},{a},{b},{c}" + (f"\nMAG,{k * 10 + 3},{d},{e},{f}" if k % 3 else ""),
+    )
+    path = write("sensor,t_ms,x,y,z\n" + text)
+    recording = read(path, unit="deg/s")
+    assert recording.channels == ("GYRO x", "GYRO y", "GYRO z")
+    assert (recording[0].size, recording[0].rate) == (60, pytest.approx(100.0))
+    path = write("sensor,t_ms,x,y,z\n" + text.replace("GYRO", "U").replace("MAG", "V"))
+    with pytest.raises(DataError, match=r"different lengths .*'U x' has 60.*'V x' has 40.*--channels"):
+        read(path, unit="deg/s")
+    assert read(path, unit="deg/s", channels="U x")[0].size == 60
+
+
+def test_coarse_readings_are_no_ids(write):
+    codes = np.random.default_rng(2).integers(-1, 2, 400)
+    recording = read(write("".join(f"{code}\t{code * 2}\n" for code in codes)), rate=10, unit="deg/s")
+    assert recording[0].size == 400
+
+
+STAMPS = {
+    "date and time of day": ("date,time,gx [deg/s]", "2018-04-25,15:20:{s:06.3f},{v}"),
+    "time of day first": ("time;date;gx [deg/s]", "15:20:{s:06.3f};25.04.2018;{v}"),
+    "no names": ("", "2018/04/25   15:20:{s:06.3f}    {v}"),
+    "time of day": ("clock,gx [deg/s]", "15:20:{s:06.3f},{v}"),
+    "iso": ("stamp,gx [deg/s]", "2018-04-25T15:20:{s:09.6f}Z,{v}"),
+    "iso with a zone": ("stamp,gx [deg/s]", "2018-04-25T15:20:{s:06.3f}+02:00,{v}"),
+    "slashes": ("stamp,gx [deg/s]", "04/25/2018 3:20:{s:06.3f} PM,{v}"),
+    "a colon before the fraction": ("stamp,gx [deg/s]", "2018.04.25 15:20:{c},{v}"),
+}
+
+
+@pytest.mark.parametrize("shape", list(STAMPS))
+def test_dates_in_words(write, shape):
+    header, form = STAMPS[shape]
+    rows = [
+        form.format(s=k / 50, v=value, c=f"{k // 50:02d}:{k % 50 * 20:03d}")
+        for k, value in enumerate(NOISE.ravel().tolist())
+    ]
+    recording = read(write("\n".join([*([header] if header else []), *rows]) + "\n"), unit="deg/s")
+    assert recording[0].rate == pytest.approx(50.0)
+    assert recording.findings == ()
+    assert np.array_equal(recording[0].values, NOISE.ravel())
+    if shape in ("date and time of day", "time of day first", "no names"):
+        assert noted(recording, "columns 1 and 2 are taken as date and time of day")
+
+
+def test_a_time_of_day_goes_past_midnight(write):
+    seconds = 86_380 + np.arange(400) / 10
+    clock = [f"{int(s) // 3600 % 24:02d}:{int(s) // 60 % 60:02d}:{s % 60:04.1f}" for s in seconds]
+    recording = read(write("time,gx [deg/s]\n" + "".join(f"{c},{k % 7}.5\n" for k, c in enumerate(clock))))
+    assert recording["gx"].rate == pytest.approx(10.0)
+    assert recording.findings == ()
+
+
+def test_a_damaged_date_is_named(write):
+    rows = [f"2018-04-25 15:20:{k:02d}.5,{k % 3}.5" for k in range(60)]
+    rows[30] = "yesterday,1.5"
+    with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is no date or time"):
+        read(write("time,gx [deg/s]\n" + "\n".join(rows)))
+
+
+def test_a_sentence_of_a_receiver(write):
+    body = lines(NOISE, lambda k, a, b, c, *_: f"$VNYMR,+{k % 9}.5,{a:+},{b:+},{c:+09.4f}*{k % 256:02X}")
+    recording = read(write(body), rate=40, unit="rad/s", channels=["5"])
+    assert np.array_equal(recording[0].values, NOISE[:, 2])

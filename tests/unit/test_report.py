@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -45,7 +46,9 @@ def curve_of(model, name, points=40):
     variance = expected(model, "oadev", m / 10.0)
     edf = np.geomspace(5000, 0.8, m.size)
     law = lambda level: (edf, np.exp(-1 / edf**0.5), np.exp(3 / edf**0.5))  # noqa: E731
-    return Curve("oadev", m, m / 10.0, variance, m[::-1].copy(), "rad/s", 10.0, name=name, noise=model, law=law)
+    return Curve(
+        "oadev", m, m / 10.0, variance, m[::-1].copy(), np.ones(m.size), "rad/s", 10.0, name=name, noise=model, law=law
+    )
 
 
 def channel_of(name="gyro_z", p=0.4, reasons=(), warnings=()):
@@ -209,7 +212,7 @@ def test_few_degrees_of_freedom_and_doubt_are_said(study):
 
 def test_a_bare_curve_can_be_drawn(study):
     curve = study.channels[0].curve
-    bare = Curve(curve.statistic, curve.m, curve.tau, curve.variance, curve.count, curve.unit, curve.rate)
+    bare = replace(curve, name="", noise=None, law=None)
     assert plot(bare).axes[0].get_xlabel() == "averaging time τ (s)"
     assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(deg/s)")
 

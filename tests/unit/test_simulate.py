@@ -70,15 +70,12 @@ def test_derivatives_of_the_structure_function(symbol):
 
 @pytest.mark.parametrize("symbol", ["N", "B", "K", "Q"])
 def test_spectrum_and_structure_are_one_process(symbol):
-    """Allan variance by the spectral integral 4 int S2 sin^4(u)/u^2 df against D."""
+    """Allan variance by the spectral integral against D."""
     model = al.Model((al.model.term(symbol, 1.0, UNIT[symbol]),))
-    if symbol == "Q":  # its spectrum is that of the sampled rate, a sum instead of an integral
-        f = np.linspace(0, 0.5, 20_001)
-        S = model.spectrum(f, 1.0)
-        kernel = np.where(f > 0, 2 * np.sin(np.pi * f * 4) ** 4 / (16 * np.sin(np.pi * np.maximum(f, 1e-12)) ** 2), 0)
-        found = 2 * np.trapezoid(S * kernel, f)
-    else:
-        f = np.geomspace(1e-8, 1e5, 4_000_001)
-        u = np.pi * f * 4.0
-        found = 4 * np.trapezoid(model.spectrum(f, 1.0) * np.sin(u) ** 4 / u**2 * f, np.log(f))
-    assert found == pytest.approx(al.expected(model, "oadev", 4.0)[0], rel=2e-3)
+    tau0, m = 0.25, 6
+    # of the sampled rate, aliases included: the integral ends at half the sampling rate
+    f = np.geomspace(1e-8, 0.5 / tau0, 400_001)
+    block = np.sin(np.pi * f * m * tau0) / (m * np.sin(np.pi * f * tau0))
+    kernel = 4 * block**2 * np.sin(np.pi * f * m * tau0) ** 2
+    found = np.trapezoid(model.spectrum(f, tau0) * kernel * f, np.log(f))
+    assert found == pytest.approx(al.expected(model, "oadev", m * tau0)[0], rel=1e-7)

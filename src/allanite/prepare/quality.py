@@ -8,6 +8,7 @@ from allanite.finding import Finding, Quality
 from allanite.record import SHORTEST, Record
 
 from .readings import clipped, outliers, quantised, stuck
+from .resampled import resampled
 from .stillness import level, lines, moving, slope
 from .view import View, stretches
 
@@ -87,6 +88,7 @@ CHECKS: tuple[Callable[[View], Finding | None], ...] = (
     clipped,
     quantised,
     outliers,
+    resampled,
     level,
     lines,
     slope,

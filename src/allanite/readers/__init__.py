@@ -1,7 +1,9 @@
 """Readers: one format one file, and the table that lists them.
 
 A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `formats.READERS`. Most fill a `table.Table` and let it find channels, units and rate.
+line of `formats.READERS`. Most fill a `table.Table` and let it find channels, units and rate; containers of several
+arrays leave it to `datasets` which of them belong together. A format that is written has ``write(recording, path)``
+and a line of `formats.WRITERS`. Other packages bring readers by the entry point group ``allanite.readers``.
 """
 
 import os
@@ -9,25 +11,29 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from allanite.errors import AllaniteError, DataError
-from allanite.record import Recording
+from allanite.record import Record, Recording
 
 
-def read(
+def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     path: str | os.PathLike[str],
     *,
     rate: float | None = None,
     unit: str | None = None,
     kind: str | None = None,
-    scale: float | None = None,
+    scale: float | str | None = None,
     channels: Sequence[str] | None = None,
     time: str | None = None,
+    dtype: str | None = None,
+    columns: int | None = None,
+    offset: int | None = None,
 ) -> Recording:
     r"""Read a recording; its ``notes`` say what was assumed.
 
     Parameters
     ----------
     path : str or path
-        The file; its format is found from its first bytes.
+        The file; its format is found from its first bytes. What is packed in a .zip, .gz, .bz2 or .xz is read
+        through; ``"runs.zip::gyro.csv"`` names one of several in an archive.
     rate : float, optional
         Sampling rate, Hz; wins over what the file says.
     unit : str, optional
@@ -35,22 +41,28 @@ def read(
         name belong to the other sensor and are not chosen in `channels`.
     kind : {"rate", "increment", "angle", "count"}, optional
         What a reading is, where the unit does not tell.
-    scale : float, optional
-        Worth of one step of the readings in `unit`.
+    scale : float or str, optional
+        Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both.
     channels : sequence of str, optional
         Names of columns, or their places in the file counted from 1; all inertial signals if left out.
     time : str, optional
         The column of stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores stamps.
+    dtype : str, optional
+        The file is raw binary of this type, spelled as in NumPy: ``"i2"``, ``">i2"`` (high byte first), ``"f4"``, or
+        ``"u4,6i2"`` for rows of mixed types. Raw binary is never guessed.
+    columns, offset : int, optional
+        Numbers in a row of raw binary, and bytes in front of the first row.
 
     Returns
     -------
     Recording
-        With `source`, the sha256 `digest` of the file and `notes`. Integers stay integers; an empty cell is NaN.
+        With `source`, the sha256 `digest` of the file, `notes`, and in `findings` what is wrong with its clock.
+        Integers stay integers; an empty cell is NaN, and so is a reading that was lost by the stamps or a counter.
 
     Raises
     ------
     DataError
-        The file cannot be read, or its stamps follow no even grid and no rate is given.
+        The file cannot be read, or its stamps go back or jump so that they give no rate, and none is given.
     UsageError
         Rate, unit or kind is neither in the file nor given; a column does not exist; an option is impossible.
 
@@ -66,15 +78,20 @@ def read(
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
-    from .formats import reader_for
+    from .formats import READERS, readable, reader_for
     from .options import Options, channel_names
-    from .source import checked, digest_of, head_of
+    from .packing import unpacked
+    from .source import SEPARATOR, checked, digest_of, head_of
 
-    options = Options(rate, unit, kind, scale, channel_names(channels), time)
-    name = checked(path)
+    options = Options(rate, unit, kind, scale, channel_names(channels), time, dtype, columns, offset)
+    file, member = checked(path)
+    name = SEPARATOR.join((file, member)) if member else file
     try:
-        recording = reader_for(head_of(name), os.path.splitext(name)[1].lower()).read(name, options)
-        return replace(recording, source=name, digest=digest_of(name))
+        with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
+            suffix = os.path.splitext(inner)[1].lower()
+            reader = READERS["raw"] if dtype is not None else reader_for(head_of(inner), suffix)
+            recording = reader.read(inner, options)
+        return replace(recording, source=name, digest=digest_of(file))
     except AllaniteError as error:
         raise type(error)(f"{name}: {error}") from None
     except OSError as error:
@@ -83,3 +100,52 @@ def read(
         ) from None
     except MemoryError:
         raise DataError(f"{name}: the file does not fit into memory; read fewer channels, or a part of it") from None
+
+
+def write(recording: Recording | Record, path: str | os.PathLike[str], *, force: bool = False) -> None:
+    r"""Write a recording so that `read` gives it back without options: values, rate, start, names, units, kinds.
+
+    Parameters
+    ----------
+    recording : Recording or Record
+        Channels of one rate, start and length.
+    path : str or path
+        The file; its suffix says the format: .csv, .npz, .parquet, .h5, .hdf5 or .mat.
+    force : bool
+        Overwrite an existing file.
+
+    Raises
+    ------
+    UsageError
+        The suffix is that of no format which is written, the file exists, or its folder cannot be written.
+    DataError
+        The channels differ in rate, start or length.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = Path(folder.name, "gyro.csv")
+    >>> write(Record([3, 1, 2], rate=100.0, unit="arcsec", kind="count", scale=0.1, name="gz"), path)
+    >>> record = read(path)["gz"]
+    >>> record.values.tolist(), record.rate, record.kind, record.scale, record.unit
+    ([3, 1, 2], 100.0, 'count', 0.1, 'arcsec')
+    >>> folder.cleanup()
+    """
+    from allanite.files import draft
+
+    from .formats import writer_for
+
+    whole = Recording((recording,)) if isinstance(recording, Record) else recording
+    first = whole[0]
+    for record in whole:
+        if (record.rate, record.start, len(record.values)) != (first.rate, first.start, len(first.values)):
+            raise DataError(
+                f"{record.name!r} ({record.rate} Hz, {len(record.values)} readings from {record.start} s) and "
+                f"{first.name!r} ({first.rate} Hz, {len(first.values)} readings from {first.start} s) do not share a "
+                "clock; write them to files of their own"
+            )
+    writer = writer_for(os.path.splitext(os.fspath(path))[1].lower())
+    with draft(path, force=force) as part:
+        writer.write(whole, str(part))

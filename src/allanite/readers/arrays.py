@@ -12,7 +12,10 @@ from allanite.errors import DataError
 from .column import Column, headed
 from .table import numbers
 
-RATE_NAMES = ("rate", "fs", "sample_rate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency")
+RATE_NAMES = (
+    "rate", "fs", "sample_rate", "samplerate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency", "freq",
+    "frequency", "imu_rate", "samplingrate",
+)  # fmt: skip
 """Names under which a container keeps its sampling rate in Hz."""
 
 _UNIT = re.compile(r"(\s*[\[(][^\[\]()]*[\])])?$")

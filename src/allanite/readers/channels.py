@@ -15,8 +15,8 @@ from .column import Column, lookup
 from .options import Options
 
 ASK_UNIT = (
-    "pass unit='deg/s' (--unit deg/s) with what they are in, or write it into the header as in 'gx [deg/s]', and kind "
-    f"(--kind) where that leaves a choice: {explain_kinds()}"
+    "pass unit='deg/s' (--unit deg/s) with what the readings are in, or write it into the header as in 'gx [deg/s]'; a "
+    "unit of angle or velocity (arcsec, m/s) needs kind (--kind) too, one of rate, increment, angle, count"
 )
 
 
@@ -77,13 +77,15 @@ def choose(
     reasons = _grouped((f"{item.why}:", item.column) for item in left)
     if (signals and chosen is None) or not left:
         return Choice(signals, notes, tuple(f"left out, {reason}" for reason in reasons), ())
-    asked = _grouped((f"{item.why} ({item.ask}):", item.column) for item in left if item.ask)
+    asked = _asked(left)
     nothing = "no column is recognised as an inertial signal; choose with channels=['gx', '2'] (--channels gx,2)"
-    return Choice(signals, notes, () if asked else tuple(reasons), tuple(asked) or (nothing,))
+    others = _grouped((f"{item.why}:", item.column) for item in left if not item.ask)
+    return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,))
 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
-    why = _no_signal(column, options) or _rises(column, options, pool)
+    # a file that says what the readings of a column are needs no reading of names
+    why = "" if column.kind else _no_signal(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, _applies(column, options))
 
 
@@ -136,7 +138,7 @@ def _applies(column: Column, options: Options) -> bool:
 
 
 def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
-    said = _said(column) if headers.inertial(column.unit) else ""
+    said = _said(column) if column.kind or headers.inertial(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
         return Left(column, "the unit is not known", ASK_UNIT)
@@ -152,10 +154,10 @@ def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
     if not kind and len(fits) > 1:
         return Left(
             column,
-            f"{unit!r} does not say what a reading is",
+            f"{unit!r} does not say what a reading is (kind does, or unit {unit}/s if it is a rate)",
             f"pass kind='{fits[0]}' (--kind {fits[0]}): {explain_kinds()}",
         )
-    scale = options.scale if applies and options.scale is not None else column.scale if kept else None
+    scale = options.worth if applies and options.scale is not None else column.scale if kept else None
     return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 
@@ -182,9 +184,22 @@ def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
     return [f"a reading in {unit} is taken as the {kind} over a sample interval" for kind, unit in kinds]
 
 
+def _asked(left: list[Left]) -> list[str]:
+    """What must be said, and of which columns."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for column, why, ask in left:
+        if ask:
+            groups.setdefault((why, ask), []).append(repr(column.header or column.name))
+    return [f"{_listed(names)}: {why}; {ask}" for (why, ask), names in groups.items()]
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+
+
 def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
     """One sentence for each text, with all its columns."""
     groups: dict[str, list[str]] = {}
     for text, column in items:
         groups.setdefault(text, []).append(repr(column.header or column.name))
-    return [f"{text} {', '.join(names)}" for text, names in groups.items()]
+    return [f"{text} {_listed(names)}" for text, names in groups.items()]

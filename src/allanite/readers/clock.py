@@ -1,17 +1,26 @@
-"""The sampling rate: from the user, from the file, or from an even column of stamps; never a guess."""
+"""The sampling rate: from the user, from the file, from stamps or a counter; never a guess."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
+from allanite.errors import DataError
+from allanite.record import FloatArray
 from allanite.units import unit_of
 
-from . import headers
-from .column import Column, lookup
-from .grid import departure, remedy, seconds_since
+from . import counter
+from .clocks import Sources
+from .column import Column
+from .grid import ONE_AFTER_THE_OTHER, Grid
+from .stamps import fit, seconds_since
+
+ROWS = (
+    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until around "
+    "the place"
+)
 
 PLAUSIBLE = (0.5, 20e3)
 """Rates, Hz, between which the unit of integer stamps is looked for."""
@@ -22,132 +31,103 @@ ASK = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Beat:
-    """The sampling rate in Hz, the time of the first sample in s, what was assumed, and what must be asked."""
+    """The sampling rate in Hz, the time of the first sample in s, the grid, what was assumed and what must be asked."""
 
     rate: float = 0.0
     start: float | None = None
     notes: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
+    grid: Grid = ONE_AFTER_THE_OTHER
 
 
-def find(
-    columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, ...] | None
-) -> tuple[Column | None, str]:
-    """The column of stamps and its unit; no column if there is none or the user wants none.
-
-    Raises
-    ------
-    UsageError
-        The column that the user names does not exist, is a chosen channel, or its unit is not one of time.
-    """
-    if option is None:
-        return _by_name([column for column in columns if chosen is None or column not in chosen])
-    if option.strip().lower() == "none":
-        return None, ""
-    name, unit = option, ""
-    if not any(option.strip() in (column.name, column.header) for column in columns):
-        name, _, rest = option.partition("[")
-        unit = rest.strip(" ]")
-    column = lookup(columns, name)
-    if chosen is not None and column in chosen:
-        raise UsageError(f"{column.label} is asked for as time and as a channel")
-    if unit and not headers.is_time(unit):
-        raise UsageError(f"{unit!r} is not a unit of time; for example time='{name.strip()}[us]' with s, ms, us or ns")
-    return column, unit or _said(column)
-
-
-def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
-    ranked = [
-        (headers.clock_rank(column.name), column) for column in columns if not column.text and _may_be_clock(column)
-    ]
-    # a unit of time makes a clock of a column that is not called one; a unit of something else forbids it
-    ranked = [
-        (0 if rank < 2 and _said(c) else 1 if _said(c) else rank, c) for rank, c in ranked if _said(c) or not c.unit
-    ]
-    best = min((rank for rank, _ in ranked), default=2)
-    if best == 2:
-        return None, ""
-    column = next(c for rank, c in ranked if rank == best)
-    return column, _said(column)
-
-
-def _may_be_clock(column: Column) -> bool:
-    """A capital T is a temperature unless it rises at every row."""
-    return column.name != "T" or bool(np.all(np.diff(column.values) > 0))
-
-
-def _said(column: Column) -> str:
-    """The unit of time that the header says; empty if it says none."""
-    return column.unit if headers.is_time(column.unit) else headers.clock_unit(column.name) if not column.unit else ""
-
-
-def beat(column: Column | None, unit: str, rate: float | None, stated: tuple[float | None, str]) -> Beat:
-    """The sampling rate.
+def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
+    """The sampling rate, and the grid on which the rows stand.
 
     Parameters
     ----------
-    column, unit
-        The stamps and their unit as `find` gives them.
+    sources : Sources
+        What may tell it.
     rate : float or None
         What the user says; it wins.
-    stated : (float or None, str)
-        What the file says besides its stamps, and where.
+    repeated : callable
+        Says which rows have the readings of the row before, shape (n - 1,).
 
     Raises
     ------
     DataError
-        There is no other source than the stamps, and they follow no even grid.
+        There is no other source than the stamps, and they give no rate.
     """
-    given = rate if rate is not None else stated[0]
-    first = () if rate is not None or stated[0] is None else (f"rate {_shown(stated[0])} Hz from {stated[1]}",)
-    if column is None:
-        return (
-            Beat(given, notes=first) if given else Beat(questions=(f"the file does not say its sampling rate: {ASK}",))
-        )
-    if given and column.text:
-        return Beat(given, notes=(*first, f"{column.label} holds text and was not used"))
+    given = rate if rate is not None else sources.rate
+    first = sources.notes
+    if rate is None and sources.rate is not None:
+        first = (*first, f"rate {_shown(sources.rate)} Hz from {sources.source}")
+    column = sources.stamps
+    if column is None or (given and column.text):
+        unused = () if column is None else (f"{column.label} holds text and was not used",)
+        return _unstamped(sources.counter, given, (*first, *unused))
     column.demand_numbers()
-    stamps = column.values
-    unit, guessed = (unit, "") if unit else _guess(stamps)
+    stamps, wrapped = counter.unwrapped(column.values)
+    again = (f"{column.label} starts again at 2^{wrapped}: it was continued",) if wrapped else ()
+    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
+    if not unit and not np.any(stamps != stamps[0]):
+        unit = "s"  # stamps that are all equal are so in any unit
     if not unit:
         return Beat(given, notes=first) if given else Beat(questions=(_ask_unit(column),))
     elapsed = seconds_since(stamps, unit)
-    trouble, wander = departure(elapsed, len(stamps), column.label)
-    if trouble and not given:
-        raise DataError(f"{trouble}; {remedy(elapsed)}")
-    if trouble:
-        return Beat(float(given or 0), notes=(*first, f"{trouble}; the samples are taken as evenly spaced"))
-    measured = (len(stamps) - 1) / float(elapsed[-1])
-    notes = _notes(column.label, (given, measured), guessed, wander)
-    return Beat(given or measured, float(stamps[0]) * unit_of(unit).factor, (*first, *notes))
+    grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
+    if grid.trouble and not given:
+        if not elapsed.any():
+            return Beat(questions=(f"{grid.trouble} and give no rate: {ASK}",))
+        raise DataError(f"{grid.trouble}; {ROWS}, or time=... (--time) for another column")
+    if grid.trouble:
+        return Beat(
+            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are taken as evenly spaced"), grid=grid
+        )
+    notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
+    origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
+    return Beat(given or 1 / grid.interval, float(origin) * unit_of(unit).factor, (*first, *again, *notes), (), grid)
 
 
-def _notes(label: str, rates: tuple[float | None, float], guessed: str, wander: str) -> list[str]:
+def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
+    """What can be said without stamps: losses by a counter, if the rate is given."""
+    if given:
+        return Beat(given, notes=notes, grid=counter.grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
+    hint = "" if column is None else f" (the counter {column.label} says which samples were lost, but not their rate)"
+    return Beat(questions=(f"the file does not say its sampling rate{hint}: {ASK}",))
+
+
+def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
+    """The grid that a counter with holes says, if the stamps go forward at all."""
+    places = None if column is None else counter.places(column)
+    if column is None or places is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
+        return None
+    return counter.grid(column, float(elapsed[-1]) / int(places[-1]))
+
+
+def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:
     given, measured = rates
-    remarks = [wander] if wander else []
+    counted = f", {lost} lost intervals counted" if lost else ""
     if given is None:
-        return [f"rate {_shown(measured)} Hz from {label}{guessed}", *remarks]
+        return [f"rate {_shown(measured)} Hz from {label}{counted}{guessed}"]
     if abs(given / measured - 1) <= 1e-3:
-        return remarks
-    return [f"rate {_shown(given)} Hz is used, but the stamps of {label} say {_shown(measured)} Hz{guessed}", *remarks]
+        return []
+    return [f"rate {_shown(given)} Hz is used, but the stamps of {label} say {_shown(measured)} Hz{counted}{guessed}"]
 
 
 def _shown(rate: float) -> str:
     return repr(float(f"{rate:.7g}"))
 
 
-def _guess(stamps: NDArray[Any]) -> tuple[str, str]:
+def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
     """The unit of stamps whose header says none, and the words for the note."""
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
         return "s", ", its stamps taken as seconds"
-    fits = [unit for unit, rate in _readings(stamps) if PLAUSIBLE[0] <= rate <= PLAUSIBLE[1]]
-    return (
-        (fits[0], f", its integer stamps taken as {fits[0]}, the only unit that makes sense")
-        if len(fits) == 1
-        else ("", "")
-    )
+    low, high = (given / 3, 3 * given) if given else PLAUSIBLE
+    fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
+    only = "which fits the rate" if given else "the only unit that makes sense"
+    return (fits[0], f", its integer stamps taken as {fits[0]}, {only}") if len(fits) == 1 else ("", "")
 
 
 def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:

@@ -26,6 +26,8 @@ class Column:
         The header as it stands in the file; empty if there is none.
     text : str
         The first entry of a column of text; empty for numbers.
+    history : tuple of str
+        What was done to the readings before they were written.
     """
 
     values: NDArray[Any]
@@ -36,6 +38,7 @@ class Column:
     scale: float | None = None
     header: str = ""
     text: str = ""
+    history: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:

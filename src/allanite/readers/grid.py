@@ -1,64 +1,70 @@
-"""Do stamps follow an even grid? What departs from it, by how much, and where."""
+"""Grid: where the rows of a file stand in time."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.record import FloatArray
-from allanite.units import unit_of
+from allanite.finding import Finding
 
-DEPARTURE = 0.75
-"""Intervals by which a stamp may depart from the even grid: jitter, or one lost sample of very many, stays below."""
-
-WANDER = 1e-4
-"""Clock wander, relative, that no noise coefficient notices: a drifting oscillator, not a lost sample."""
+Places = NDArray[np.int64]
 
 
-def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
-    """Seconds since the first stamp; integers are subtracted as such, since nanoseconds of an epoch exceed float64."""
-    with np.errstate(all="ignore"):  # what is not finite is refused by `departure`
-        return np.asarray((stamps - stamps[0]) * unit_of(unit).factor, dtype=np.float64)
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """An even grid under the rows.
+
+    Attributes
+    ----------
+    interval : float
+        Of the grid, s: the time between the first stamp and the last over the intervals between them, lost ones
+        counted.
+    rows : array of int, optional
+        The rows that are kept, in the order of time; None for all in the order of the file.
+    places : array of int, optional
+        Where they stand on the grid; None for one after the other.
+    findings : tuple of Finding
+        What is wrong with the stamps.
+    trouble : str
+        Why the stamps give no rate; empty if they do.
+
+    Examples
+    --------
+    >>> grid = Grid(0.01, places=np.array([0, 1, 3]))
+    >>> grid.lost, grid.put(np.array([5.0, 6.0, 7.0]))
+    (1, array([ 5.,  6., nan,  7.]))
+    """
+
+    interval: float = 0.0
+    rows: Places | None = None
+    places: Places | None = None
+    findings: tuple[Finding, ...] = ()
+    trouble: str = ""
+
+    @property
+    def lost(self) -> int:
+        """Number of places without a row."""
+        return 0 if self.places is None else int(self.places[-1]) + 1 - self.places.size
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """What putting rows on the grid does to a record."""
+        lost = (f"{self.lost} lost readings marked as gaps",) if self.lost else ()
+        if self.rows is None:
+            return lost
+        done = "repeated rows left out" if np.all(np.diff(self.rows) > 0) else "rows put in the order of their stamps"
+        return (done, *lost)
+
+    def put(self, values: NDArray[Any]) -> NDArray[Any]:
+        """The readings on the grid, NaN where one is lost."""
+        kept = values if self.rows is None else values[self.rows]
+        if self.places is None or not self.lost:
+            return kept
+        whole = np.full(kept.size + self.lost, np.nan)
+        whole[self.places] = kept
+        return whole
 
 
-def departure(elapsed: FloatArray, size: int, label: str) -> tuple[str, str]:
-    """What forbids a rate from these stamps; and what is worth a note though it does not."""
-    bad = ~np.isfinite(elapsed)
-    if bad.any():
-        return f"{label} has no stamp at sample {int(np.argmax(bad))} ({int(bad.sum())} of {size} are missing)", ""
-    if elapsed[-1] < 1e-300:
-        return f"the last stamp of {label} is not later than the first", ""
-    interval = float(elapsed[-1]) / (size - 1)
-    with np.errstate(over="ignore"):
-        off = np.abs(elapsed / interval - np.arange(size))
-        steps = np.diff(elapsed) / interval
-    worst = int(np.argmax(off))
-    most = float(off[worst])
-    longest = int(np.argmax(steps))
-    lost = f"the step of {label} before sample {longest + 1} is {steps[longest]:.3g} intervals: a sample may be lost"
-    if most <= DEPARTURE:
-        return "", lost if steps[longest] > 1 + DEPARTURE else ""
-    if most <= WANDER * size and steps.min() > 0 and steps[longest] < 1 + DEPARTURE:
-        share = f"{most / size * 1e6:.2g} ppm of the record"
-        return "", f"{label} wanders by {most:.3g} intervals ({share}) from an even grid, without a gap"
-    where = f"sample {worst} departs by {most:.4g} intervals ({most * interval:.4g} s) from the even grid"
-    return f"the stamps of {label} are not evenly spaced: {where}, {_worst_step(steps, interval)}", ""
-
-
-def _worst_step(steps: FloatArray, interval: float) -> str:
-    backward, repeated = int((steps < 0).sum()), int((steps == 0).sum())
-    if backward:
-        return f"and {backward} stamps go back in time, the first at sample {int(np.argmax(steps < 0)) + 1}"
-    longest = int(np.argmax(steps))
-    again = f"{repeated} stamps repeat the one before, and " if repeated else ""
-    return f"{again}the longest step is {steps[longest] * interval:.4g} s, before sample {longest + 1}"
-
-
-def remedy(elapsed: FloatArray) -> str:
-    """What to do about stamps that follow no even grid."""
-    mean = (len(elapsed) - 1) / elapsed[-1] if np.isfinite(elapsed[-1]) and elapsed[-1] > 0 else 0.0
-    over = f" (the mean over the file is {mean:.6g} Hz)" if mean else ""
-    return (
-        f"pass rate=... (--rate) to take the samples as evenly spaced{over}, with --from and --until around a gap, "
-        "or time=... (--time) for another column"
-    )
+ONE_AFTER_THE_OTHER = Grid()
+"""What is supposed where nothing tells more."""

@@ -5,6 +5,7 @@ import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 from allanite.errors import AllaniteError, DataError, UsageError
@@ -16,9 +17,24 @@ ROOM = 32 << 20
 """Bytes that any file may unpack to, whatever its size."""
 
 
+_outer: ContextVar[int | None] = ContextVar("outer", default=None)
+
+
 def most(path: str) -> int:
-    """Bytes that the contents of a file may take."""
-    return RATIO * os.path.getsize(path) + ROOM
+    """Bytes that the contents of a file may take; of a file that was packed in another, what the other one may."""
+    here = RATIO * os.path.getsize(path) + ROOM
+    outer = _outer.get()
+    return here if outer is None else min(here, outer)
+
+
+@contextmanager
+def within(path: str) -> Iterator[None]:
+    """Whatever is unpacked inside may not take more than the contents of `path`: bombs do not multiply."""
+    token = _outer.set(most(path))
+    try:
+        yield
+    finally:
+        _outer.reset(token)
 
 
 def demand_size(size: int, path: str, what: str) -> None:
@@ -31,9 +47,15 @@ def demand_size(size: int, path: str, what: str) -> None:
     """
     if size > most(path):
         raise DataError(
-            f"{what} claims {size / 1e6:.6g} MB, over {RATIO} times the {os.path.getsize(path) / 1e6:.3g} MB of the "
-            "file: it is damaged or a decompression bomb; if it is neither, write it again without compression"
+            f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this size may "
+            f"unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is neither, write it "
+            "again without compression"
         )
+
+
+def damaged(why: str) -> DataError:
+    """The error over a file whose parts contradict each other."""
+    return DataError(f"the file is damaged or was cut off: {why}; copy or save it again")
 
 
 @contextmanager
@@ -43,7 +65,7 @@ def worded(what: str = "the file") -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is odd about the file and harmless
             yield
-    except (AllaniteError, MemoryError):
+    except (AllaniteError, MemoryError, NameError):  # the last is a defect of ours, whatever the file
         raise
     except Exception as error:
         said = " ".join(str(error).split())[:200]

@@ -24,6 +24,7 @@ SUFFIXES: dict[str, str] = {
 TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of them carry
     "time": "", "t": "", "timestamp": "", "timestamps": "", "stamp": "", "stamps": "", "clock": "", "epoch": "",
     "elapsed": "", "datetime": "", "tow": "", "utc": "",
+    "zeit": "", "zeitstempel": "", "uhrzeit": "", "temps": "", "tiempo": "", "tempo": "",
     "second": "s", "seconds": "s", "sec": "s", "secs": "s", "s": "s", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "micros": "us", "microseconds": "us", "us": "us", "nanoseconds": "ns", "ns": "ns",
 }  # fmt: skip

@@ -10,7 +10,7 @@ from allanite.errors import DataError
 from .cells import MISSING, Row, cells, decoded, has_number, is_number
 from .naming import header
 
-HEAD = 1 << 18
+HEAD = 1 << 17
 """Bytes at the beginning of a file from which its layout is found."""
 
 MARKS = ("#", "%", "//", ";")
@@ -53,8 +53,10 @@ def find(data: bytes) -> Layout:
     """
     lines = _lines(data)
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
-    delimiter, decimal = _style(
-        plain[-200:] or [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
+    delimiter, decimal = style(
+        [*plain[:1], *plain[-200:]]
+        if plain
+        else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
     )
     marks = MARKS[:3] if delimiter == ";" else MARKS
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
@@ -88,14 +90,17 @@ def _lines(data: bytes) -> list[tuple[int, int, str]]:
     return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
 
 
-def _style(lines: list[str]) -> tuple[str, str]:
+def style(lines: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign: those that make the most of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
         found = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
         return (sum(found) / max(1, len(found)), sum(found))
 
-    return max(_STYLES, key=score)
+    best = max(_STYLES, key=score)
+    # tabs and blanks mixed: where blanks make as many cells of every line, header too, no cell is empty or has one
+    widths = {len(cells(line, " ")) for line in lines} if best[0] == "\t" else set()
+    return (" ", best[1]) if len(widths) == 1 and all(len(cells(line, "\t")) in widths for line in lines[-1:]) else best
 
 
 def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from allanite.errors import DataError
 from allanite.record import Recording
 
+from .archive import demand_directory
 from .arrays import RATE_NAMES, column, split, turned, turned_note
 from .column import Column
+from .description import KEY, described, keys, restored
 from .guard import demand_size, worded
 from .options import Options
 from .table import Table
@@ -23,8 +25,9 @@ NPY, ZIP, PICKLE = b"\x93NUMPY", b"PK\x03\x04", b"\x80"
 
 
 def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or else the name, are those of a NumPy file."""
-    return head.startswith(NPY) or (head.startswith(ZIP) and b".npy" in head[:4096]) or suffix in (".npy", ".npz")
+    """Whether the first bytes, or else the name, are those of a NumPy file; a .zip may hold one beside others."""
+    archive = head.startswith(ZIP) and b".npy" in head[:4096] and suffix != ".zip"
+    return head.startswith(NPY) or archive or suffix in (".npy", ".npz")
 
 
 def read(path: str, options: Options) -> Recording:
@@ -41,6 +44,8 @@ def read(path: str, options: Options) -> Recording:
         What the file does not say is not given either.
     """
     arrays, notes = _loaded(path), list[str]()
+    text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
+    arrays = [(name, array) for name, array in arrays if name != KEY]
     columns = list[Column]()
     rate = next(
         (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
@@ -51,7 +56,17 @@ def read(path: str, options: Options) -> Recording:
             columns.append(column(header, values, len(columns) + 1))
     if not columns:
         raise DataError("the file holds no array of readings")
-    return Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes)).recording(options)
+    table = Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes))
+    return restored(table, text).recording(options)
+
+
+def write(recording: Recording, path: str) -> None:
+    """An .npz with an array for each channel, and the rate."""
+    content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
+    with Path(path).open("wb") as file, zipfile.ZipFile(file, "w", allowZip64=True) as archive:
+        for name, array in (content | {"rate": recording[0].rate, KEY: described(recording)}).items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 
 def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
@@ -102,6 +117,7 @@ def _objects(what: str) -> str:
 
 def _demand_sizes(path: str) -> None:
     """Numpy takes the memory that the header of a member claims before it reads the member."""
+    demand_directory(path)
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
         demand_size(sum(member.file_size for member in members), path, "the archive")

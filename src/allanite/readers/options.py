@@ -1,12 +1,16 @@
 """What the user says about a file, checked once at the door."""
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any
 
 from allanite.errors import UsageError
 from allanite.record import KINDS, explain_kinds
 from allanite.units import unit_of
+
+_WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+"""A number, and perhaps a unit behind it."""
 
 
 @dataclass(frozen=True)
@@ -21,12 +25,14 @@ class Options:
         Unit of the readings (of `scale` where one is given).
     kind : str, optional
         What a reading is: a key of `record.KINDS`.
-    scale : float, optional
-        Worth of one step of the readings in `unit`.
+    scale : float or str, optional
+        Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both, and becomes a number and a unit.
     channels : sequence of str, optional
         Names of columns, or their places counted from 1.
     time : str, optional
         The time column, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"``: use none.
+    dtype, columns, offset
+        How raw binary is laid out: type of a number, numbers in a row, bytes before the first row.
 
     Raises
     ------
@@ -37,11 +43,18 @@ class Options:
     rate: float | None = None
     unit: str | None = None
     kind: str | None = None
-    scale: float | None = None
+    scale: float | str | None = None
     channels: tuple[str, ...] | None = None
     time: str | None = None
+    dtype: str | None = None
+    columns: int | None = None
+    offset: int | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.scale, str):
+            worth, unit = _worth(self.scale, self.unit)
+            object.__setattr__(self, "scale", worth)
+            object.__setattr__(self, "unit", unit)
         _demand_positive(self.rate, "the sampling rate", "Hz", "rate=100 (--rate 100)")
         _demand_positive(self.scale, "the scale", "the unit of the readings", "scale=0.1 (--scale 0.1)")
         if self.kind is not None and self.kind not in KINDS:
@@ -51,6 +64,29 @@ class Options:
             unit_of(self.unit)
         if self.time is not None:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")
+        if self.dtype is not None:
+            object.__setattr__(self, "dtype", _demand_text(self.dtype, "dtype", "'i2', '>i2' or 'f4'").strip())
+        _demand_whole(self.columns, 1, "columns=6 (--columns 6) for rows of six numbers")
+        _demand_whole(self.offset, 0, "offset=512 (--offset 512) for a header of 512 bytes")
+        if self.dtype is None and (self.columns, self.offset) != (None, None):
+            raise UsageError(
+                "columns and offset describe raw binary; say with dtype='i2' (--dtype i2) what its numbers are"
+            )
+
+    @property
+    def worth(self) -> float | None:
+        """Worth of one step of the readings in `unit`."""
+        return None if self.scale is None else float(self.scale)
+
+
+def _worth(text: str, unit: str | None) -> tuple[float | str, str | None]:
+    """Number and unit of a scale such as ``0.01deg/s``; what is no number is left for the refusal."""
+    match = _WORTH.fullmatch(text)
+    if match is None:
+        return text, unit
+    if match[2] and unit is not None and unit.strip() != match[2]:
+        raise UsageError(f"the scale {text!r} has another unit than unit={unit!r} (--unit {unit}); say it once")
+    return float(match[1]), match[2] or unit
 
 
 def _demand_positive(value: Any, what: str, unit: str, example: str) -> None:
@@ -62,6 +98,11 @@ def _demand_positive(value: Any, what: str, unit: str, example: str) -> None:
         fine = False
     if not fine:
         raise UsageError(f"{what} must be a positive number of {unit}, not {value!r}; for example {example}")
+
+
+def _demand_whole(value: Any, least: int, example: str) -> None:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < least):
+        raise UsageError(f"a whole number from {least} on is expected, not {value!r}; for example {example}")
 
 
 def _demand_text(value: Any, option: str, example: str) -> str:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from allanite.errors import DataError
 from allanite.record import Recording
 
@@ -55,7 +57,7 @@ def read(path: str, options: Options) -> Recording:
     columns = [
         Column(numbers, i, name, unit, "count", scale, header=name)
         for i, ((name, unit), numbers, scale) in enumerate(zip(_CHANNELS, values, scales, strict=True), 1)
-        if numbers is not None and not isinstance(numbers, str)
+        if isinstance(numbers, np.ndarray)
     ]
     where = f"the interval of {interval:g} ms in the second header row"
     return Table(

@@ -8,12 +8,15 @@ from typing import Any
 
 from allanite.errors import DataError, UsageError
 
+SEPARATOR = "::"
+"""Stands between an archive and the name of a member."""
+
 HEAD = 1 << 16
 """Bytes by which a format is recognised."""
 
 
-def checked(path: Any) -> str:
-    """The path as text, if a file that can be read is there.
+def checked(path: Any) -> tuple[str, str]:
+    """The path as text, if a file that can be read is there, and the member of an archive that ``::`` names in it.
 
     Raises
     ------
@@ -26,6 +29,8 @@ def checked(path: Any) -> str:
         name = os.fsdecode(path)
     except TypeError:
         raise UsageError(f"a path is expected, not {path!r}") from None
+    file, _, member = name.rpartition(SEPARATOR)
+    name, member = (file, member) if file and not os.path.exists(name) else (name, "")
     try:
         mode = os.stat(name)
     except FileNotFoundError:
@@ -40,7 +45,7 @@ def checked(path: Any) -> str:
         )
     if mode.st_size == 0:
         raise DataError(f"{name}: the file is empty; was the recording saved?")
-    return name
+    return name, member
 
 
 def head_of(name: str) -> bytes:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.errors import DataError, UsageError
 from allanite.record import Record, Recording
 
-from . import channels, clock
+from . import channels, clock, clocks
 from .column import Column, unique
 from .options import Options
 
@@ -26,12 +26,15 @@ class Table:
         Sampling rate in Hz, if the file states one, and where it does.
     notes : tuple of str
         What was assumed when the file was taken apart.
+    start : float, optional
+        Time of the first sample, s, if the file states one.
     """
 
     columns: tuple[Column, ...]
     rate: float | None = None
     rate_source: str = ""
     notes: tuple[str, ...] = field(default=())
+    start: float | None = None
 
     def recording(self, options: Options) -> Recording:
         """The channels as records on one clock.
@@ -49,33 +52,51 @@ class Table:
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
-        time, option_unit = clock.find(table.columns, options.time, chosen)
+        # a column of which the file says what its readings are is a clock only if the user says so
+        open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
+        sources = replace(clocks.find(open_, options.time, chosen), rate=table.rate, source=table.rate_source)
+        time = sources.stamps
         choice = channels.choose(table.columns, options, chosen, time)
-        _demand_rows([*(signal.column for signal in choice.signals), *([time] if time else [])])
-        beat = clock.beat(time, option_unit, options.rate, (table.rate, table.rate_source))
+        signals = [signal.column for signal in choice.signals]
+        _demand_rows([*signals, *([time] if time else [])])
+        beat = clock.beat(sources, options.rate, lambda: _repeated(signals))
         questions = [*beat.questions, *choice.questions]
         if questions:
             raise UsageError("; ".join((*questions, *choice.left)))
-        records = tuple(_record(signal, beat) for signal in choice.signals)
-        return Recording(records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left))
+        records = tuple(_record(signal, beat, table.start) for signal in choice.signals)
+        return Recording(
+            records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left), findings=beat.grid.findings
+        )
 
 
-def _record(signal: channels.Signal, beat: clock.Beat) -> Record:
+def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
+    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) without a column."""
+    same = [column.values[1:] == column.values[:-1] for column in columns]
+    return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
+
+
+def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:
     values, name = signal.column.values, signal.column.name
+    start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large turns into another integer without a word
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
         raise DataError(f"{signal.column.label} holds counts beyond the range of 64-bit integers; use kind='increment'")
-    return Record(values, beat.rate, signal.unit, signal.kind, signal.scale, name=name, start=beat.start)
+    put, kind = beat.grid.put(values), signal.kind
+    if beat.grid.lost and kind == "count":  # a gap is no integer: the same numbers, as increments
+        kind = "increment"
+    history = (*history, *beat.grid.history)
+    return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)
 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
     """Readings of any real type as native float64 or int64."""
+    copy = values.base is not None  # a part of a matrix, which it would keep, or of a file, which may change
     if values.dtype.kind in "iu":
         fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
-        return values.astype(np.int64 if fits else np.float64)
+        return values.astype(np.int64 if fits else np.float64, copy=copy)
     if values.dtype.kind == "f":
         with np.errstate(over="ignore"):
-            return values.astype(np.float64)
+            return values.astype(np.float64, copy=copy)
     raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
 
 

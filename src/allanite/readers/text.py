@@ -1,11 +1,14 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header."""
 
 from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
 
 from allanite.errors import DataError
 from allanite.record import Recording
 
-from . import layout, parse
+from . import csv_file, dates, layout, parse, sensors, shapes
 from .column import Column, headed
 from .options import Options
 from .table import Table
@@ -13,7 +16,6 @@ from .table import Table
 TITLE = "text or CSV: columns of numbers, with a header or without"
 
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
-_WIDEST = 1000
 
 
 def sniff(head: bytes, suffix: str) -> bool:
@@ -34,15 +36,22 @@ def read(path: str, options: Options) -> Recording:
     UsageError
         What the file does not say is not given either.
     """
-    data = _plain(Path(path).read_bytes())
+    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
     found = layout.find(data)
-    if found.width > _WIDEST:
+    if found.width > shapes.WIDEST:
         raise DataError(
             f"line {found.line} holds {found.width} numbers; one row for each sample is expected, each on its own line"
         )
-    values, notes = parse.columns(data, found)
-    columns = (_column(v, i, found) for i, v in enumerate(values) if v is not None)
-    return Table(tuple(columns), notes=(*found.notes, *notes)).recording(options)
+    values, passed = parse.columns(data, found)
+    columns, tags, said = _columns(values, found)
+    by = sensors.turns(columns, tags)
+    if by is None:
+        columns, told = sensors.between(columns)
+    else:
+        groups, told = sensors.apart(columns, by)
+        columns = sensors.wanted(groups, options.channels)
+    table = Table(tuple(columns), notes=(*notes, *found.notes, *passed, *said, *told))
+    return csv_file.with_description(table, data).recording(options)
 
 
 def _plain(data: bytes) -> bytes:
@@ -58,12 +67,50 @@ def _plain(data: bytes) -> bytes:
     return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
-def _column(values: parse.Values | str, place: int, found: layout.Layout) -> Column:
-    import numpy as np
+def _columns(
+    values: list[parse.Parsed], found: layout.Layout
+) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+    """The columns, those of few words by their place, and the words about dates that were put together."""
+    values, names, notes = _dated(values, list(found.names))
+    columns: list[Column] = []
+    tags = {}
+    for place, entry in enumerate(values):
+        if entry is None:
+            continue
+        if isinstance(entry, parse.Tags):
+            tags[len(columns)] = entry
+        columns.append(_column(entry, place, names[place], found.units[place]))
+    return columns, tags, notes
 
-    name, unit = found.names[place], found.units[place]
-    if isinstance(values, str):
-        return headed(np.empty(0), place + 1, name, text=values)
-    if values.dtype.kind == "M":
-        return headed(values.astype(np.int64), place + 1, name or "time", unit="ns")
+
+def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Parsed], list[str], tuple[str, ...]]:
+    """A column of dates beside one of times of day becomes one of stamps; so does one of times alone."""
+    for day, time in ((i, j) for i in range(len(values)) for j in (i + 1, i - 1) if 0 <= j < len(values)):
+        date, clock = values[day], values[time]
+        if _is(date, "datetime64[D]") and _is(clock, "timedelta64[ns]"):
+            stamps = date.astype("datetime64[ns]") + clock
+            first, second = sorted((day, time))
+            label = " ".join(filter(None, (names[first], names[second])))
+            values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
+            names = [label if i == first else name for i, name in enumerate(names)]
+            return values, names, (f"columns {first + 1} and {second + 1} are taken as date and time of day",)
+    return values, names, ()
+
+
+def _is(values: parse.Parsed, dtype: str) -> TypeGuard[parse.Values]:
+    return isinstance(values, np.ndarray) and values.dtype == dtype
+
+
+def _column(values: Any, place: int, name: str, unit: str) -> Column:
+    if isinstance(values, (str, parse.Tags)):
+        return headed(np.empty(0), place + 1, name, text=values if isinstance(values, str) else values.words[0])
+    if values.dtype == "datetime64[D]":
+        return headed(np.empty(0), place + 1, name, text=str(values[0]))
+    if values.dtype.kind in "mM":
+        stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
+        missing = np.isnat(values)
+        if missing.any():
+            stamps = np.where(missing, np.nan, stamps)
+        usual = "time of day" if values.dtype.kind == "m" else "date and time"
+        return Column(stamps, place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
 
     from allanite.fit import Fit
     from allanite.study import Study
+    from allanite.survey import Survey
 
 PathLike = str | os.PathLike[str]
 
@@ -15,14 +16,15 @@ PathLike = str | os.PathLike[str]
 def plot(
     value: Any, fit: "Fit | None" = None, *, path: PathLike | None = None, level: float = 0.95, force: bool = False
 ) -> "Figure":
-    """Draw deviation against averaging time, with confidence band, model and terms.
+    """Draw a result for print.
 
     Parameters
     ----------
-    value : Curve, Fit, Channel, Study, or a sequence of them
-        Several channels become several panels.
+    value : Curve, Spectrum, Surface, Fit, Channel, Study, Survey, or a sequence of one of them
+        Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
+        panel. Density against frequency. Or the curves of all windows, and what changes with time.
     fit : Fit, optional
-        What is drawn over a single curve.
+        What is drawn over a curve or spectrum, or over several statistics of one channel.
     path : path, optional
         Where the figure is saved; the suffix (.png, .svg, .pdf) says how.
     level : float
@@ -39,13 +41,12 @@ def plot(
     UsageError
         There is nothing to draw; the file exists, its suffix is unknown, or its folder cannot be written.
     """
-    from .figures import plot_panels
-    from .panels import panels_of
+    from .drawings import draw
     from .style import demand_figure_path, save
 
     if path is not None:
         demand_figure_path(path, force=force)
-    figure = plot_panels(panels_of(value, fit), level=level)
+    figure = draw(value, fit, level)
     if path is not None:
         save(figure, path, force=force)
     return figure
@@ -67,15 +68,20 @@ def report(study: "Study", path: PathLike, *, force: bool = False) -> None:
     UsageError
         The file exists, or its folder cannot be written.
     """
-    from .files import demand_writable, write
+    from allanite.files import demand_writable, write
+
     from .html import page
 
     demand_writable(path, force=force)
     write(path, page(study).encode(), force=force)
 
 
-def table(study: "Study", *, width: int = 120, color: bool = False) -> str:
-    """The study as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
-    from .text import render
+def table(value: "Study | Survey", *, width: int = 120, color: bool = False) -> str:
+    """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+    from allanite.survey import Survey
 
-    return render(study, width=width, color=color)
+    from . import listing, text
+
+    if isinstance(value, Survey):
+        return listing.render(value, width=width, color=color)
+    return text.render(value, width=width, color=color)

@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from allanite.fit import Estimate
 from allanite.model import Term
 from allanite.statistics import STATISTICS
-from allanite.terms import NoiseTerm
+from allanite.units import unit_of
 
 from . import style, words
-from .labels import Box, FloatArray, IntArray, place
+from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs
+from .labels import Box, FloatArray
 from .panels import Panel, Points, columns_of, points, span
 
 FEW = 2.0
@@ -38,7 +36,7 @@ def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
             ax.set_axis_off()
         for j, column in enumerate(columns):
             _draw_column(list(grid[: len(column), j]), column, level)
-        _draw_legend(figure)
+        draw_legend(figure)
     return figure
 
 
@@ -104,103 +102,37 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
     ax.plot(tau[inside], whole[inside], color=style.INK, lw=1.3, zorder=3, label="model")
     lines = {term.symbol: panel.expected(term, tau) for term in fit.model}
     for symbol, line in lines.items():
-        ax.plot(tau, line, color=_color(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
-    curves = _fractions(ax, np.concatenate([_pairs(drawn.tau, drawn.deviation), _pairs(tau[inside], whole[inside])]))
-    paths = {symbol: _fractions(ax, _pairs(tau, line)) for symbol, line in lines.items()}
+        ax.plot(tau, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
+    curves = fractions(ax, np.concatenate([pairs(drawn.tau, drawn.deviation), pairs(tau[inside], whole[inside])]))
+    paths = {symbol: fractions(ax, pairs(tau, line)) for symbol, line in lines.items()}
     placed: list[Box] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         mark = _draw_mark(ax, panel, fit.model[e.symbol], e.sheet_unit)
-        anchors = paths[e.symbol][_by_share(lines[e.symbol], whole)] if mark is None else mark
+        anchors = paths[e.symbol][by_share(lines[e.symbol], whole)] if mark is None else mark
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([curves, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
         if len(seen):
-            placed.append(_draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
-
-
-def _color(symbol: str) -> str:
-    return style.COLORS.get(symbol, style.OTHER)
+            placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
 
 
 def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | None:
     mark = _mark(ax, panel, term, unit)
     if mark is None:
         return None
-    ax.plot(*mark, "D", ms=5, mfc="white", mec=_color(term.symbol), mew=1.3, zorder=5)
-    return _fractions(ax, np.array([mark]))
-
-
-def _by_share(line: FloatArray, whole: FloatArray) -> IntArray:
-    """Indices of the points of a term's line, first where it has most to say."""
-    known = np.isfinite(line)
-    return np.argsort(-(line / whole)[known], kind="stable")
+    ax.plot(*mark, "D", ms=5, mfc="white", mec=color_of(term.symbol), mew=1.3, zorder=5)
+    return fractions(ax, np.array([mark]))
 
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many hours, or else seconds."""
-    row = term.row
-    if not _is_read_off(row):
-        return None
     for seconds in (3600.0, 1.0) if re.search(r"\bh\b", unit) else (1.0,):
-        tau = row.read_at * seconds
+        tau = term.row.read_at * seconds
         deviation = float(panel.expected(term, np.array([tau]))[0])
-        ((x, y),) = _fractions(ax, np.array([[tau, deviation]]))
+        # so it is in the Allan deviation, but for flicker; other statistics have other levels
+        coefficient = abs(term.value) * seconds ** -float(term.row.power) / unit_of(panel.unit).factor
+        if not math.isclose(deviation, coefficient, rel_tol=1e-6):
+            return None
+        ((x, y),) = fractions(ax, np.array([[tau, deviation]]))
         if 0.02 < x < 0.98 and 0.04 < y < 0.96:
             return tau, deviation
     return None
-
-
-def _is_read_off(row: NoiseTerm) -> bool:
-    """Whether the line of a term passes through its coefficient; that of flicker lies at 0.664 B throughout."""
-    return math.isclose(row.level * row.read_at ** (2 * row.slope), 1.0)
-
-
-def _draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
-    symbol, text = label
-    box = place(anchors, _size(ax, text), avoid, placed)
-    ax.text(
-        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
-        color=_color(symbol), zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
-    )  # fmt: skip
-    return box
-
-
-def label_of(estimate: Estimate, level: float) -> str:
-    """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
-    number = words.shown(estimate, estimate.sheet_unit, level)
-    assert number is not None  # noqa: S101 - only what has a value is drawn
-    value = number.value.replace("-", "−") + number.power
-    return f"{estimate.symbol} = {value} {words.printed_unit(estimate.sheet_unit)}"
-
-
-def _size(ax: Axes, text: str) -> tuple[float, float]:
-    """Width and height of a label in fractions of the panel, before anything is laid out."""
-    figure = ax.get_figure(root=True)
-    spec = ax.get_subplotspec()
-    assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
-    rows, columns = spec.get_gridspec().get_geometry()
-    width, height = figure.get_size_inches()
-    # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
-    return len(text) * 5.4 / (72 * 0.86 * width / columns), 11.5 / (72 * 0.8 * height / rows)
-
-
-def _pairs(x: FloatArray, y: FloatArray) -> FloatArray:
-    return np.column_stack([x, y])[np.isfinite(y)]
-
-
-def _fractions(ax: Axes, pairs: FloatArray) -> FloatArray:
-    """Points as fractions of the panel."""
-    low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
-    return np.asarray((np.log(pairs) - low) / (high - low))
-
-
-def _draw_legend(figure: Figure) -> None:
-    """One legend for all panels, above them."""
-    entries: dict[str, Artist] = {}
-    for ax in figure.axes:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    if "model" in entries:
-        entries["each term alone"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
-        mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
-        entries["where its coefficient is read off"] = mark
-    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=3, columnspacing=1.6)

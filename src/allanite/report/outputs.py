@@ -1,16 +1,16 @@
-"""The files that a study can become: what goes into each, and whether it may be written."""
+"""The files that a result can become: what goes into each, and whether it may be written."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from allanite.errors import UsageError
-
-from .files import demand_writable
+from allanite.files import demand_writable
 
 if TYPE_CHECKING:
     from allanite.study import Study
+    from allanite.survey import Survey
 
 STDOUT = "-"
 
@@ -21,26 +21,26 @@ def _page(study: "Study", _: str) -> bytes:
     return page(study).encode()
 
 
-def _figure(study: "Study", path: str) -> bytes:
+def _figure(value: "Study | Survey", path: str) -> bytes:
     from . import plot
     from .style import encode
 
-    return encode(plot(study, level=study.recipe.level), Path(path).suffix.lower().lstrip("."))
+    return encode(plot(value, level=value.recipe.level), Path(path).suffix.lower().lstrip("."))
 
 
-def _json(study: "Study", _: str) -> bytes:
+def _json(value: "Study | Survey", _: str) -> bytes:
     from .plain import to_json
 
-    return to_json(study).encode()
+    return to_json(value).encode()
 
 
-def _csv(study: "Study", _: str) -> bytes:
+def _csv(value: "Study | Survey", _: str) -> bytes:
     from .plain import to_csv
 
-    return to_csv(study).encode()
+    return to_csv(value).encode()
 
 
-OUTPUTS: dict[str, Callable[["Study", str], bytes]] = {"report": _page, "plot": _figure, "json": _json, "csv": _csv}
+OUTPUTS: dict[str, Callable[[Any, str], bytes]] = {"report": _page, "plot": _figure, "json": _json, "csv": _csv}
 """Name of the option that asks for it: what the file holds."""
 
 PRINTED = ("json", "csv")

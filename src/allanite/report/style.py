@@ -13,16 +13,21 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.errors import UsageError
-
-from .files import demand_writable, write
+from allanite.files import demand_writable, write
 
 PathLike = str | os.PathLike[str]
 
 COLORS = {"Q": "#AA4499", "N": "#0072B2", "B": "#008F6B", "K": "#C1272D", "R": "#B97700"}
 """One colour a term, everywhere; after Okabe and Ito, and Tol: distinct to colour-blind eyes and in grey print."""
+
+SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
+"""Colours of curves in one panel, in this order; their order of brightness differs too."""
+
+MARKERS = "osD^vP"
+"""One a colour."""
 
 OTHER = "#6B6B6B"
 INK, DATA, GRID, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#B00020"
@@ -84,11 +89,22 @@ def grid(axes: Axes) -> None:
 
 
 def plain_ticks(*axes: Axis) -> None:
-    """Label 0.01 to 100000 as they are spoken, and only the rest as powers of ten."""
+    """Label 0.01 to 100000 as they are spoken, and only the rest as powers of ten.
+
+    Where an axis spans less than 60, 2 and 5 are labelled too.
+    """
     for axis in axes:
         axis.set_major_formatter(
             FuncFormatter(lambda v, _: f"{v:g}" if 9e-4 < v < 2e5 else f"$10^{{{math.log10(v):.0f}}}$")
         )
+        low, high = axis.get_view_interval()
+        few = low > 0 and high / low < 60
+        axis.set_minor_formatter(FuncFormatter(_two_and_five) if few else NullFormatter())
+
+
+def _two_and_five(value: float, _: int | None) -> str:
+    digit = value / 10 ** math.floor(math.log10(value) + 1e-9)
+    return f"{value:g}" if round(digit) in (2, 5) else ""
 
 
 def demand_figure_path(path: PathLike, *, force: bool = False) -> str:

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from allanite.fit import Estimate, Fit
 from allanite.study import Channel, Study
+from allanite.survey import Survey
 
 from . import words
 
@@ -37,10 +38,15 @@ class Columns(NamedTuple):
 
 def render(study: Study, *, width: int = 120, color: bool = False) -> str:
     """The study as text; see `allanite.report.table`."""
+    return printed(_lines(study, width), width=width, color=color)
+
+
+def printed(lines: Iterator[Text], *, width: int, color: bool) -> str:
+    """Lines as a terminal of `width` columns wants them; with `color`, ANSI codes in them."""
     out = io.StringIO()
     system: Literal["standard"] | None = "standard" if color else None
     console = Console(file=out, width=width, force_terminal=color, color_system=system, markup=False, emoji=False)
-    for line in _lines(study, width):
+    for line in lines:
         # lines are already as long as they should be: a number is never torn in two
         line.rstrip()
         console.print(line, soft_wrap=True, highlight=False)
@@ -48,8 +54,7 @@ def render(study: Study, *, width: int = 120, color: bool = False) -> str:
 
 
 def _lines(study: Study, width: int) -> Iterator[Text]:
-    for label, value in _header(study):
-        yield from _prose(value, width, first=f"{label:<{LABEL}}", indent=LABEL)
+    yield from header(study, f", method {study.recipe.method}", width)
     level, fits = study.recipe.level, [channel.fit for channel in study.channels if channel.fit]
     wide = all(_width(fit, level) <= width for fit in fits)
     for channel in study.channels:
@@ -59,20 +64,21 @@ def _lines(study: Study, width: int) -> Iterator[Text]:
     notes = [f"{status}: {meaning}" for status, meaning in words.STATUS.items() if status in statuses]
     yield from [Text()] if notes else []
     for note in notes:
-        yield from _prose(note, width, style="dim", indent=2)
+        yield from prose(note, width, style="dim", indent=2)
 
 
-def _header(study: Study) -> Iterator[tuple[str, str]]:
-    made = study.provenance
-    yield "file", made.get("source") or "(data in memory)"
-    for i, note in enumerate(study.notes):
-        yield "" if i else "assumed", note
-    if made.get("sha256"):
-        yield "sha256", made["sha256"]
-    yield "made by", f"allanite {made.get('allanite', '')}, method {study.recipe.method}"
+def header(value: Study | Survey, method: str, width: int) -> Iterator[Text]:
+    """Where the numbers come from, before them."""
+    made = value.provenance
+    lines = [("file", made.get("source") or "(data in memory)")]
+    lines += [("" if i else "assumed", note) for i, note in enumerate(value.notes)]
+    lines += [("sha256", made["sha256"])] if made.get("sha256") else []
+    lines += [("made by", f"allanite {made.get('allanite', '')}{method}")]
+    for label, text in lines:
+        yield from prose(text, width, first=f"{label:<{LABEL}}", indent=LABEL)
 
 
-def _prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
+def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
     """Wrapped text; lines after the first begin with `indent` blanks."""
     lines = textwrap.wrap(
         words.printable(text),
@@ -90,19 +96,19 @@ def _channel(channel: Channel, level: float, *, width: int, wide: bool) -> Itera
     name = words.printable(channel.record.name) or "channel"
     yield Text(name, style="bold") + Text(f"  {words.about(channel.record)}", style="not bold dim")
     for step in channel.record.history:
-        yield from _prose(step, width, first="  ", indent=2, style="dim")
+        yield from prose(step, width, first="  ", indent=2, style="dim")
     for alert in words.alerts(channel):
-        yield from _prose(alert, width, first="  ! ", indent=4, style="bold red")
+        yield from prose(alert, width, first="  ! ", indent=4, style="bold red")
     if channel.refusal:
-        yield from _prose(f"no result: {channel.refusal}", width, first="  ! ", indent=4, style="bold red")
+        yield from prose(f"no result: {channel.refusal}", width, first="  ! ", indent=4, style="bold red")
     if channel.fit is None:
-        yield from _prose(words.fitness(channel), width, first="  ", indent=2)
+        yield from prose(words.fitness(channel), width, first="  ", indent=2)
         return
     for note in channel.fit.notes:
-        yield from _prose(note, width, first="  ", indent=2)
+        yield from prose(note, width, first="  ", indent=2)
     good = channel.fit.goodness
     if good is not None and good.explained:
-        yield from _prose(good.verdict, width, first="  ", indent=2, style="green")
+        yield from prose(good.verdict, width, first="  ", indent=2, style="green")
     yield from _table(channel.fit, level, wide=wide)
 
 

@@ -2,21 +2,20 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from allanite.curve import Curve
 from allanite.errors import DataError, UsageError
-from allanite.model import Model, Term
+from allanite.model import Model
 from allanite.record import Record
 
 from .angle import integrated
+from .confidence import law
 from .estimate import estimate
+from .expect import expected as expected
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .moments import covariance as covariance
 from .moments import edf as edf
-from .moments import expectation, law
-from .row import BoolArray, FloatArray, IntArray, Statistic
+from .row import BoolArray, IntArray, Statistic
 from .table import STATISTICS as STATISTICS
 from .table import statistic_named as statistic_named
 
@@ -90,7 +89,9 @@ def deviation(
         name=record.name,
         history=record.history,
         noise=noise,
-        law=None if noise is None else law(row, noise, record, factors),
+        law=None
+        if noise is None or row.extreme
+        else law(row, noise, factors, angle.runs, size=record.size, rate=record.rate, join=join),
     )
 
 
@@ -101,29 +102,3 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
         return whole
     largest = f"; the largest with one is {m[whole].max()}" if whole.any() else ""
     raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
-
-
-def expected(model: Model | Term, statistic: str, tau: float | Sequence[float] | FloatArray) -> FloatArray:
-    """The exact expectation of a statistic's variance under a model.
-
-    Parameters
-    ----------
-    model : Model or Term
-    statistic : str
-        A name in `STATISTICS`.
-    tau : array_like, shape (k,)
-        Averaging times, s.
-
-    Returns
-    -------
-    array, shape (k,)
-        Variance, SI.
-
-    Examples
-    --------
-    >>> from allanite.model import N
-    >>> expected(N(1.0, "rad/sqrt(s)"), "oadev", [1.0, 4.0]).tolist()
-    [1.0, 0.25]
-    """
-    model = model if isinstance(model, Model) else Model((model,))
-    return expectation(statistic_named(statistic), model.structure, np.atleast_1d(np.asarray(tau, dtype=np.float64)))

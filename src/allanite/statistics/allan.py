@@ -31,6 +31,7 @@ OADEV = Statistic(
     span=(2, 0),
     sums=_second,
     window=binomial_window(2),
+    differences=2,
 )
 
 ADEV = replace(

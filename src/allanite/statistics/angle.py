@@ -33,6 +33,11 @@ class Angle(NamedTuple):
     size: int
     scale: float
 
+    @property
+    def runs(self) -> list[tuple[int, int]]:
+        """(samples, 1) of every piece."""
+        return [(piece.x.size - 1, 1) for piece in self.pieces]
+
 
 def integrated(record: Record, order: int) -> Angle:
     """The angle of a record, for statistics that take differences of `order`.

@@ -31,6 +31,7 @@ TIERMS = Statistic(
     span=(1, 0),
     sums=_first,
     window=binomial_window(1),
+    differences=1,
     power=1,
 )
 

@@ -32,6 +32,7 @@ OHDEV = Statistic(
     span=(3, 0),
     sums=_third,
     window=binomial_window(3),
+    differences=3,
 )
 
 HDEV = replace(

@@ -33,6 +33,7 @@ MDEV = Statistic(
     span=(3, -1),
     sums=_modified,
     window=_window,
+    differences=3,
     summed=True,
 )
 

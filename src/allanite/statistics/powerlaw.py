@@ -19,8 +19,8 @@ from .allan import OADEV
 from .angle import Angle, Piece
 from .estimate import windows
 from .modified import MDEV
-from .moments import expectation
-from .row import FloatArray, Statistic
+from .moments import by_term
+from .row import FloatArray, IntArray, Statistic
 
 SYMBOLS = {2: "Q", 1: "N", 0: "N", -1: "B", -2: "K", -3: "K", -4: "K"}
 """alpha -> term of `TERMS`. Flicker of the angle and flicker and random walk of the ramp have no term: the term beside
@@ -129,11 +129,30 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     return tuple(laws[int(m)] for m in strides)
 
 
-def local_term(model: Model, row: Statistic, tau: FloatArray) -> tuple[str, ...]:
-    """Symbol of the term that has the largest share of a statistic's expectation at each `tau` (s, shape (k,))."""
-    shares = [expectation(row, Model((term,)).structure, tau) for term in model]
+def local_term(model: Model, row: Statistic, m: IntArray, *, size: int, rate: float) -> tuple[str, ...]:
+    """Symbol of the term with the largest share of a statistic's expectation at each averaging factor, length k.
+
+    Parameters
+    ----------
+    model : Model
+    row : Statistic
+        Not a hybrid: one of its parts.
+    m : array of int, shape (k,)
+    size : int
+        Sample intervals of the record.
+    rate : float
+        Sampling rate, Hz.
+
+    Examples
+    --------
+    >>> from allanite.model import K, N
+    >>> from allanite.statistics import STATISTICS
+    >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
+    >>> local_term(model, STATISTICS["oadev"], np.array([10, 20]), size=1000, rate=1.0)
+    ('N', 'K')
+    """
     symbols = [term.symbol for term in model]
-    return tuple(symbols[i] for i in np.argmax(shares, axis=0))
+    return tuple(symbols[int(np.argmax(by_term(row, model, k, size, rate)))] for k in m.tolist())
 
 
 def _longest(angle: Angle) -> int:

@@ -43,8 +43,9 @@ class Statistic:
     tau_factor : float
     power : int
         0 for a deviation of the rate, 1 for one of the angle.
+    differences : int
+        A window is the difference of this order at stride m: of x, or of its running sum if `summed`; 0 if it is none.
     summed : bool
-        Whether the differences are those of the running sum of x.
     extreme : bool
         Whether the windows' largest value counts, not their mean.
     gaps : bool
@@ -71,6 +72,7 @@ class Statistic:
     step: int = 1
     tau_factor: float = 1.0
     power: int = 0
+    differences: int = 0
     summed: bool = False
     extreme: bool = False
     gaps: bool = True
@@ -78,6 +80,8 @@ class Statistic:
 
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""
+        if self.parts:
+            return self.parts[-1].largest(n)
         per, fixed = self.span
         most = (n - fixed) // per if per else n - 1
         return max(0, most - most % self.step)

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from allanite.errors import UsageError
-from allanite.report.files import demand_writable, write
+from allanite.files import demand_writable, write
 
 
 def test_an_existing_file_is_refused_and_kept(tmp_path):

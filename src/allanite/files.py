@@ -2,6 +2,8 @@
 
 import os
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from allanite.errors import UsageError
@@ -40,30 +42,45 @@ def write(path: PathLike, data: bytes, *, force: bool = False) -> None:
         See `demand_writable`; or the disk is full.
     """
     demand_writable(path, force=force)
+    target = Path(os.path.realpath(path))
+    if not _is_device(target):
+        with draft(path, force=force) as part:
+            part.write_bytes(data)
+        return
+    try:
+        target.write_bytes(data)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
+@contextmanager
+def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
+    """A name beside `path` to write to; it takes the place of `path` in one step once all is written.
+
+    Raises
+    ------
+    UsageError
+        See `write`.
+    """
+    demand_writable(path, force=force)
     # a link stays a link: what it points to is replaced
     target = Path(os.path.realpath(path))
+    part = target.with_name(f".allanite-{secrets.token_hex(6)}.part")
     try:
-        if _is_device(target):
-            target.write_bytes(data)
-        else:
-            _replace(target, data)
+        # made by open, unlike tempfile, the file gets the permissions that the user's umask grants to new files
+        part.open("xb").close()
+        yield part
+        os.replace(part, target)
     except OSError as error:
-        raise UsageError(
-            f"{os.fspath(path)!r} cannot be written ({error.strerror or error}); give another path"
-        ) from None
+        raise _unwritable(path, error) from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _unwritable(path: PathLike, error: OSError) -> UsageError:
+    return UsageError(f"{os.fspath(path)!r} cannot be written ({error.strerror or error}); give another path")
 
 
 def _is_device(target: Path) -> bool:
     """A device or pipe, such as /dev/stdout: written into, not replaced."""
     return target.exists() and not target.is_file()
-
-
-def _replace(target: Path, data: bytes) -> None:
-    draft = target.with_name(f".allanite-{secrets.token_hex(6)}.part")
-    try:
-        # open, unlike tempfile, gives the file the permissions that the user's umask grants to new files
-        with open(draft, "xb") as file:
-            file.write(data)
-        os.replace(draft, target)
-    finally:
-        draft.unlink(missing_ok=True)

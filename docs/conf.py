@@ -1,0 +1,37 @@
+"""Settings of the documentation site; `generate.py` writes the pages of the tables."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from allanite import __version__
+
+project = "allanite"
+author = "The allanite authors"
+copyright = "The allanite authors, MIT licence"  # noqa: A001 - Sphinx wants this name
+version = release = __version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+exclude_patterns = ["generated/help.md"]  # included by command.md
+default_role = "py:obj"  # names in docstrings lead to their own
+
+autodoc_typehints = "none"  # types stand in the docstrings, in the words of the field
+autodoc_member_order = "bysource"
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+napoleon_preprocess_types = False
+
+html_theme = "furo"
+html_title = "allanite"
+html_math_renderer = "mathml"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_show_sphinx = False
+html_copy_source = False
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#2E5C94", "color-brand-content": "#2E5C94"},
+    "dark_css_variables": {"color-brand-primary": "#8FB4E3", "color-brand-content": "#8FB4E3"},
+}

@@ -1,0 +1,43 @@
+"""Pages that are read off the package: a page a noise term, a page a statistic, units, options, Python names."""
+
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
+
+from .reference import api_page, help_pages, units_page
+from .statistics import statistic_index, statistic_page
+from .terms import term_index, term_page
+from .tutorial import run_tutorial
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Write the pages before Sphinx looks for them."""
+    app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir)))
+    return {"parallel_read_safe": True}
+
+
+def write_pages(docs: Path) -> None:
+    """Everything below ``generated``, anew."""
+    root = docs / "generated"
+    shutil.rmtree(root, ignore_errors=True)
+    for name in ("terms", "statistics", "tutorial"):
+        (root / name).mkdir(parents=True)
+    for symbol in TERMS:
+        _write(root / "terms" / f"{symbol}.md", term_page(symbol, root / "terms"))
+    _write(root / "terms" / "index.md", term_index())
+    for name in STATISTICS:
+        _write(root / "statistics" / f"{name}.md", statistic_page(name, root / "statistics"))
+    _write(root / "statistics" / "index.md", statistic_index())
+    _write(root / "units.md", units_page())
+    _write(root / "help.md", help_pages())
+    _write(root / "api.md", api_page())
+    run_tutorial(docs, root / "tutorial")
+
+
+def _write(path: Path, lines: Iterable[str]) -> None:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,103 @@
+"""The pages of the noise terms."""
+
+from pathlib import Path
+
+import numpy as np
+
+import allanite as al
+from allanite.report.words import printed_unit
+from allanite.terms import TERMS
+from allanite.units import SIGNALS, convert
+
+from .markdown import figure, sections, shown, table
+
+TYPICAL = {0.5: 0.1, 0: 1.0, -0.5: 10.0, -1: 10.0, 1: 0.5}
+"""Coefficient of the example on a term's page, in the unit of data sheets, by the power of time it carries."""
+
+
+def term_index() -> list[str]:
+    """All terms side by side."""
+    rows = [
+        (f"[{s}]({s}.md)", row.title, f"${row.formula}$", _slope(row.slope), _read_off(symbol=s),
+         *(printed_unit(signal.sheet[row.power]) for signal in SIGNALS[:2]))
+        for s, row in TERMS.items()
+    ]  # fmt: skip
+    return [
+        "# Noise terms", "",
+        "A model is a sum of these. Each enters every statistic through one function, its structure function; so that "
+        "any model has an exact expected curve in any statistic. For an accelerometer read velocity for angle, and "
+        "acceleration for rate.", "",
+        *table(("", "name", "Allan variance", "slope", "read off", "gyroscope", "accelerometer"), rows),
+        "The slope is that of the deviation. The unit of τ is that of the coefficient: hours for deg/√h, seconds for "
+        "rad/√s.", "", "```{toctree}", ":hidden:", "", *TERMS, "```",
+    ]  # fmt: skip
+
+
+def _spectrum(density: str) -> list[str]:
+    if not density:
+        return []
+    return ["## Spectrum", "", "Two-sided density of the rate:", "", f"$$\n{density}\n$$", ""]
+
+
+def _slope(value: float) -> str:
+    """A multiple of one half, as it is spoken."""
+    halves = {-1: "−1", -0.5: "−1/2", 0: "0", 0.5: "+1/2", 1: "+1"}
+    return halves.get(value, f"{value:+g}")
+
+
+def _read_off(symbol: str) -> str:
+    """Where the asymptote has the value of the coefficient; or at which share of it a level line lies."""
+    row = TERMS[symbol]
+    if not np.isclose(row.level * row.read_at ** (2 * row.slope), 1.0):
+        return f"lies at {np.sqrt(row.level):.3f} {symbol}"
+    whole = round(row.read_at, 9).is_integer()
+    return f"τ = {row.read_at:g}" if whole else f"τ = √{row.read_at**2:.3g}"
+
+
+def term_page(symbol: str, folder: Path) -> list[str]:
+    """What the term is, what it looks like, and its units."""
+    row = TERMS[symbol]
+    units = [
+        (signal.name, f"`{signal.si[row.power]}`", f"`{signal.sheet[row.power]}`",
+         shown(convert(1.0, signal.sheet[row.power], signal.si[row.power])))
+        for signal in SIGNALS[:2]
+    ]  # fmt: skip
+    place = _read_off(symbol)
+    where = f"At {place} the line of this slope has the value of {symbol}." if "=" in place else f"The line {place}."
+    return [
+        f"# {symbol}: {row.title}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
+        f"$$\n{row.formula}\n$$", "", f"The Allan deviation has slope {_slope(row.slope)} against τ. {where}", "",
+        *figure(_term_figure(symbol, folder), f"A simulated record of {row.title}, and its Allan deviation"),
+        *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
+        *_spectrum(row.density),
+        "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
+        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}")', "```", "",
+        "## Source", "", row.reference + ".",
+    ]  # fmt: skip
+
+
+def _term_figure(symbol: str, folder: Path) -> Path:
+    """A stretch of simulated rate, and the deviation of all of it with the exact expectation."""
+    from allanite.report import style
+
+    row, signal = TERMS[symbol], SIGNALS[0]
+    unit = signal.sheet[row.power]
+    term = al.model.term(symbol, TYPICAL[row.power], unit)
+    record = al.simulate(term, 20_000, 10.0, rng=np.random.default_rng(1))
+    curve = al.deviation(record, "oadev", taus="log").to("deg/h")
+    path = folder / f"{symbol}.svg"
+    with style.look():
+        drawn = style.new_figure(7.6, 2.9)
+        left, right = drawn.subplots(1, 2)
+        time = np.arange(record.size) / record.rate
+        left.plot(time, np.degrees(record.values) * 3600, color=style.DATA, lw=0.4, rasterized=True)
+        left.set(xlabel="time (s)", ylabel="rate (deg/h)")
+        right.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
+        right.plot(curve.tau, curve.deviation, "o", ms=2.5, mew=0, color=style.DATA, label="simulated")
+        expected = np.degrees(np.sqrt(al.expected(term, "oadev", curve.tau))) * 3600
+        right.plot(curve.tau, expected, color=style.COLORS.get(symbol, style.OTHER), label="expected")
+        style.grid(right)
+        style.plain_ticks(right.xaxis, right.yaxis)
+        right.legend()
+    path.write_bytes(style.encode(drawn, "svg"))
+    return path

@@ -1,0 +1,24 @@
+"""The command line: parse, analyze, render. One verb is one function and one line of `VERBS`."""
+
+import click
+
+from allanite import __version__
+
+from .analyze import analyze, info
+from .curves import deviation, dynamic, spectrum
+from .front import Front
+
+VERBS: dict[str, click.Command] = {
+    "info": info,
+    "analyze": analyze,
+    "deviation": deviation,
+    "spectrum": spectrum,
+    "dynamic": dynamic,
+}
+
+
+@click.group(cls=Front, commands=VERBS, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="allanite")
+@click.option("--debug", is_flag=True, envvar="ALLANITE_DEBUG", help="Show where a defect is.")
+def main(debug: bool) -> None:
+    """Noise coefficients of gyroscopes and accelerometers, with honest intervals."""

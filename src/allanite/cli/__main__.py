@@ -1,0 +1,5 @@
+"""``python -m allanite.cli`` is the program `allanite`."""
+
+from . import main
+
+main()

@@ -1,0 +1,80 @@
+"""How the program ends: with a sentence and an exit code, never with a traceback."""
+
+import errno
+import os
+import sys
+import traceback
+from typing import Any
+
+import click
+
+from allanite.errors import AllaniteError
+
+DEFECT, DATA, INTERRUPTED = 1, 3, 130
+TRACKER = "https://github.com/allanite/allanite/issues"
+
+
+class Failure(click.ClickException):
+    """What ends the program with a sentence on stderr and the exit code `status`; `trace` is for who asked for it."""
+
+    def __init__(self, message: str, status: int, trace: str = "") -> None:
+        super().__init__(message)
+        self.status, self.trace = status, trace
+
+
+class Front(click.Group):
+    """A group of verbs that ends with a sentence and the exit codes of the design, never with a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the verb; whatever goes wrong becomes a `Failure`."""
+        try:
+            super().invoke(ctx)
+            sys.stdout.flush()
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except Exception as error:
+            if isinstance(error, OSError) and error.errno == errno.EPIPE:
+                _close_stdout()
+                return
+            raise _failure(error, debug=ctx.params["debug"]) from None
+
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Parse, run, and end the program."""
+        extra["standalone_mode"] = False
+        try:
+            code = super().main(*args, **extra) or 0
+        except click.exceptions.NoArgsIsHelpError as error:
+            error.show()
+            code = error.exit_code
+        except click.Abort:
+            code = _complain("interrupted", INTERRUPTED)
+        except Failure as failure:
+            code = _complain(failure.message, failure.status)
+            click.echo(failure.trace, err=True, nl=False)
+        except click.ClickException as error:
+            code = _complain(error.format_message(), error.exit_code)
+            context = getattr(error, "ctx", None)
+            if context is not None:
+                click.echo(f"try '{context.command_path} --help'", err=True)
+        sys.exit(code)
+
+
+def _complain(message: str, code: int) -> int:
+    click.echo(click.style("error: ", fg="red", bold=True) + message, err=True)
+    return code
+
+
+def _failure(error: Exception, *, debug: bool) -> Failure:
+    if isinstance(error, AllaniteError):
+        return Failure(str(error), error.exit_code)
+    if isinstance(error, MemoryError):
+        advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
+        return Failure(f"there is not enough memory; {advice}", DATA)
+    what = f"{type(error).__name__}: {error}".removesuffix(": ")
+    report = f"this is a defect of allanite ({what}); please report it with the command and the file: {TRACKER}"
+    return Failure(report, DEFECT, "".join(traceback.format_exception(error)) if debug else "")
+
+
+def _close_stdout() -> None:
+    """The reader has seen enough: nothing more is written, not even at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,67 @@
+"""Sums of squared differences in windows that slide along the angle."""
+
+import numpy as np
+from numba import njit
+
+_FAST = {"reassoc", "nsz", "contract"}
+
+
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
+    """Sum over i in start ... stop - 1 of the squared second or third difference x[i], x[i+m], x[i+2m] (, x[i+3m])."""
+    a, b, c = x[start:stop], x[start + m : stop + m], x[start + 2 * m : stop + 2 * m]
+    total = 0.0
+    if order == 2:
+        for i in range(a.size):
+            difference = (c[i] - b[i]) - (b[i] - a[i])
+            total += difference * difference
+    else:
+        d = x[start + 3 * m : stop + 3 * m]
+        for i in range(a.size):
+            difference = (d[i] - a[i]) - 3 * (c[i] - b[i])
+            total += difference * difference
+    return total
+
+
+@njit(cache=True, nogil=True)
+def sliding(blocks, f):  # type: ignore[no-untyped-def]
+    """Sums of every f neighbours, shape (blocks.size - f + 1,), by additions only (van Herk, Gil and Werman).
+
+    Within groups of f the blocks are added up from the left and from the right; a window is the right part of one group
+    and the left part of the next. Nothing is subtracted: what has left the window leaves no rounding error behind.
+    """
+    left, right = blocks.copy(), blocks.copy()
+    for i in range(1, blocks.size):
+        if i % f:
+            left[i] += left[i - 1]
+    for i in range(blocks.size - 2, -1, -1):
+        if (i + 1) % f:
+            right[i] += right[i + 1]
+    sums = left[f - 1 :].copy()
+    for i in range(sums.size):
+        if i % f:
+            sums[i] += right[i]
+    return sums
+
+
+@njit(cache=True, nogil=True)
+def windowed(x, m, count, order, step):  # type: ignore[no-untyped-def]
+    """Sum of the squared differences that start at w step ... w step + count[j] - 1, shape (windows, m.size).
+
+    Every difference is taken once: its square goes into the sum of a block of `step` of them, of which the first
+    ``count mod step`` are added up apart, as the end of a window.
+    """
+    windows = (x.size - order * m[0] - count[0]) // step + 1
+    result = np.empty((windows, m.size))
+    for j in range(m.size):
+        f, rest = count[j] // step, count[j] % step
+        heads, blocks = np.empty(windows + f), np.zeros(windows + f)
+        for b in range(windows + f):
+            heads[b] = squares(x, m[j], order, b * step, b * step + rest)
+            # the last block only ends a window: what follows its head may lie beyond the record
+            if b + 1 < windows + f:
+                blocks[b] = heads[b] + squares(x, m[j], order, b * step + rest, (b + 1) * step)
+        result[:, j] = heads[f:]
+        if f:
+            result[:, j] += sliding(blocks[: windows + f - 1], f)
+    return result

@@ -1,0 +1,138 @@
+"""Spectrum: power spectral density over frequency."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import UsageError
+from .model import Model, Term
+from .units import convert
+
+FloatArray = NDArray[np.float64]
+
+SIDES: dict[str, float] = {"one": 2.0, "two": 1.0}
+"""Name of the convention: what the two-sided density is multiplied with. The frequencies are positive in both."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Power spectral density of a channel.
+
+    A one-sided density is twice a two-sided one at the same frequency. The coefficient N of IEEE 952 is the square root
+    of the **two-sided** density of white noise; a one-sided density makes it too large by the square root of 2.
+
+    Attributes
+    ----------
+    frequency, width : arrays, shape (k,)
+        Frequency of each value and the band that it stands for, Hz: the sum of ``density * width`` of a one-sided
+        spectrum is a mean square.
+    density : array, shape (k,)
+        Mean square per Hz, in ``unit^2/Hz``.
+    dof : array, shape (k,)
+        Equivalent degrees of freedom of each value where the spectrum is flat over the resolution.
+    unit : str
+        Unit of the signal.
+    sides : {"one", "two"}
+        Convention of `density`.
+    method : str
+        How it was estimated.
+    resolution : float
+        Equivalent noise bandwidth of the estimator, Hz: a sine of amplitude A has a one-sided density of about
+        ``A^2 / (2 resolution)`` at its peak, where values are not binned.
+    rate, name, history
+        Of the record.
+    """
+
+    frequency: FloatArray
+    width: FloatArray
+    density: FloatArray
+    dof: FloatArray
+    unit: str
+    sides: str
+    method: str
+    resolution: float
+    rate: float
+    name: str = ""
+    history: tuple[str, ...] = ()
+
+    @property
+    def amplitude(self) -> FloatArray:
+        """Square root of the density, in ``unit/sqrt(Hz)``."""
+        return np.sqrt(self.density)
+
+    @property
+    def density_unit(self) -> str:
+        """Unit of `density`, for example (deg/h)^2/Hz."""
+        return f"({self.unit})^2/Hz"
+
+    @property
+    def amplitude_unit(self) -> str:
+        """Unit of `amplitude`, for example deg/h/sqrt(Hz)."""
+        return f"{self.unit}/sqrt(Hz)"
+
+    def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+        """Two-sided chi-square limits (low, high) of the density."""
+        from scipy.special import gammaincinv
+
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        half = self.dof / 2
+        low, high = (self.density * half / gammaincinv(half, p) for p in ((1 + level) / 2, (1 - level) / 2))
+        return low, high
+
+    def expected(self, model: Model | Term, frequency: FloatArray | None = None) -> FloatArray:
+        """The density that a model leads one to expect, in the unit and sides of this spectrum.
+
+        At `frequency`, Hz, or at those of the spectrum. It is that of the sampled rate, aliases included. The estimator
+        smears a steep spectrum over its resolution, which this does not.
+        """
+        model = model if isinstance(model, Model) else Model((model,))
+        factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]
+        f = self.frequency if frequency is None else frequency
+        return model.spectrum(f, 1 / self.rate) * factor
+
+    def to(self, unit: str) -> "Spectrum":
+        """The same spectrum in another unit of the signal."""
+        factor = convert(1.0, self.unit, unit)
+        return replace(self, density=self.density * factor**2, unit=unit)
+
+    def sided(self, sides: str) -> "Spectrum":
+        """The same spectrum as a one-sided or a two-sided density."""
+        return replace(self, density=self.density * (side_factor(sides) / SIDES[self.sides]), sides=sides)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
+        """Headings and rows for any table."""
+        headings = [
+            "frequency [Hz]", f"{self.sides}-sided density [{self.density_unit}]", f"low {level:.4g}",
+            f"high {level:.4g}", f"amplitude [{self.amplitude_unit}]", "dof",
+        ]  # fmt: skip
+        columns = [self.frequency, self.density, *self.interval(level), self.amplitude, self.dof]
+        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with the limits as numbers."""
+        low, high = self.interval(level)
+        arrays = {name: getattr(self, name).tolist() for name in _ARRAYS}
+        words = {name: getattr(self, name) for name in _WORDS}
+        limits = {"level": level, "low": low.tolist(), "high": high.tolist()}
+        return {"allanite": 1, "type": "Spectrum", **words, "history": list(self.history), **arrays, **limits}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Spectrum":
+        """The spectrum that `to_dict` has written."""
+        fields: dict[str, Any] = {name: np.array(data[name], dtype=np.float64) for name in _ARRAYS}
+        fields |= {name: data[name] for name in _WORDS}
+        return cls(**fields, history=tuple(data["history"]))
+
+
+_ARRAYS = ("frequency", "width", "density", "dof")
+_WORDS = ("unit", "sides", "method", "resolution", "rate", "name")
+
+
+def side_factor(sides: str) -> float:
+    """The row of `SIDES`; an unknown name is an error that lists the known ones."""
+    if sides not in SIDES:
+        raise UsageError(f"a density is {' or '.join(map(repr, SIDES))}-sided, not {sides!r}")
+    return SIDES[sides]

@@ -1,0 +1,125 @@
+"""Several sensors in one file: rows that take turns, told apart by an id, or ids that stand between the columns."""
+
+import re
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import headers
+from .column import Column
+from .parse import Tags
+
+MOST = 8
+"""Sensors that may take turns."""
+
+_ID = re.compile(r"(^|[^a-z])(sensor|type|id|source|name|tag|device)([^a-z]|$)|sensor_?(id|type|name)")
+_AXES = ("x", "y", "z")
+
+
+class Turns(NamedTuple):
+    """A column that tells whose row it is: its place among the columns, the ids, and which of them each row has."""
+
+    place: int
+    ids: tuple[str, ...]
+    codes: NDArray[Any]
+
+
+def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
+    """The column by which the rows of several sensors are told apart; None if all rows are of one.
+
+    A column of a few words is one if they change often; a column of numbers if its header says so, or if they come
+    round and round in the same order, which readings do not.
+    """
+    for place, column in enumerate(columns):
+        named = bool(_ID.search(column.header.lower()))
+        if place in tags:
+            ids, codes = tags[place]
+        elif column.text or column.values.dtype.kind != "i":
+            continue
+        else:
+            numbers = np.unique(column.values[:1000])
+            if not 2 <= numbers.size <= MOST or np.any(~np.isin(column.values, numbers)):
+                continue
+            ids, codes = tuple(map(str, numbers)), np.searchsorted(numbers, column.values)
+            if not named and not (column.header == "" and _round_and_round(codes, len(ids))):
+                continue
+        if 2 <= len(ids) <= MOST and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
+            return Turns(place, ids, codes)
+    return None
+
+
+def _round_and_round(codes: NDArray[Any], count: int) -> bool:
+    """Whether the codes repeat with the period of their number."""
+    return bool(codes.size > 4 * count and np.all(codes[count:] == codes[:-count]))
+
+
+def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[str, ...]]:
+    """The columns of each sensor, named after it, and the words about that."""
+    groups, position = [], len(columns)
+    for code, name in enumerate(by.ids):
+        rows = by.codes == code
+        group = []
+        for place, column in enumerate(columns):
+            if place == by.place or column.text:
+                continue
+            position += 1
+            values = column.values[rows]
+            if values.dtype.kind == "f" and np.all(np.isnan(values)):
+                continue
+            said = f"{name} {column.header or column.name}"
+            group.append(replace(column, values=values, name=f"{name} {column.name}", header=said, position=position))
+        groups.append(group)
+    label = columns[by.place].label
+    sizes = ", ".join(f"{name} ({int((by.codes == code).sum())} rows)" for code, name in enumerate(by.ids))
+    return groups, (f"the rows are those of {len(by.ids)} sensors by {label}: {sizes}",)
+
+
+def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
+    """Columns without header, named after the ids that stand before them: ``3, ax, ay, az, 4, gx, gy, gz``.
+
+    An id is a whole number that never changes; there are two or more, all different, with as many readings behind each.
+    """
+    ids = [i for i, column in enumerate(columns) if _constant(column)]
+    if len(ids) < 2 or any(column.header for column in columns):
+        return columns, ()
+    numbers = [int(columns[i].values[0]) for i in ids]
+    width = ids[1] - ids[0]
+    if len(set(numbers)) < len(ids) or set(np.diff(ids)) != {width} or not 2 <= width <= 4:
+        return columns, ()
+    if len(columns) < ids[-1] + width:
+        return columns, ()
+    named = [column for i, column in enumerate(columns) if i not in ids]
+    names = {
+        columns[i + k].position: f"sensor {number} {_AXES[k - 1]}"
+        for i, number in zip(ids, numbers, strict=True)
+        for k in range(1, width)
+    }
+    result = [replace(column, name=names.get(column.position, column.name)) for column in named]
+    said = ", ".join(f"{columns[i].position} (always {number})" for i, number in zip(ids, numbers, strict=True))
+    return result, (f"columns {said} are taken as ids of sensors, and the readings behind each named after it",)
+
+
+def _constant(column: Column) -> bool:
+    values = column.values
+    return not column.text and values.dtype.kind == "i" and len(values) > 1 and bool(np.all(values == values[0]))
+
+
+def wanted(groups: list[list[Column]], keys: tuple[str, ...] | None) -> list[Column]:
+    """The columns of the sensors that the user chose from; of all sensors if they have the same number of rows.
+
+    Without a choice, of sensors that have different numbers of rows, those are kept that are inertial by their names,
+    if they agree; otherwise all, and the table will say that they do not.
+    """
+    if keys is not None:
+        chosen = [group for group in groups if any(_is(column, keys) for column in group)]
+        return [column for group in chosen or groups for column in group]
+    inertial = [group for group in groups if any(headers.sensor_by_name(column.name) for column in group)]
+    kept = inertial if len({len(group[0].values) for group in groups if group}) > 1 and inertial else groups
+    return [column for group in kept for column in group]
+
+
+def _is(column: Column, keys: tuple[str, ...]) -> bool:
+    names = (column.name.lower(), column.header.lower(), str(column.position))
+    return any(key.strip().lower() in names for key in keys)

@@ -1,0 +1,74 @@
+"""Texts whose lines are not the rows: a whole recording on a line, or several lines for one sample."""
+
+import re
+
+from .cells import cells, decoded, is_number
+from .layout import HEAD, MARKS, style
+
+WIDEST = 1000
+"""Numbers on a line beyond which the line is a channel and not a sample."""
+
+_CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
+
+
+def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """The text with one line for each sample, and the words about what was turned or joined."""
+    if data.lstrip().startswith(b"$"):
+        data = _CHECKSUM.sub(b"", data)
+    turned = _turned(data)
+    if turned is not None:
+        return turned
+    return _joined(data) or (data, ())
+
+
+def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
+    """Lines of thousands of numbers become columns; None if there are none."""
+    head = data[:HEAD]
+    if head.count(b"\n") * WIDEST > len(head):
+        return None
+    lines = [line.strip() for line in decoded(data).splitlines() if line.strip()]
+    plain = [line for line in lines if not line.startswith(MARKS[:3])]
+    if not plain:
+        return None
+    delimiter, decimal = style([line[:4000] for line in plain])
+    rows = [cells(line.strip(delimiter + " "), delimiter) for line in plain]
+    if min(map(len, rows)) <= WIDEST or len({len(row) for row in rows}) > 1:
+        return None
+    names = all(not is_number(row[0], decimal) for row in rows)
+    body = "\n".join(map(";".join, zip(*rows, strict=True)))
+    length = len(rows[0]) - names
+    said = f"the {len(rows)} lines of {length} numbers are" if len(rows) > 1 else f"the line of {length} numbers is"
+    comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
+    return (comments + body + "\n").encode(), (f"{said} taken as {'channels' if len(rows) > 1 else 'one channel'}",)
+
+
+def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
+    """Lines that take turns in having more and fewer numbers become one for each sample; None if they do not."""
+    head = [line.strip() for line in decoded(data[:HEAD]).splitlines()[:400]]
+    plain = [line for line in head if line and not line.startswith(MARKS)]
+    delimiter, decimal = style(plain[-200:])
+    numeric = [
+        len(row) for row in (cells(line, delimiter) for line in plain) if any(is_number(cell, decimal) for cell in row)
+    ]
+    period = _period(numeric[:-1] if len(data) > HEAD else numeric)
+    if not period:
+        return None
+    lines = [line.strip() for line in decoded(data).splitlines()]
+    kept = [line for line in lines if line and not line.startswith(MARKS)]
+    first = len(plain) - len(numeric)
+    above = [f"# {line}" for line in lines[: lines.index(kept[first])] if line and line not in kept[:first]]
+    mark = delimiter if delimiter != " " else "  "
+    rows = [mark.join(kept[i : i + period]) for i in range(first, len(kept), period)]
+    names = [mark.join(kept[:first])] if first == period else kept[:first]
+    note = f"{period} lines of {', '.join(map(str, numeric[:period]))} numbers are taken as one row for a sample"
+    return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
+
+
+def _period(widths: list[int]) -> int:
+    """After how many lines the numbers of cells come again; 0 if they are all alike or follow no order."""
+    if len(set(widths)) < 2:
+        return 0
+    for period in range(2, 7):
+        if len(widths) >= 5 * period and widths[period:] == widths[:-period]:
+            return period
+    return 0

@@ -1,0 +1,37 @@
+"""Which figure a value becomes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from allanite.curve import Curve
+from allanite.fit import Fit
+from allanite.psd import Spectrum
+from allanite.surface import Surface
+from allanite.survey import Survey
+
+from .figures import plot_panels
+from .overlay import plot_overlay
+from .panels import Panel, panels_of
+from .spectra import plot_spectra
+from .surfaces import plot_surfaces
+
+
+def draw(value: Any, fit: Fit | None, level: float) -> Figure:
+    """The figure of a value; see `allanite.plot`."""
+    fits = value.fits if isinstance(value, Survey) else {}
+    items = _items(value)
+    if items and all(isinstance(item, Spectrum) for item in items):
+        return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
+    if items and all(isinstance(item, Surface) for item in items):
+        return plot_surfaces(items)
+    if len(items) > 1 and all(isinstance(item, Curve) for item in items):
+        return plot_overlay([Panel(item.name, item, fit) for item in items], level=level)
+    return plot_panels(panels_of(items[0] if len(items) == 1 else value, fit), level=level)
+
+
+def _items(value: Any) -> list[Any]:
+    if isinstance(value, Survey):
+        return list(value.values)
+    return list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]

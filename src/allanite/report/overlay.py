@@ -1,0 +1,77 @@
+"""Several curves in one panel: channels of one statistic, or statistics of one channel."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from allanite.statistics import STATISTICS
+
+from . import style, words
+from .drawing import draw_legend, stacked
+from .panels import Panel, points, span
+
+MOST_BANDS = 3
+"""Curves of a panel whose confidence bands can still be told apart."""
+
+
+def plot_overlay(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+    """One panel for each channel with all its statistics; channels of a single statistic share one panel.
+
+    Sensors of different units stand side by side. Where a fit is given its model's expectation of each statistic is
+    drawn as a dashed line.
+    """
+    columns = _columns(panels)
+    with style.look():
+        figure, grid = stacked([len(column) for column in columns])
+        for column, axes in zip(columns, grid, strict=True):
+            spans = [span(panel)[0] for group in column for panel in group]
+            for ax, group in zip(axes, column, strict=True):
+                ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
+                _draw_group(ax, group, level)
+            axes[-1].set_xlabel("averaging time τ (s)")
+        draw_legend(figure, marks=False)
+    return figure
+
+
+def _columns(panels: Sequence[Panel]) -> list[list[list[Panel]]]:
+    """Columns by unit, of panels by channel, of curves."""
+    single = len({panel.curve.statistic for panel in panels}) == 1
+    columns: dict[str, dict[str, list[Panel]]] = {}
+    for panel in panels:
+        columns.setdefault(panel.unit, {}).setdefault("" if single else panel.name, []).append(panel)
+    return [list(column.values()) for column in columns.values()]
+
+
+def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
+    spans = [span(panel)[1] for panel in group]
+    ax.set(yscale="log", ylim=(min(low for low, _ in spans), max(high for _, high in spans)))
+    style.plain_ticks(ax.xaxis, ax.yaxis)
+    style.grid(ax)
+    names, titles = (dict.fromkeys(found) for found in zip(*map(_called, group), strict=True))
+    for i, panel in enumerate(group):
+        name, title = _called(panel)
+        label = ", ".join(part for part, known in ((name, names), (title, titles)) if len(known) > 1) or title or name
+        _draw_curve(ax, panel, (i, label), level if len(group) <= MOST_BANDS else None)
+    ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
+    what = next(iter(titles)) if len(titles) == 1 else "deviation"
+    ax.set_ylabel(f"{what} ({words.printed_unit(group[0].unit)})")
+
+
+def _called(panel: Panel) -> tuple[str, str]:
+    return words.printable(panel.name), STATISTICS[panel.curve.statistic].title
+
+
+def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | None) -> None:
+    i, text = label
+    drawn = points(panel, level or 0.95)
+    color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]
+    if drawn.low is not None and drawn.high is not None and level is not None:
+        ax.fill_between(drawn.tau, drawn.low, drawn.high, color=color, alpha=0.14, lw=0, zorder=2)
+    size = 3.4 if drawn.tau.size <= 40 else 0.0
+    ax.plot(drawn.tau, drawn.deviation, color=color, lw=1.1, marker=marker, ms=size, mew=0, zorder=3, label=text)
+    if panel.fit is not None:
+        tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
+        expected = panel.expected(panel.fit.model, tau)
+        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label="expected by the model")

@@ -1,0 +1,153 @@
+"""A statistic in windows that slide along a record: the dynamic Allan variance and its relatives."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.curve import Curve
+from allanite.errors import DataError, UsageError
+from allanite.model import Model
+from allanite.record import KINDS, Record
+from allanite.surface import Surface
+
+from . import deviation
+from .angle import integrated
+from .estimate import Estimate, estimate
+from .row import Statistic
+from .table import statistic_named
+
+FEWEST = 8
+"""Samples below which a window is no window."""
+
+
+SLIDING = ("oadev", "haar", "ohdev")
+"""Overlapped differences, which neighbouring windows share: each is taken once, and windows are sums of blocks."""
+
+
+def dynamic(
+    record: Record,
+    statistic: str = "oadev",
+    *,
+    window: float | None = None,
+    step: float | None = None,
+    taus: str | Sequence[float] = "octave",
+    m: Sequence[int] | None = None,
+    noise: Model | None = None,
+) -> Surface:
+    """A statistic in windows that slide along a record: what changes with time.
+
+    Parameters
+    ----------
+    record : Record
+        NaN marks lost samples.
+    statistic : str
+        A name in `STATISTICS`.
+    window, step : float, optional
+        Length of a window, a tenth of the record if left out, and distance of neighbours, an eighth of a window; s.
+        Both are rounded to whole samples.
+    taus, m, noise
+        As of `deviation`, for a record of one window.
+
+    Returns
+    -------
+    Surface
+        Each row is what `deviation` gives for the samples of its window; NaN where these do not support it.
+
+    Raises
+    ------
+    DataError
+        No window supports the statistic.
+    UsageError
+        A name is unknown; the window is too short, or longer than the record; see also `deviation`.
+
+    References
+    ----------
+    L. Galleani, P. Tavella, The dynamic Allan variance, IEEE Trans. UFFC 56 (2009) 450; M. van Herk, Pattern
+    Recognition Letters 13 (1992) 517 (sums of blocks).
+
+    Examples
+    --------
+    >>> y = np.random.default_rng(1).standard_normal(10_000)
+    >>> y[5000:] *= 3
+    >>> surface = dynamic(Record(y, rate=10.0, unit="deg/h", name="z"), window=100.0, step=50.0).to("deg/h")
+    >>> surface.deviation.shape, float((surface.deviation[-1, 0] / surface.deviation[0, 0]).round(1))
+    ((19, 9), 3.0)
+    """
+    row = statistic_named(statistic)
+    samples, stride = _samples(record, window, step)
+    first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
+    starts = np.arange(0, record.size - samples + 1, stride)
+    if row.name in SLIDING and np.isfinite(record.values.sum(dtype=np.float64)):
+        found = _all_at_once(record, row, first, stride)
+    else:
+        parts = [_part(record, int(start), samples) for start in starts]
+        found = _one_by_one(parts, row, first)
+    return Surface(
+        statistic=row.name,
+        time=np.asarray((starts + samples / 2) / record.rate),
+        m=first.m,
+        tau=first.tau,
+        variance=found.variance,
+        count=found.number,
+        factor=found.factor,
+        window=samples / record.rate,
+        step=stride / record.rate,
+        unit=first.unit,
+        rate=record.rate,
+        name=record.name,
+        history=record.history,
+        noise=noise,
+        law=first.law,
+    )
+
+
+def _samples(record: Record, window: float | None, step: float | None) -> tuple[int, int]:
+    """Length of a window and of a step in samples."""
+    for name, value in (("window", window), ("step", step)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise UsageError(f"the {name} is a positive number of seconds, not {value!r}")
+    samples = record.size // 10 if window is None else round(window * record.rate)
+    if not FEWEST <= samples <= record.size:
+        raise UsageError(
+            f"a window of {samples / record.rate:g} s does not do: {record.name!r} is {record.duration:g} s long, and "
+            f"{FEWEST} samples take {FEWEST / record.rate:g} s"
+        )
+    return samples, max(1, samples // 8 if step is None else round(step * record.rate))
+
+
+def _part(record: Record, start: int, samples: int) -> Record:
+    stop = start + samples + KINDS[record.kind][1]
+    return record.with_values(record.values[start:stop], f"window of {samples} samples at sample {start}")
+
+
+def _complete(record: Record, samples: int) -> Record:
+    """Any window without lost samples: its curve has the grid, the counts and the law of all windows."""
+    return Record(np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, name=record.name)
+
+
+def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> Estimate:
+    from allanite.kernels.dynamic import windowed
+
+    angle = integrated(record, row.order)
+    sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
+    variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
+    shape = variance.shape
+    return Estimate(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
+
+
+def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve) -> Estimate:
+    shape = (len(parts), first.m.size)
+    found = Estimate(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
+    reason: DataError | None = None
+    for i, part in enumerate(parts):
+        try:
+            angle = integrated(part, row.order)
+            variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
+        except DataError as error:  # this window has lost too much; the others have not
+            reason = error
+            continue
+        found.variance[i] = variance * (angle.scale / part.interval ** (1 - row.power)) ** 2
+        found.number[i], found.factor[i] = number, factor
+    if reason is not None and not found.number.any():
+        raise DataError(f"no window of {parts[0].name!r} supports {row.name}: {reason}") from None
+    return found

@@ -1,0 +1,184 @@
+"""Faults planted in stamps are named, and clean stamps are let through."""
+
+import numpy as np
+import pytest
+
+from allanite.errors import AllaniteError
+from allanite.readers.column import Column
+from allanite.readers.options import Options
+from allanite.readers.table import Table
+
+SIZE = 20_000
+CLOCKS = {  # rate, resolution of the stamps, s
+    "100 Hz in us": (100.0, 1e-6),
+    "100 Hz in ms": (100.0, 1e-3),
+    "400 Hz in ms": (400.0, 1e-3),
+    "96.07 Hz in us": (96.07, 1e-6),
+    "1 kHz in 0.1 ms": (1000.0, 1e-4),
+}
+
+
+def clean(clock, rng, size=SIZE):
+    """Stamps with a jitter of 1 %, rounded, and readings."""
+    rate, resolution = CLOCKS[clock]
+    stamps = (np.arange(size) + 0.01 * rng.standard_normal(size)) / rate + rng.uniform(0, 1000)
+    return np.rint(stamps / resolution).astype(np.int64), rng.standard_normal(size)
+
+
+def read(clock, stamps, values, **options):
+    resolution = CLOCKS[clock][1]
+    # microseconds are whole; so are milliseconds, and tenths of them as such
+    scaled = stamps * round(resolution / 1e-6)
+    columns = (Column(scaled, 1, "time", "us"), Column(values, 2, "gx", "deg/s"))
+    return Table(columns).recording(Options(**options))
+
+
+def lost(stamps, values, rng):
+    gone = rng.choice(np.arange(10, SIZE - 10), 30, replace=False)
+    return np.delete(stamps, gone), np.delete(values, gone)
+
+
+def outage(stamps, values, rng):
+    start = rng.integers(100, SIZE - 3000)
+    return np.delete(stamps, np.s_[start : start + 2000]), np.delete(values, np.s_[start : start + 2000])
+
+
+def half_lost(stamps, values, rng):
+    kept = np.sort(rng.choice(SIZE, SIZE // 2, replace=False))
+    return stamps[kept], values[kept]
+
+
+def jitter(stamps, values, rng):
+    step = (stamps[-1] - stamps[0]) / (SIZE - 1)
+    return np.sort(stamps + np.rint(rng.uniform(-0.45, 0.45, SIZE) * step).astype(int)), values
+
+
+def bursts(stamps, values, rng):
+    step = (stamps[-1] - stamps[0]) / (SIZE - 1)
+    last = stamps.reshape(-1, 10)[:, -1:]  # ten at a time arrive with the last, a tenth of a step apart
+    late = np.rint(rng.uniform(0, 2, last.shape) * step).astype(int)
+    return (last + late + np.rint(np.arange(10) * step / 10).astype(int)).ravel(), values
+
+
+def whole_seconds(stamps, values, rng):
+    tick = round(1 / RESOLUTION[0])
+    return stamps // tick * tick, values
+
+
+RESOLUTION = [1e-6]
+
+
+def repeated_rows(stamps, values, rng):
+    again = np.arange(0, SIZE, 10)
+    return np.insert(stamps, again, stamps[again]), np.insert(values, again, values[again])
+
+
+def repeated_stamps(stamps, values, rng):
+    again = rng.choice(np.arange(10, SIZE - 10), 50, replace=False)
+    stamps[again] = stamps[again - 1]
+    return stamps, values
+
+
+def swapped_rows(stamps, values, rng):
+    for k in rng.choice(np.arange(10, SIZE - 10, 5), 20, replace=False):
+        stamps[[k, k + 1]], values[[k, k + 1]] = stamps[[k + 1, k]], values[[k + 1, k]]
+    return stamps, values
+
+
+def set_back(stamps, values, rng):
+    at = rng.integers(5000, SIZE - 5000)
+    stamps[at:] -= (stamps[2000] - stamps[0]) + 3
+    return stamps, values
+
+
+def constant(stamps, values, rng):
+    return np.full(SIZE, stamps[0]), values
+
+
+def drift(stamps, values, rng):
+    k = np.arange(SIZE)
+    step = (stamps[-1] - stamps[0]) / (SIZE - 1)
+    return stamps + np.rint(step * rng.uniform(1e-3, 2e-3) * k * (SIZE - k) / SIZE / 2).astype(int), values
+
+
+FAULTS = {
+    "lost": ("lost samples", lost),
+    "outage": ("lost samples", outage),
+    "half lost": ("lost samples", half_lost),
+    "jitter": ("jitter", jitter),
+    "bursts": ("bursty stamps", bursts),
+    "whole seconds": ("coarse stamps", whole_seconds),
+    "repeated rows": ("duplicate stamps", repeated_rows),
+    "repeated stamps": ("duplicate stamps", repeated_stamps),
+    "swapped rows": ("reversed stamps", swapped_rows),
+    "set back": ("reversed stamps", set_back),
+    "constant": ("constant stamps", constant),
+    "drift": ("clock drift", drift),
+}
+RATES = {"bursts": 2e-3, "drift": 2e-3, "jitter": 1e-4, "whole seconds": 1e-4}
+"""How closely the rate is known, where a stamp may be off by an interval or more."""
+
+ALONG = {("400 Hz in ms", "jitter"): ("duplicate stamps",)}
+"""What a fault brings along: jitter of more than an interval in stamps that are rounded to a part of it."""
+
+NO_RATE = ("set back", "constant")
+"""Faults after which the stamps give no rate: it is asked for, and the rows are then taken as evenly spaced."""
+
+
+def planted(clock, fault, seed):
+    rng = np.random.default_rng(seed)
+    RESOLUTION[0] = CLOCKS[clock][1]
+    return FAULTS[fault][1](*clean(clock, rng), rng)
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+@pytest.mark.parametrize("fault", list(FAULTS))
+def test_a_fault_is_named_and_the_rate_is_right(clock, fault):
+    """In at least 9 of 10 records, seeds 1 to 10."""
+    named, rates = 0, []
+    for seed in range(1, 11):
+        options = {"rate": CLOCKS[clock][0]} if fault in NO_RATE else {}
+        recording = read(clock, *planted(clock, fault, seed), **options)
+        names = [finding.name for finding in recording.findings]
+        named += FAULTS[fault][0] in names
+        assert set(names) <= {FAULTS[fault][0], *ALONG.get((clock, fault), ())}, (seed, recording.findings)
+        rates.append(recording["gx"].rate)
+    assert named >= 9
+    np.testing.assert_allclose(rates, CLOCKS[clock][0], rtol=RATES.get(fault, 2e-5))
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+def test_clean_stamps_are_let_through(clock):
+    """At most 2 % of findings are false: 0 or 1 in 60 records, seeds 1 to 60."""
+    found = [read(clock, *clean(clock, np.random.default_rng(seed))).findings for seed in range(1, 61)]
+    assert sum(bool(findings) for findings in found) <= 1, [findings for findings in found if findings]
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+@pytest.mark.parametrize("fault", NO_RATE)
+def test_stamps_without_a_rate_are_refused(clock, fault):
+    with pytest.raises(AllaniteError, match="--rate"):
+        read(clock, *planted(clock, fault, 1))
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+@pytest.mark.parametrize("fault", ["lost", "outage", "half lost"])
+def test_what_was_lost_is_a_gap_in_its_place(clock, fault):
+    for seed in range(1, 6):
+        whole = clean(clock, np.random.default_rng(seed))[1]
+        record = read(clock, *planted(clock, fault, seed))["gx"]
+        kept = ~np.isnan(record.values)
+        # the half that was kept may begin or end a few samples later or earlier
+        offset = int(np.argmax(whole == record.values[0]))
+        np.testing.assert_array_equal(record.values[kept], whole[offset : offset + record.size][kept])
+        assert any("marked as gaps" in entry for entry in record.history)
+
+
+@pytest.mark.parametrize("fault", ["repeated rows", "swapped rows"])
+def test_rows_are_put_in_order_and_that_is_said(fault):
+    for seed in range(1, 6):
+        whole = clean("100 Hz in us", np.random.default_rng(seed))[1]
+        record = read("100 Hz in us", *planted("100 Hz in us", fault, seed))["gx"]
+        np.testing.assert_array_equal(record.values, whole)
+        said = {"repeated rows": "repeated rows left out", "swapped rows": "rows put in the order of their stamps"}
+        assert record.history == (said[fault],)

@@ -1,0 +1,264 @@
+"""Expectation and degrees of freedom of the statistics over windows and of the total deviation, from full matrices."""
+
+import dataclasses
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.reference.dense import moments, quadratic_form
+
+import allanite as al
+from allanite.statistics import folded
+from allanite.statistics.compact import compact, products, ratios
+from allanite.statistics.windowed import relative, response
+
+ROWS = ["theo1", "mtotdev", "ttotdev", "htotdev", "pdev", "totdev"]
+TERMS = [al.TERMS[s] for s in "QNBKR"]
+PAIRS = np.array([[i, j] for i in range(5) for j in range(i + 1, 5)])
+HOUR = 3_600_000
+
+
+def shares_of(E):
+    """Shares of the expectation: single noise terms, halves of every pair, 40 random mixtures; a ramp at most 0.9."""
+    single = np.eye(5)[:4]
+    halves = np.array([np.bincount(pair, minlength=5) / 2 for pair in PAIRS])
+    mixtures = np.random.default_rng(1).dirichlet(np.full(5, 0.5), 60)
+    p = np.vstack((single, halves, mixtures[mixtures[:, 4] < 0.9])) * (E != 0)
+    return p[p.sum(axis=1) > 0.1] / p[p.sum(axis=1) > 0.1].sum(axis=1, keepdims=True)
+
+
+def degrees(p, r):
+    return 1 / np.einsum("pi,ij,pj->p", p, r, p)
+
+
+def found(row, m, n, terms=TERMS):
+    count = int(row.count(n, np.array([m]))[0])
+    return response(row, terms, m, n), relative(row, terms, m, count, n)
+
+
+FACTORS = [1, 2, 3, 8, 16, 17, 21, 22, 25, 33, 42, 64, 66, 70, 90, 99, 100, 128, 150, 170, 199, 200]
+
+
+def cases():
+    for name in ROWS:
+        row = al.STATISTICS[name]
+        for n in (128, 200):
+            largest = row.largest(n)
+            for m in sorted({*FACTORS, largest - row.step, largest}):
+                if m <= largest and m % row.step == 0:
+                    yield name, n, m
+
+
+@pytest.mark.parametrize(("name", "n", "m"), list(cases()))
+def test_moments_equal_the_full_matrix(name, n, m):
+    row = al.STATISTICS[name]
+    E, r = moments(quadratic_form(row, m, n), TERMS)
+    expected, ours = found(row, m, n)
+    np.testing.assert_allclose(expected[:4], E[:4], rtol=1e-9 if m <= 64 else 1e-6)
+    np.testing.assert_allclose(expected[4], E[4], rtol=1e-6 if m > 64 else 1e-8)  # the ramp's squares reach n^4
+    p = shares_of(E)
+    np.testing.assert_allclose(degrees(p, ours), degrees(p, r), rtol=0.006)
+
+
+LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [171], "totdev": [255, 511]}
+
+
+@pytest.mark.parametrize(("name", "m"), [(name, m) for name, factors in LONGER.items() for m in factors])
+def test_longer_windows(name, m):
+    row = al.STATISTICS[name]
+    E, r = moments(quadratic_form(row, m, 513), TERMS)
+    expected, ours = found(row, m, 513)
+    np.testing.assert_allclose(expected, E, rtol=3e-6)
+    p = shares_of(E)
+    np.testing.assert_allclose(degrees(p, ours), degrees(p, r), rtol=0.006)
+
+
+SENSORS = {
+    "MEMS": (100.0, al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")),
+    "FOG": (
+        100.0,
+        al.Q(0.4, "arcsec")
+        + al.N(3, "deg/h*sqrt(s)")
+        + al.B(1, "deg/h")
+        + al.K(0.09, "deg/h/sqrt(s)")
+        + al.R(0.002, "deg/h/s"),
+    ),
+    "RLG, a sample a minute": (
+        1 / 60,
+        al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
+    ),
+    "MEMS, a sample every 10 s": (
+        0.1,
+        al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("sensor", list(SENSORS))
+def test_sensors(name, sensor):
+    row, (rate, model) = al.STATISTICS[name], SENSORS[sensor]
+    terms = [t.row for t in model]
+    power = np.array([t.value**2 * rate ** (2 * t.row.power - 2) for t in model])
+    for m in (2, 24, 40, row.largest(160)):
+        E, r = moments(quadratic_form(row, m, 160), terms)
+        expected, ours = found(row, m, 160, terms)
+        assert power @ expected == pytest.approx(power @ E, rel=1e-6)
+        p = power * E / (power @ E)
+        assert 1 / (p @ ours @ p) == pytest.approx(1 / (p @ r @ p), rel=0.005)
+
+
+def markov(T):
+    """Gauss-Markov noise of the rate: no row of the table, and no power of t."""
+    base = al.TERMS["N"]
+    return dataclasses.replace(
+        base,
+        structure=lambda t: T**2 * (t - T * -np.expm1(-t / T)),
+        derivative=lambda k, t: (-1) ** k * T ** (3.0 - k) * np.exp(-t / T),
+    )
+
+
+@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("T", [3.0, 20.0, 200.0])
+def test_any_structure_function_will_do(name, T):
+    row, terms = al.STATISTICS[name], [markov(T), al.TERMS["N"]]
+    for m, n in ((2, 100), (30, 180), (80, 250)):
+        E, r = moments(quadratic_form(row, m, n), terms)
+        expected, ours = found(row, m, n, terms)
+        np.testing.assert_allclose(expected, E, rtol=1e-4)
+        np.testing.assert_allclose(ours, r, rtol=0.006)
+
+
+# r_ij of NN NB NK BB BK KK in the limit of long windows, by the number of windows over m (totdev: n/m)
+SPOTS = {
+    ("theo1", 1): (0.11786, 0.17429, 0.17388, 0.29302, 0.33881, 0.47011),
+    ("theo1", 4): (0.03956, 0.05514, 0.04469, 0.09216, 0.09341, 0.13886),
+    ("theo1", 0.1): (0.39304, 0.54961, 0.59628, 0.78753, 0.85899, 0.94106),
+    ("mtotdev", 1): (0.38725, 0.41566, 0.43141, 0.47604, 0.53237, 0.64432),
+    ("mtotdev", 8): (0.10400, 0.10024, 0.07498, 0.11197, 0.10469, 0.14492),
+    ("htotdev", 1): (0.19711, 0.24365, 0.25158, 0.31532, 0.34084, 0.38726),
+    ("htotdev", 8): (0.06113, 0.07243, 0.06791, 0.09239, 0.09367, 0.10400),
+    ("pdev", 1): (0.46420, 0.48400, 0.49999, 0.52938, 0.57934, 0.67523),
+    ("pdev", 8): (0.09428, 0.08840, 0.06497, 0.09525, 0.08667, 0.11676),
+    ("totdev", 16): (0.04167, 0.04404, 0.03279, 0.05411, 0.04996, 0.06937),
+    ("totdev", 4): (0.16667, 0.18140, 0.15385, 0.22326, 0.22442, 0.30194),
+    ("totdev", 2): (0.33333, 0.38422, 0.40000, 0.47695, 0.53837, 0.66057),
+    ("totdev", 1): (2 / 3, 0.76664, 0.8, 0.88800, 0.92760, 0.97143),
+}
+WHITE_SPOTS = {("mtotdev", 1): 0.19711, ("mtotdev", 8): 0.06113, ("pdev", 1): 0.33929, ("pdev", 8): 0.07678}
+
+
+@pytest.mark.parametrize(("name", "share"), list(SPOTS))
+def test_ratios_of_infinitely_fine_windows(name, share):
+    m = 10_000_000
+    row = al.STATISTICS[name]
+    count = round(share * m)
+    r = relative(row, TERMS[:4], m, count, count if name == "totdev" else 10 * m)
+    np.testing.assert_allclose(r[1:, 1:][np.triu_indices(3)], SPOTS[name, share], rtol=2e-3)
+    if (name, share) in WHITE_SPOTS:
+        assert r[0, 0] == pytest.approx(WHITE_SPOTS[name, share], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["theo1", "mtotdev", "htotdev", "pdev"])
+@pytest.mark.parametrize("m", [66, 96, 128])
+def test_an_hour_at_1_khz_against_windows_as_they_are(name, m):
+    row = al.STATISTICS[name]
+    count = int(row.count(HOUR, np.array([m]))[0])
+    direct = ratios(*products(compact(row.window, row.order, m), TERMS, row.order, 1.0, count), TERMS)
+    ours = relative(row, TERMS, m, count, HOUR)
+    p = shares_of(response(row, TERMS, m, HOUR))
+    np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
+
+
+@pytest.mark.parametrize("m", [20, 45, 64])
+def test_an_hour_at_1_khz_of_the_total_deviation(m):
+    direct = ratios(*folded._products(TERMS, m, HOUR, 1.0), TERMS)
+    ours = folded.relative(TERMS, m, HOUR)
+    p = shares_of(np.ones(5))
+    np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
+
+
+@pytest.mark.parametrize("n", [20, 31, 60, 89])
+def test_white_angle_noise_in_the_total_deviation_is_a_whole_number(n):
+    for m in range(1, n):
+        if abs(2 * m - n) <= 2 or abs(3 * m - 2 * n) <= 6:
+            continue
+        E, r = moments(quadratic_form(al.STATISTICS["totdev"], m, n), TERMS[:1])
+        assert folded.white_mean(m, n) == pytest.approx(E[0] * 2 * m**2 * (n - 1), rel=1e-12)
+        assert folded.white_ratio(m, n) == pytest.approx(r[0, 0], rel=1e-12)
+
+
+def test_theo1_closed_forms():
+    row = al.STATISTICS["theo1"]
+    for m in (2, 10, 64, 1000, 1_000_000):
+        M, tau = m / 2, 0.75 * m
+        H = float(np.sum(1 / np.arange(1.0, M + 1)))
+        allan = np.array([3 / tau**2, 1 / tau, 2 * math.log(2) / math.pi, tau / 3, tau**2 / 2])
+        ratio = np.array([1 / (H + 1 / m), 1.0, math.nan, 27 / (10 + 6 / M - 4 / M**2), 0.0])
+        ratio[4] = 81 / 22 / (1 + 6 / (11 * M) - 5 / (11 * M**2))
+        measured = allan / response(row, TERMS, m, 10 * m)
+        np.testing.assert_allclose(np.delete(measured, 2), np.delete(ratio, 2), rtol=1e-10)
+    assert measured[2] == pytest.approx(3 / (3 - 2 * math.log(2)), rel=1e-5)
+
+
+def test_pdev_closed_forms():
+    m = 1_000_000
+    E = response(al.STATISTICS["pdev"], TERMS, m, 10 * m) / np.array([1 / m**3, 1 / m, 1, m, m**2])
+    np.testing.assert_allclose(E, [12, 6 / 5, 2 * (7 - math.log(16)) / (5 * math.pi), 13 / 35, 1 / 2], rtol=3e-6)
+
+
+@pytest.mark.parametrize("m", [64, 1000, 1_000_000])
+def test_bias_of_the_total_statistics(m):
+    """Q, N, B, K: the exact factors of Greenhall's and Howe's tables; m >= 8 there."""
+    mvar = np.array([3 / m**3, 1 / (2 * m), (27 / 16 * math.log(3) - math.log(4)) * 2 / math.pi, 11 / 40 * m])
+    factors = response(al.STATISTICS["mtotdev"], TERMS[:4], m, 10 * m) / mvar
+    np.testing.assert_allclose(factors, [0.995, 0.771, 0.717, 0.679], atol=8e-4)
+    np.testing.assert_allclose(response(al.STATISTICS["ttotdev"], TERMS[:4], m, 10 * m), factors * mvar / 3, rtol=1e-12)
+    hvar = np.array([1 / m, math.log(256 / 27) / (2 * math.pi), m / 6])
+    factors = response(al.STATISTICS["htotdev"], TERMS[1:4], m, 10 * m) / hvar
+    np.testing.assert_allclose(factors, [0.995, 0.851, 0.771], atol=6e-4)
+
+
+@pytest.mark.parametrize("share", [1 / 64, 1 / 8, 1 / 2])
+def test_bias_of_the_total_deviation(share):
+    n = HOUR
+    m = int(n * share)
+    allan = np.array([3 / m**2, 1 / m, 2 * math.log(2) / math.pi, m / 3])
+    factors = response(al.STATISTICS["totdev"], TERMS[:4], m, n) / allan
+    slopes = np.array([-4 / 3, 0, 1 / (3 * math.log(2)), 3 / 4])
+    np.testing.assert_allclose(factors, 1 - slopes * share, rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", ROWS)
+@given(data=st.data())
+@settings(max_examples=60, deadline=None)
+def test_any_record_has_at_least_one_degree_of_freedom(name, data):
+    row = al.STATISTICS[name]
+    n = int(10 ** data.draw(st.floats(1.1, 9)))
+    m = max(row.step, int(row.largest(n) * 10 ** -data.draw(st.floats(0, 6))) // row.step * row.step)
+    E, r = found(row, m, n)
+    assert np.all(E[:4] > 0)
+    np.testing.assert_allclose(r, r.T)
+    assert np.all(degrees(shares_of(E), r) >= 0.995)
+
+
+TABLE = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "window_moments.md"
+
+
+def test_the_committed_table_holds_what_is_claimed():
+    text = TABLE.read_text(encoding="utf-8")
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", text)
+    assert "command: `python benchmarks/window_moments.py" in text
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line[:2] == "| "]
+    errors = [row for row in rows if len(row) == 8 and row[0] != "statistic"]
+    times = [row for row in rows if len(row) == 6 and row[0] != "statistic"]
+    names = set(ROWS) - {"ttotdev"}
+    assert {(r[0], r[1]) for r in errors} == {(k, n) for k in names for n in ("128", "256", "513", "3600000")}
+    assert {(r[0], r[1]) for r in times} == {(k, n) for k in names for n in ("3600000", "1000000000")}
+    assert max(float(cell) for row in errors for cell in row[3:7]) <= 1.0
+    assert max(float(row[7]) for row in errors if row[7] != "-") <= 1e-5
+    assert max(float(row[3]) for row in times) <= 10

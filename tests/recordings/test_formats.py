@@ -1,0 +1,62 @@
+"""Real recordings in R, MATLAB 7.3 and ASCII .mat files: figures found independently of this package."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import main
+from allanite.errors import DataError, UsageError
+from allanite.readers import read
+
+
+@pytest.mark.parametrize(
+    ("name", "mean", "std"), [("adis_16405_imu1", 0.4017, 0.3503), ("adis_16405_imu2", 0.3789, 0.3495)]
+)
+def test_r_matrix_of_an_imu(recordings, name, mean, std):
+    path = recordings / f"{name}.rda"
+    with pytest.raises(
+        UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is not known; pass unit='deg/s' \(--unit"
+    ):
+        read(path)
+    gyros = read(path, unit="deg/s")
+    assert gyros.channels == ("Gyro. X", "Gyro. Y", "Gyro. Z")
+    assert {(r.rate, r.size) for r in gyros} == {(100.0, 1_000_000)}
+    assert any(f"rate 100.0 Hz from '{name}/freq'" in note for note in gyros.notes)
+    assert np.mean(gyros[0].values) == pytest.approx(mean, abs=5e-5)
+    assert np.std(gyros[0].values) == pytest.approx(std, abs=5e-5)
+    assert read(path, unit="g").channels == ("Accel. X", "Accel. Y", "Accel. Z")
+
+
+def test_matlab_73(recordings):
+    folder = recordings / "mpu6050_static10min"
+    with pytest.raises(UsageError, match=r"sampling rate.*time='1' \(--time 1\).*'gyroBuffer 1'"):
+        read(folder / "mpu6050_gyroscope.mat", unit="deg/s")
+    with pytest.raises(DataError, match=r"not evenly spaced.*--rate.*99\.317"):
+        read(folder / "mpu6050_gyroscope.mat", unit="deg/s", time="1[s]")
+    gyros = read(folder / "mpu6050_gyroscope.mat", unit="deg/s", rate=99.32, channels=["gyroBuffer"])
+    assert gyros.channels == ("gyroBuffer 2", "gyroBuffer 3", "gyroBuffer 4")
+    assert [round(float(np.mean(r.values)), 4) for r in gyros] == [4.5353, 0.0473, 1.1221]
+    assert {r.size for r in gyros} == {65067}
+
+
+def test_an_ascii_mat(recordings):
+    path = recordings / "imu_tk_xsens_gyro.mat"
+    with pytest.raises(UsageError, match=r"sampling rate: pass rate=100 \(--rate 100\).*'column 2'.*--unit deg/s"):
+        read(path)
+    assert {r.size for r in read(path, rate=100, unit="deg/s", scale=0.01)} == {51175}
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "code", "words"),
+    [
+        ("adis_16405_imu1.rda", [], 2, "--unit deg/s"),
+        ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 readings, 2.78 h"),
+        ("imu_tk_xsens_gyro.mat", [], 2, "--rate 100"),
+        ("imu_tk_xsens_gyro.mat", ["--rate", "100", "--scale", "0.01deg/s", "--until", "50"], 0, "rate in 0.01 deg/s"),
+        ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "no multiple of the 6 bytes of a row"),
+    ],
+)
+def test_info_in_words(recordings, name, options, code, words):
+    result = CliRunner().invoke(main, ["info", str(recordings / name), *options])
+    assert result.exit_code == code
+    assert words in " ".join(result.output.split())

@@ -1,0 +1,152 @@
+"""Recording by recording: how the command ends, the rate and where it is from, and what must be said."""
+
+import csv
+import re
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.prepare import trim
+from allanite.readers.formats import READERS
+
+
+class Row(NamedTuple):
+    """A command, its exit code, the rate of the first channel (None: there is none), and patterns in what is said."""
+
+    file: str
+    verb: str
+    options: str
+    code: int
+    rate: float | None
+    said: tuple[str, ...]
+    reader: str = "text"
+
+
+MPU = "mpu6050_static10min/mpu6050_"
+ASKED = (r"--rate 100", r"--unit deg/s", r"increment", r"count")
+ADIS = "--rate 100 --unit deg/s --channels 1,2,3"
+TABLE = [
+    Row("psins_lasergyro.imu", "info", "", 0, 100.0, (
+        r"rate 100\.0 Hz from the interval of 10 ms in the second header row",
+        r"lines at 3\.08", r"lines at 2\.05",
+        r"gz .* slope near -0\.8 at .* N is not meaningful here",
+        r"swells and fades 25 times a second",  # the author made 8 ms into 10 ms
+    ), "psins"),
+    Row("psins_lasergyro.imu", "analyze", "--channels gz", 0, 100.0, (
+        r"slope near -0\.8 .* N is not meaningful here .* no model of these terms explains|"
+        r"no model of these terms explains .* slope near -0\.8 .* N is not meaningful here",
+    ), "psins"),
+    Row("psins_lasergyro.imu", "analyze", "--channels gx,gy,gz --from 600 --until 900", 0, 100.0, (
+        r"cut from 600 s to 900 s", r"300 s are short",
+    ), "psins"),
+    Row(MPU + "gyroscope.mat", "info", "--unit deg/s --time 1", 0, 99.317138, (
+        r"bursty stamps .*491\.3 Hz by the median step, 99\.3171 Hz by the mean",
+    ), "hdf5"),
+    Row(MPU + "gyroscope.mat", "analyze", "--unit deg/s --time 1 --channels 2", 0, 99.317138, (
+        r"bursty stamps",
+    ), "hdf5"),
+    Row(MPU + "accelerometer.mat", "info", "--unit g --time 1", 0, 99.317138, (r"bursty stamps",), "hdf5"),
+    Row("phone_gyro4.txt", "info", "", 2, None, (r"unit is not known", r"--unit deg/s", r"'column 3'")),
+    Row("phone_gyro4.txt", "info", "--unit rad/s", 0, 5.0, (
+        r"columns 1 and 2 are taken as date and time of day", r"rate 5\.0 Hz from date and time",
+        r"stamps of 1 s", r"quantised to 0\.001 rad/s",
+    )),
+    Row("phone_gyro4.txt", "analyze", "--unit rad/s --channels 3", 0, 5.0, (
+        r"stamps of 1 s", r"quantised to 0\.001 rad/s",
+    )),
+    Row("adis_16405_imu1.rda", "info", "", 2, None, (r"unit is not known", r"--unit deg/s"), "r"),
+    Row("adis_16405_imu1.rda", "info", ADIS, 0, 100.0, (r"fit for the job",), "r"),
+    Row("adis_16405_imu1.rda", "analyze", ADIS, 0, 100.0, (r"neighbouring samples are correlated",), "r"),
+    Row("adis_16405_imu2.rda", "info", ADIS, 0, 100.0, (r"fit for the job",), "r"),
+    Row("imu_tk_xsens_gyro.mat", "info", "", 2, None, (*ASKED, r"--time 1")),
+    Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --rate 100", 3, 100.0, (r"moves from 52 s .* --until 52 ",)),
+    Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --time 1", 3, 100.01013, (
+        r"moves from 5[12][\.\d]* s .* --until 51 ",
+    )),
+    Row("imu_tk_xsens_gyro.mat", "analyze", "--unit deg/s --rate 100", 3, None, (r"moves from 52 s .* --until 52",)),
+    Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --rate 100 --until 52", 0, 100.0, (
+        r"cut from 0 s to 52 s", r"52 s are short",
+    )),
+    Row("imu_tk_xsens_gyro.mat", "analyze", "--unit deg/s --time 1 --until 52", 0, 100.01013, (r"angle random walk",)),
+    Row("aegiverse_fog_0917.txt", "info", "", 2, None, (r"'fog': the unit is not known",)),
+    Row("aegiverse_fog_0917.txt", "info", "--unit deg/h", 0, 100.02865, (
+        r"from column 'time'", r"5 distinct values", r"stand still 1 time",
+    )),
+    Row("aegiverse_fpga_gyro_0802.txt", "info", "", 2, None, (*ASKED, r"--time 1")),
+    Row("aegiverse_fpga_gyro_0802.txt", "info", "--time 1 --unit deg/s --channels 2", 0, 96.071745, (
+        r"from column 1", r"111\.3 s are short",
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", TABLE, ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
+def test_what_is_said_of_a_recording(recordings, row):
+    if row.reader not in READERS:
+        pytest.skip(f"no reader {row.reader!r}")
+    result = CliRunner().invoke(main, [row.verb, str(recordings / row.file), *row.options.split()])
+    said = " ".join((result.stdout + " " + result.stderr).split())
+    assert result.exit_code == row.code, said
+    assert "Traceback" not in said
+    for pattern in row.said:
+        assert re.search(pattern, said), (pattern, said)
+    if row.rate is not None:
+        rates = [
+            float(rate) for rate in re.findall(r"(?:gyroscope|accelerometer), .*?, ([\d.]+) Hz, \d+ readings", said)
+        ]
+        assert rates
+        assert rates == pytest.approx([row.rate] * len(rates), rel=1e-6)
+
+
+class Same(NamedTuple):
+    """A recording of the reference table: how it is read, and its channels in the order of the table's names."""
+
+    file: str
+    options: dict
+    channels: dict[str, str]
+    until: float | None = None
+    reader: str = "text"
+    reference: str = ""
+
+
+SIX = dict(zip(("gx", "gy", "gz", "ax", "ay", "az"), map(str, range(1, 7)), strict=True))
+REFERENCE = [
+    Same("phone_gyro4.txt", {"unit": "rad/s"}, {"gx": "3", "gy": "4", "gz": "5"}),
+    Same("aegiverse_fog_0917.txt", {"unit": "deg/s"}, {"fog": "fog"}),
+    Same("aegiverse_fpga_gyro_0802.txt", {"unit": "deg/s", "time": "1"}, {"col2": "2"}),
+    Same("imu_tk_xsens_gyro.mat", {"unit": "deg/s", "rate": 100}, {"gx": "2", "gy": "3", "gz": "4"}, 50.0,
+         reference="imu_tk_xsens_gyro.mat[first 5000]"),
+    Same(MPU + "gyroscope.mat", {"unit": "deg/s", "time": "1"}, {"gx": "2", "gy": "3", "gz": "4"}, reader="hdf5"),
+    Same(MPU + "accelerometer.mat", {"unit": "g", "time": "1"}, {"ax": "2", "ay": "3", "az": "4"}, reader="hdf5"),
+    Same("adis_16405_imu1.rda", {"unit": "deg/s", "rate": 100}, dict(list(SIX.items())[:3]), reader="r"),
+    Same("adis_16405_imu2.rda", {"unit": "deg/s", "rate": 100}, dict(list(SIX.items())[:3]), reader="r"),
+    Same("adis_16405_imu1.rda", {"unit": "g", "rate": 100}, dict(list(SIX.items())[3:]), reader="r"),
+    Same("adis_16405_imu2.rda", {"unit": "g", "rate": 100}, dict(list(SIX.items())[3:]), reader="r"),
+]  # fmt: skip
+
+
+def rows_of(recordings):
+    with (recordings / "reference_oadev.csv").open() as table:
+        return list(csv.DictReader(table))
+
+
+@pytest.mark.parametrize("same", REFERENCE, ids=lambda same: f"{same.file}-{same.options['unit']}")
+def test_deviations_are_those_that_others_computed(recordings, same):
+    """To 1e-6, where the reference used the rate that the file's clock says; psins: see `test_main_job`."""
+    if same.reader not in READERS:
+        pytest.skip(f"no reader {same.reader!r}")
+    recording = al.read(recordings / same.file, channels=list(same.channels.values()), **same.options)
+    recording = trim(recording, None, same.until)
+    name = same.reference or same.file.rpartition("/")[2]
+    table = rows_of(recordings)
+    for record, channel in zip(recording, same.channels, strict=True):
+        rows = [row for row in table if (row["file"], row["channel"]) == (name, channel)]
+        assert rows
+        assert record.rate == pytest.approx(float(rows[0]["rate_hz_used"]), rel=1e-6)
+        m = [int(row["m"]) for row in rows]
+        found = al.deviation(record, m=m).to(same.options["unit"]).deviation
+        np.testing.assert_allclose(found, [float(row["oadev"]) for row in rows], rtol=1e-6)
+        assert al.deviation(record, m=m).count.tolist() == [int(row["n_terms"]) for row in rows]

@@ -1,0 +1,157 @@
+"""The documentation site: it is built without a warning, has a page for every row, and what it says is run."""
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+import allanite as al
+from allanite.cli import VERBS
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+SAMPLE = Path("examples", "tactical_gyro.csv")
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", (DOCS / page).read_text("utf-8"), re.DOTALL | re.MULTILINE)
+
+
+COMMANDS = [
+    line
+    for page in ("tutorial.md", "command.md")
+    for block in blocks(page, "sh")
+    for line in block.splitlines()
+    if line.startswith("allanite ")
+]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built from a copy, so that nothing is written into the checkout."""
+    pytest.importorskip("sphinx", reason="the documentation's tools are not installed here")
+    place = tmp_path_factory.mktemp("docs")
+    shutil.copytree(DOCS, place / "docs", ignore=shutil.ignore_patterns("generated"))
+    (place / "examples").mkdir()
+    shutil.copy(ROOT / SAMPLE, place / SAMPLE)
+    build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
+    done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return place / "site"
+
+
+def text(site, page):
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (site / page).read_text("utf-8")))
+
+
+def test_every_row_has_its_page(site):
+    for symbol, row in al.TERMS.items():
+        page = text(site, f"generated/terms/{symbol}.html")
+        assert row.title in page
+        assert row.reference.split(";")[0] in page
+    for name, row in al.STATISTICS.items():
+        page = text(site, f"generated/statistics/{name}.html")
+        assert row.title in page
+        assert "longest τ" in page
+        assert (site / "_images" / f"{name}.svg").stat().st_size > 5000
+    for index, table in (("terms", al.TERMS), ("statistics", al.STATISTICS)):
+        assert all(row.title in text(site, f"generated/{index}/index.html") for row in table.values())
+
+
+@pytest.mark.parametrize("symbol", al.TERMS)
+def test_every_term_is_put_into_words(symbol):
+    row = al.TERMS[symbol]
+    assert len(row.origin) > 80
+    assert len(row.advice) > 80
+    assert row.density or row.waveform is not None
+
+
+def test_every_verb_and_public_name_is_there(site):
+    command, names = text(site, "command.html"), (site / "generated/api.html").read_text("utf-8")
+    for name in VERBS:
+        assert f"Usage: allanite {name} [OPTIONS]" in command
+    for name in dir(al):
+        thing = getattr(al, name)
+        if not name.startswith("_") and callable(thing):
+            assert f'id="allanite.{name}"' in names, name
+
+
+def test_units_are_those_of_the_table(site):
+    page = text(site, "generated/units.html")
+    for name in (*al.units.ATOMS, *al.units.SPELLINGS):
+        assert f" {name} " in page
+    assert "0.000290888" in page
+
+
+class Links(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.loaded, self.led = [], []
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        if tag in ("script", "img", "iframe") and "src" in found:
+            self.loaded.append(found["src"])
+        if tag == "link" and found.get("rel") in ("stylesheet", "preload", "icon"):
+            self.loaded.append(found["href"])
+        if tag == "a" and "href" in found:
+            self.led.append(found["href"])
+
+
+def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
+    for page in site.rglob("*.html"):
+        links = Links()
+        links.feed(page.read_text("utf-8"))
+        assert not [url for url in links.loaded if "//" in url], page
+        inner = [url.split("#")[0].split("?")[0] for url in (*links.loaded, *links.led) if "//" not in url]
+        assert not [url for url in inner if url and not (page.parent / url).exists()], page
+
+
+def test_formulas_are_drawn_by_the_browser(site):
+    page = (site / "generated/statistics/oadev.html").read_text("utf-8")
+    assert "<math " in page
+    assert "<munderover>" in page
+    assert "MathJax" not in page
+
+
+@pytest.fixture
+def desk(tmp_path):
+    (tmp_path / "examples").mkdir()
+    shutil.copy(ROOT / SAMPLE, tmp_path / SAMPLE)
+    return tmp_path
+
+
+def test_the_tutorial_prints_what_it_says(desk):
+    script = "".join(blocks("tutorial.md", "python"))
+    done = subprocess.run([sys.executable, "-c", script], cwd=desk, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    said = re.findall(r"^print\(.*\)  # (.*)$", script, re.MULTILINE)
+    assert len(said) >= 8
+    printed = done.stdout.splitlines()
+    assert len(printed) == len(said)
+    for wanted, line in zip(said, printed, strict=True):
+        assert line.startswith(wanted)
+    shown = re.findall(r"\]\(generated/tutorial/(.*?)\)", (DOCS / "tutorial.md").read_text("utf-8"))
+    assert sorted(shown) == sorted(path.name for path in desk.iterdir() if path.is_file())
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_run_and_leave_what_they_name(desk, command):
+    program, *words = shlex.split(command)
+    done = subprocess.run(
+        [str(Path(sys.executable).with_name(program)), *words], cwd=desk, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    for option in ("--report", "--plot", "--csv"):
+        if option in words:
+            assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+def test_make_builds_it():
+    assert "-m sphinx -W" in (ROOT / "Makefile").read_text("utf-8")
+    assert "docs/generated/" in (ROOT / ".gitignore").read_text("utf-8").splitlines()

@@ -1,0 +1,145 @@
+"""The dynamic form of every statistic against that of each window by itself."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.kernels.dynamic import sliding
+from allanite.statistics.dynamic import SLIDING
+
+
+def record_of(y, rate=10.0, **options):
+    return al.Record(np.asarray(y), **({"rate": rate, "unit": "deg/h", "kind": "rate", "name": "z"} | options))
+
+
+def noise(n, seed=1):
+    return np.random.default_rng(seed).standard_normal(n)
+
+
+def alone(record, start, samples, surface):
+    extra = 1 if record.kind == "angle" else 0
+    part = record.with_values(record.values[start : start + samples + extra], "")
+    return al.deviation(part, surface.statistic, m=surface.m.tolist())
+
+
+@pytest.mark.parametrize("name", list(al.STATISTICS))
+@given(data=st.data())
+@settings(max_examples=15, deadline=None)
+def test_every_window_equals_its_own_deviation(name, data):
+    n = data.draw(st.integers(110, 300))
+    samples = data.draw(st.integers(100, n))
+    stride = data.draw(st.integers(max(1, n // 20), n))
+    kind = data.draw(st.sampled_from(["rate", "angle"]))
+    y = np.cumsum(noise(n + 1, data.draw(st.integers(0, 999)))) + 100
+    record = record_of(y[: n + (kind == "angle")], kind=kind, unit={"rate": "deg/h", "angle": "arcsec"}[kind])
+    surface = al.dynamic(record, name, window=samples / 10, step=stride / 10)
+    assert surface.time.size == (n - samples) // stride + 1
+    for i, row in enumerate(surface.variance):
+        curve = alone(record, i * stride, samples, surface)
+        np.testing.assert_allclose(row, curve.variance, rtol=1e-10, atol=1e-24)
+        np.testing.assert_array_equal(surface.count[i], curve.count)
+        np.testing.assert_allclose(surface.time[i], (i * stride + samples / 2) / 10)
+    np.testing.assert_allclose(surface.tau, curve.tau)
+
+
+@pytest.mark.parametrize("name", [name for name in SLIDING if name in al.STATISTICS])
+def test_long_records(name):
+    record = record_of(noise(30_000) + 1e6)
+    for samples, stride in ((5000, 700), (1000, 3000), (300, 1)):
+        surface = al.dynamic(record, name, window=samples / 10, step=stride / 10, taus="log")
+        for i in range(0, surface.time.size, max(1, surface.time.size // 7)):
+            np.testing.assert_allclose(
+                surface.variance[i], alone(record, i * stride, samples, surface).variance, rtol=1e-10
+            )
+
+
+@given(n=st.integers(1, 60), f=st.integers(1, 60), seed=st.integers(0, 999))
+def test_sums_of_neighbours(n, f, seed):
+    blocks = np.random.default_rng(seed).integers(0, 100, n + f - 1).astype(float)
+    expected = [blocks[i : i + f].sum() for i in range(n)]
+    np.testing.assert_array_equal(sliding(blocks, f), expected)
+
+
+def test_a_shock_leaves_nothing_behind():
+    y = noise(20_000)
+    calm = al.dynamic(record_of(y), window=50.0, step=5.0)
+    y[9000] += 1e9
+    shaken = al.dynamic(record_of(y), window=50.0, step=5.0)
+    after = shaken.time - 25 > 900.1
+    before = shaken.time + 25 < 900.0
+    assert after.sum() > 100
+    for quiet in (before, after):
+        np.testing.assert_allclose(shaken.variance[quiet], calm.variance[quiet], rtol=1e-5)
+    # before the shock the angle is as it was; behind it, it has lost the digits that 1e9 takes
+    np.testing.assert_allclose(shaken.variance[before], calm.variance[before], rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", list(al.STATISTICS))
+def test_windows_that_have_lost_samples(name):
+    y = noise(3000)
+    y[1000:1400] = np.nan
+    surface = al.dynamic(record_of(y), name, window=30.0, step=10.0)
+    start = surface.time - 15.0
+    whole = (start + 30 <= 100.0) | (start >= 140.0)
+    assert np.isfinite(surface.variance[whole]).all()
+    assert np.array_equal(np.isfinite(surface.variance), surface.count > 0)
+    lost = (start >= 100.0) & (start + 30 <= 140.0)
+    assert lost.sum() == 2
+    assert np.isnan(surface.variance[lost]).all()
+    assert not surface.count[lost].any()
+    with pytest.raises(al.DataError, match="no window"):
+        al.dynamic(record_of(np.full(500, np.nan)), name, window=10.0)
+    with pytest.raises(al.UsageError, match="no values"):
+        surface.curve(start[lost][0] + 15)
+
+
+def test_a_step_of_the_noise_is_seen_where_it_is():
+    y = noise(40_000)
+    y[20_000:] *= 2
+    surface = al.dynamic(record_of(y), window=100.0).to("deg/h")
+    before, after = surface.time < 1900, surface.time > 2100
+    assert np.median(surface.deviation[before, 0]) == pytest.approx(1.0, rel=0.05)
+    assert np.median(surface.deviation[after, 0]) == pytest.approx(2.0, rel=0.05)
+
+
+def test_the_law_is_that_of_a_window():
+    model = al.N(0.1, "deg/sqrt(h)") + al.B(1.0, "deg/h")
+    record = al.simulate(model, 8000, 10.0, rng=np.random.default_rng(1))
+    surface = al.dynamic(record, window=100.0, step=25.0, noise=model)
+    curve = al.deviation(al.simulate(model, 1000, 10.0, rng=np.random.default_rng(2)), noise=model)
+    slice_ = surface.curve(412.0)
+    np.testing.assert_allclose(slice_.edf, curve.edf)
+    low, high = slice_.interval()
+    assert np.all((low < slice_.deviation) & (slice_.deviation < high))
+    assert "window of 100 s at 400 s" in slice_.history[-1] or "at 425 s" in slice_.history[-1]
+
+
+def test_the_value_as_rows_and_plain_data():
+    y = noise(1000)
+    y[100] = np.nan
+    surface = al.dynamic(record_of(y), window=30.0, step=10.0).to("deg/h")
+    headings, rows = surface.rows()
+    assert headings == ["time [s]", "m", "tau [s]", "oadev [deg/h]", "count"]
+    assert len(rows) == surface.variance.size
+    assert rows[-1][3] == surface.deviation[-1, -1]
+    again = al.Surface.from_dict(json.loads(json.dumps(surface.to_dict(), allow_nan=False)))
+    np.testing.assert_allclose(again.variance, surface.variance, rtol=1e-14)
+    assert again.to_dict() == surface.to_dict()
+
+
+def test_what_is_refused():
+    record = record_of(noise(500))
+    for options, words in [
+        ({"window": 51.0}, "50 s long"),
+        ({"window": 0.5}, "8 samples take 0.8 s"),
+        ({"window": -1.0}, "positive number of seconds"),
+        ({"step": 0.0}, "positive number of seconds"),
+        ({"window": 10.0, "taus": [6.0]}, "between 1 and 50"),
+        ({"window": 10.0, "statistic": "nadev"}, "known are"),
+    ]:
+        with pytest.raises(al.UsageError, match=words):
+            al.dynamic(record, **options)

@@ -1,0 +1,542 @@
+"""HDF5, MATLAB, R and Parquet: what is found in them, what is chosen, what is asked."""
+
+import subprocess
+import sys
+import zipfile
+
+import h5py
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.errors import DataError, UsageError
+from allanite.readers import guard
+from allanite.readers.formats import READERS
+
+RNG = np.random.default_rng(3)
+GYRO, ACC = RNG.normal(size=(60, 3)), RNG.normal(size=(40, 3))
+
+
+@pytest.fixture
+def two_sensors(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        gyro = file.create_dataset("imu0/gyro", data=GYRO, compression="gzip", shuffle=True)
+        gyro.attrs["units"], gyro.attrs["columns"] = "deg/s", ["x", "y", "z"]
+        file["imu0"].attrs["rate"] = 200.0
+        file["imu1/acc"] = ACC
+        file["imu1/acc"].attrs["unit"] = "m/s^2"
+        file["imu1/time"] = np.arange(40) * 0.02 + 7
+        file["imu1/temperature"] = np.arange(5.0)
+        file["note"] = "on the table"
+    return tmp_path / "a.h5"
+
+
+def test_several_sensors_are_listed_and_chosen(two_sensors):
+    with pytest.raises(
+        UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*--channels"
+    ):
+        al.read(two_sensors)
+    gyro = al.read(two_sensors, channels=["imu0/gyro"])
+    assert gyro.channels == ("x", "y", "z")
+    assert (gyro["y"].rate, gyro["y"].unit) == (200.0, "deg/s")
+    assert np.array_equal(gyro["y"].values, GYRO[:, 1])
+    assert any("rate 200.0 Hz from 'imu0/rate'" in note for note in gyro.notes)
+    for choice in (["acc"], ["acc 2"], ["6"]):
+        acc = al.read(two_sensors, channels=choice)
+        assert (acc[0].unit, acc[0].start) == ("m/s^2", 7.0)
+        assert acc[0].rate == pytest.approx(50.0)
+    assert np.array_equal(acc[0].values, ACC[:, 2])
+    assert any("imu0/gyro (60 x 3)" in note for note in acc.notes)
+    with pytest.raises(UsageError, match="2 recordings"):
+        al.read(two_sensors, channels=["nothing"])
+
+
+def test_sensors_of_one_length_with_rates_of_their_own_are_not_mixed(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, rate in (("a", 100.0), ("b", 400.0)):
+            file[f"{name}/gyro"] = GYRO
+            file[f"{name}/gyro"].attrs["fs"] = rate
+    with pytest.raises(UsageError, match="2 recordings"):
+        al.read(tmp_path / "a.h5", unit="deg/s")
+    assert al.read(tmp_path / "a.h5", unit="deg/s", channels=["b/gyro"])[0].rate == 400.0
+
+
+def test_units_of_columns_and_compounds(tmp_path):
+    table = np.zeros(50, [("time", "f8"), ("gyro_dps", "<f4", 3), ("tag", "S3"), ("ok", "?")])
+    table["time"], table["gyro_dps"] = np.arange(50) * 0.25, GYRO[:50]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["table"] = table
+    recording = al.read(tmp_path / "a.h5")
+    assert recording.channels == ("gyro_dps 1", "gyro_dps 2", "gyro_dps 3")
+    assert (recording[0].rate, recording[0].unit) == (4.0, "deg/s")
+    assert np.array_equal(recording[1].values, table["gyro_dps"][:, 1])
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["block0_values"], file["block0_items"] = GYRO, [b"gx", b"gy", b"T"]
+        file["block0_values"].attrs["units"] = ["deg/s", "deg/s", "degC"]
+    assert al.read(tmp_path / "b.h5", rate=1.0).channels == ("gx", "gy")
+
+
+def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["outer"] = h5py.ExternalLink(str(two_sensors), "imu0/gyro")
+        file["loop"] = h5py.SoftLink("/")
+        file["self"] = file["/"]
+    with pytest.raises(DataError, match="no array of readings"):
+        al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
+    with h5py.File(tmp_path / "c.h5", "w") as file:
+        layout = h5py.VirtualLayout((60, 3), "f8")
+        layout[:] = h5py.VirtualSource(str(two_sensors), "imu0/gyro", (60, 3))
+        file.create_virtual_dataset("virtual", layout)
+        file.create_dataset("external", (60,), "f8", external=[(str(two_sensors), 0, 480)])
+    with pytest.raises(DataError, match="no array of readings"):
+        al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
+
+
+def test_a_dataset_that_claims_more_than_its_file(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("gyro", (10**9, 3), "f8", chunks=(1000, 3))
+    with pytest.raises(DataError, match="'gyro' claims 24000 MB"):
+        al.read(tmp_path / "a.h5", rate=1.0, unit="deg/s")
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file.create_dataset("gyro", (10**8,), "f8", chunks=(10**8,))
+    with pytest.raises(DataError, match="larger than the file can hold"):
+        al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
+
+
+def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch, tmp_path):
+    from allanite.readers import hdf5_process
+
+    def worker(code):
+        (tmp_path / "hdf5_worker.py").write_text(code)
+        monkeypatch.setattr(hdf5_process, "__file__", str(tmp_path / "hdf5_process.py"))
+        monkeypatch.setattr(hdf5_process, "WAIT", 1.0)
+
+    for code, words in (
+        ("import os; os.abort()", "signal 6"),
+        ("import time; time.sleep(60)", "too long"),
+        ("import sys; sys.exit('no such thing')", "no such thing"),
+        ("print('{}')", "damaged"),
+    ):
+        worker(code)
+        with pytest.raises(DataError, match=words):
+            al.read(two_sensors)
+
+
+def test_cut_and_foreign_files_of_every_suffix(tmp_path, two_sensors):
+    whole = two_sensors.read_bytes()
+    two_sensors.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(DataError, match="damaged or was cut off"):
+        al.read(two_sensors)
+    for suffix in (".h5", ".parquet", ".rda", ".mat", ".npz", ".zip", ".gz"):
+        (tmp_path / f"b{suffix}").write_bytes(RNG.bytes(3000))
+        with pytest.raises(DataError, match=r"begin|format|damaged"):
+            al.read(tmp_path / f"b{suffix}", rate=1.0, unit="deg/s")
+
+
+def test_a_missing_library_is_named_with_its_extra(two_sensors, monkeypatch):
+    def absent(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(guard.importlib, "import_module", absent)
+    with pytest.raises(UsageError, match=r"pip install 'allanite\[hdf5\]'"):
+        al.read(two_sensors)
+
+
+def test_heavy_libraries_are_imported_by_none_but_their_readers(tmp_path):
+    al.write(al.Record([1.5, 2.5, 1.5], 100.0, "deg/s", name="gz"), tmp_path / "a.npz")
+    code = "import sys, allanite; allanite.read(sys.argv[1]); print([m for m in sys.argv[2:] if m in sys.modules])"
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "a.npz"), "h5py", "pyarrow", "scipy.io", "rdata"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout.strip() == "[]"
+
+
+# MATLAB
+
+
+def savemat(path, content, **options):
+    from scipy.io import savemat as save
+
+    save(path, content, **options)
+    return path
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_structures_and_what_is_no_number(tmp_path, compress):
+    content = {
+        "run": {"gyro": GYRO, "t": np.arange(60) * 0.01, "sensor": "ADIS", "cells": np.array([1, "a"], object)},
+        "many": np.array([(1.5,), (2.5,)], [("v", "f8")]),
+        "flags": GYRO[:, 0] > 0,
+        "z": GYRO * 1j,
+        "small": np.arange(60, dtype=np.int8),
+    }
+    recording = al.read(savemat(tmp_path / "a.mat", content, do_compression=compress), unit="deg/s", channels=["gyro"])
+    assert recording.channels == ("gyro 1", "gyro 2", "gyro 3")
+    assert recording[0].rate == pytest.approx(100.0)
+    assert any("run/cells" in note and "flags" in note and "z" in note for note in recording.notes)
+    assert al.read(tmp_path / "a.mat", rate=1, unit="deg/s", channels=["small"])[0].values.dtype == np.int64
+
+
+def test_an_ascii_mat_is_text(tmp_path):
+    np.savetxt(tmp_path / "a.mat", np.column_stack((np.arange(60) * 0.01 + 3, GYRO)))
+    with pytest.raises(UsageError, match=r"--rate 100.*'column 2'.*--unit deg/s.*time='1'"):
+        al.read(tmp_path / "a.mat")
+    assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
+        (b"\x09\0\0\0\xa0\x05\0\0", b"\x09\0\0\0\xa0\x05\0\x70"),
+        (b"\x0e\0\0\0", b"\x0e\0\0\xff"),
+    ],
+    ids=["dimensions", "size of the numbers", "kind"],
+)
+def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
+    data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
+    assert data.count(old) == 1
+    (tmp_path / "a.mat").write_bytes(data.replace(old, new))
+    with pytest.raises(DataError, match=r"claims|no array"):
+        al.read(tmp_path / "a.mat", rate=1, unit="deg/s")
+
+
+# R
+
+
+def r_file(path, body, version=2):
+    import struct
+
+    head = struct.pack(">iii", version, 0x40000, 0x20300) + (struct.pack(">i", 5) + b"UTF-8" if version == 3 else b"")
+    path.write_bytes(b"X\n" + head + body)
+    return path
+
+
+def test_a_time_series_of_r(tmp_path):
+    import struct
+
+    values = struct.pack(">ii", 0x20E, 50) + np.arange(50.0).astype(">f8").tobytes()
+    tsp = struct.pack(">ii", 14, 3) + struct.pack(">ddd", 0.0, 4.9, 10.0)
+    attribute = struct.pack(">iiii", 0x402, 1, 9, 3) + b"tsp" + tsp + struct.pack(">i", 254)
+    recording = al.read(r_file(tmp_path / "a.rds", values + attribute, 3), unit="deg/s")
+    assert recording[0].rate == 10.0
+    assert np.array_equal(recording[0].values, np.arange(50.0))
+
+
+@pytest.mark.parametrize(
+    ("hex_body", "words"),
+    [
+        ("0000000e 7fffffff", "claimed"),  # numbers
+        ("0000000e ffffffff 00000001 00000000", "claimed"),  # of a long vector
+        ("00000013 0fffffff", "too short"),  # a list
+        ("00000009 7fffffff", "claimed"),  # a text
+        ("00000015", "no data"),  # byte code
+        ("000000ff", "ended|claimed"),  # a reference
+        ("00000203" * 4000, "lists in lists|claimed"),
+        # a sequence of 1e15 numbers
+        (
+            "000000ee 00000002 00000001 00000009 0000000e 636f6d706163745f7265616c736571 000000fe"
+            "0000000e 00000003 430c6bf526340000 0000000000000000 3ff0000000000000 000000fe",
+            "sequence claims",
+        ),
+    ],
+)
+def test_what_r_files_claim_is_not_believed(tmp_path, hex_body, words):
+    body = bytes.fromhex(hex_body.replace(" ", ""))
+    if "63" in hex_body and words == "sequence claims":
+        body = body.replace(b"\0\0\0\x0ecompact_realseq", b"\0\0\0\x0fcompact_realseq")
+    with pytest.raises(DataError, match=words):
+        al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s")
+
+
+def test_a_million_empty_entries_do_not_take_long(tmp_path):
+    import struct
+    import time
+
+    path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
+    start = time.process_time()
+    with pytest.raises(DataError, match="over 200000 lists"):
+        al.read(path, rate=1, unit="deg/s")
+    assert time.process_time() - start < 2
+
+
+# Parquet
+
+
+def test_parquet_of_others(tmp_path):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    table = pa.table(
+        {
+            "time": pa.array(np.arange(60) * 5000, pa.timestamp("us")),
+            "gyro_x_dps": pa.array([None, *GYRO[1:, 0]]),
+            "acc": pa.array(GYRO[:, 1]),
+            "tag": ["a"] * 60,
+            "list": [[1]] * 60,
+            "__index_level_0__": pa.array(range(60)),
+        }
+    )
+    fields = [f.with_metadata({"unit": "m/s^2"}) if f.name == "acc" else f for f in table.schema]
+    said = {b"pandas": b'{"index_columns": ["__index_level_0__"]}'}
+    parquet.write_table(table.cast(pa.schema(fields, said)), tmp_path / "a.parquet")
+    recording = al.read(tmp_path / "a.parquet")
+    assert recording.channels == ("gyro_x_dps", "acc")
+    assert [record.unit for record in recording] == ["deg/s", "m/s^2"]
+    assert recording[0].rate == pytest.approx(200.0)
+    assert np.isnan(recording[0].values[0])
+    assert any("list" in note for note in recording.notes)
+
+
+def test_parquet_that_claims_too_much(tmp_path):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    parquet.write_table(pa.table({"gx": np.zeros(2 * 10**7)}), tmp_path / "a.parquet")
+    with pytest.raises(DataError, match="claims 160 MB"):
+        al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
+
+
+def test_a_dictionary_of_long_words_is_not_spelled_out(tmp_path):
+    """A column of 20 GB in a file of a few kB: not read, since words are no readings."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    words = pa.DictionaryArray.from_arrays(pa.array(np.zeros(20_000, np.int32)), ["x" * 10**6])
+    parquet.write_table(pa.table({"gx_dps": np.arange(20_000) % 7, "tag": words}), tmp_path / "a.parquet")
+    code = (
+        "import sys, resource, pyarrow, allanite\n"
+        "now = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "before = now()\n"
+        "print(allanite.read(sys.argv[1], rate=1).channels, (now() - before) // 1024)"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "a.parquet")], capture_output=True, text=True, check=True
+    )
+    channels, taken = run.stdout.rsplit(" ", 1)
+    assert channels == "('gx_dps',)"
+    assert int(taken) < 100
+
+
+# archives
+
+
+def test_an_archive_with_several_asks(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        for name in ("run/a.csv", "run/b.csv"):
+            archive.writestr(name, "gx [deg/s]\n" + "1.5\n2.5\n" * 9)
+    with pytest.raises(UsageError, match=r"2 files.*run/a\.csv, run/b\.csv.*::run/a\.csv"):
+        al.read(tmp_path / "a.zip", rate=1)
+    with pytest.raises(UsageError, match=r"no member 'c\.csv'; it holds run/a\.csv"):
+        al.read(f"{tmp_path / 'a.zip'}::c.csv", rate=1)
+    recording = al.read(f"{tmp_path / 'a.zip'}::run/b.csv", rate=1)
+    assert recording.source == f"{tmp_path / 'a.zip'}::run/b.csv"
+    (tmp_path / "a.csv").write_text("gx [deg/s]\n1.5\n2.5\n")
+    with pytest.raises(UsageError, match=r"::a names a member of a \.zip"):
+        al.read(f"{tmp_path / 'a.csv'}::a", rate=1)
+
+
+def test_bombs_are_refused(tmp_path):
+    import bz2
+    import gzip
+    import lzma
+
+    zeros = bytes(60 << 20)
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.csv", zeros)
+    (tmp_path / "a.gz").write_bytes(gzip.compress(zeros, 1))
+    (tmp_path / "a.bz2").write_bytes(bz2.compress(zeros))
+    (tmp_path / "a.xz").write_bytes(lzma.compress(zeros, preset=0))
+    for name in ("a.zip", "a.gz", "a.bz2", "a.xz"):
+        with pytest.raises(DataError, match="bomb"):
+            al.read(tmp_path / name, rate=1)
+
+
+def test_bombs_in_bombs_do_not_multiply(tmp_path):
+    """Each layer is within its own limit, the two together are not."""
+    np.savez_compressed(tmp_path / "a.npz", gx=np.zeros(2_200_000), gy=np.zeros(2_200_000))
+    inner = (tmp_path / "a.npz").read_bytes()
+    al.read(tmp_path / "a.npz", rate=1, unit="deg/s", channels=["gx"])
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        archive.writestr("a.npz", inner)
+    with pytest.raises(DataError, match=r"claims 35\.2"):
+        al.read(tmp_path / "a.zip", rate=1, unit="deg/s")
+
+
+def test_archives_that_hold_nothing_to_read(tmp_path):
+    def archive_of(**members):
+        with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+            for name, content in members.items():
+                archive.writestr(name, content)
+
+    archive_of(**{"readme.txt": "1 2 3\n"})
+    with pytest.raises(DataError, match=r"no file of a format that is read; it holds readme\.txt"):
+        al.read(tmp_path / "a.zip")
+    archive_of(**{"xl/workbook.xml": "<x/>"})
+    with pytest.raises(DataError, match="Excel"):
+        al.read(tmp_path / "a.zip")
+    whole = (tmp_path / "a.zip").read_bytes()
+    (tmp_path / "a.zip").write_bytes(whole[:-30])
+    with pytest.raises(DataError, match="cut off"):
+        al.read(tmp_path / "a.zip")
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        for i in range(30_000):
+            archive.writestr(f"{i}.csv", b"")
+    with pytest.raises(DataError, match="directory of the archive claims"):
+        al.read(tmp_path / "a.zip")
+
+
+# raw binary
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes over"),
+        ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes behind the offset of 5"),
+        ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
+        ({"dtype": "O"}, "unknown type of number 'O'"),
+        ({"dtype": "i3"}, "unknown type"),
+        ({"dtype": "S4"}, "unknown type"),
+        ({"dtype": "i2", "columns": 0}, "whole number from 1"),
+        ({"dtype": "i2", "columns": True}, "whole number from 1"),
+        ({"dtype": "i2", "offset": -1}, "whole number from 0"),
+        ({"dtype": "u4,i2", "columns": 2}, "whole row"),
+        ({"dtype": "i2", "columns": 10**30}, "more than a row"),
+        ({"columns": 3}, "raw binary"),
+        ({"dtype": 2}, "text such as 'i2'"),
+        ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "another unit"),
+        ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
+    ],
+)
+def test_impossible_layouts(tmp_path, options, words):
+    (tmp_path / "a.bin").write_bytes(bytes(120))
+    with pytest.raises(al.AllaniteError, match=words):
+        al.read(tmp_path / "a.bin", **({"rate": 100} | options))
+
+
+def test_raw_rows_of_mixed_types_and_packed_ones(tmp_path):
+    import gzip
+
+    rows = np.zeros(50, np.dtype("<u4,3<i2"))
+    rows["f0"], rows["f1"] = np.arange(50) * 5000 + 3, RNG.integers(-99, 99, (50, 3))
+    assert rows.tobytes()[:2] != b"\x1f\x8b"
+    (tmp_path / "a.bin.gz").write_bytes(gzip.compress(rows.tobytes()))
+    recording = al.read(tmp_path / "a.bin.gz", dtype="u4,3i2", time="1[us]", scale="0.1 arcsec", kind="count")
+    assert recording.channels == ("column 2", "column 3", "column 4")
+    assert (recording[0].scale, recording[0].unit, recording[0].kind) == (0.1, "arcsec", "count")
+    assert recording[0].rate == pytest.approx(200.0)
+    assert np.array_equal(recording[1].values, rows["f1"][:, 1])
+
+
+def test_raw_numbers_that_begin_like_a_packed_file_are_numbers(tmp_path):
+    (tmp_path / "a.bin").write_bytes(b"\x1f\x8b\x08\x00" + bytes(60))
+    assert al.read(tmp_path / "a.bin", dtype="i2", rate=1, unit="deg/s")[0].size == 32
+
+
+# plugins
+
+
+class Entry:
+    """What importlib.metadata gives for an entry point."""
+
+    name, dist, value = "mine", None, "mine:reader"
+
+    def __init__(self, found):
+        self.found = found
+
+    def load(self):
+        if isinstance(self.found, Exception):
+            raise self.found
+        return self.found
+
+
+class Reader:
+    TITLE = "files of ours"
+
+    @staticmethod
+    def sniff(head, suffix):
+        return head.startswith(b"MINE")
+
+    @staticmethod
+    def read(path, options):
+        return al.Recording((al.Record([1.0, 2.0, 1.0], options.rate or 1.0, "deg/s", name="gz"),))
+
+
+@pytest.fixture
+def install(monkeypatch):
+    def install(found):
+        monkeypatch.setattr("allanite.readers.plugins.entry_points", lambda group: [Entry(found)])
+
+    return install
+
+
+def test_a_plugin_is_asked_before_text(tmp_path, install):
+    install(Reader)
+    (tmp_path / "a.txt").write_text("MINE\n1.5\n2.5\n")
+    assert al.read(tmp_path / "a.txt", rate=5.0)["gz"].rate == 5.0
+    (tmp_path / "b.bin").write_bytes(b"\0\1" * 60)
+    with pytest.raises(DataError, match="files of ours"):
+        al.read(tmp_path / "b.bin")
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (ImportError("no module named 'theirs'"), "it cannot be loaded: ImportError: no module named 'theirs'"),
+        (object(), "it has no TITLE, sniff, read"),
+        (type("R", (Reader,), {"read": staticmethod(lambda path, options: 3)}), "read gave a int"),
+        (type("R", (Reader,), {"read": staticmethod(lambda path, options: 1 / 0)}), "read failed: ZeroDivisionError"),
+        (type("R", (Reader,), {"sniff": staticmethod(lambda head, suffix: 1 / 0)}), "sniff failed"),
+    ],
+)
+def test_a_broken_plugin_is_named_when_it_is_asked(tmp_path, install, found, words):
+    install(found)
+    np.save(tmp_path / "a.npy", GYRO)
+    assert len(al.read(tmp_path / "a.npy", rate=1, unit="deg/s")) == 3
+    (tmp_path / "a.txt").write_text("MINE\n1.5\n2.5\n")
+    with pytest.raises(
+        al.AllaniteError, match=f"plugin 'mine' of the package 'mine:reader' is broken .{words}"
+    ) as caught:
+        al.read(tmp_path / "a.txt", rate=1, unit="deg/s")
+    assert str(tmp_path) in str(caught.value)
+
+
+def test_every_reader_tells_its_title():
+    assert all(len(reader.TITLE) > 3 for reader in READERS.values())
+
+
+def test_a_column_of_texts_in_r_is_passed_over(tmp_path):
+    """300000 stamps as texts beside 300000 numbers, as a data frame has them."""
+    import struct
+
+    count = 300_000
+    texts = struct.pack(">ii", 16, count) + (struct.pack(">ii", 9, 5) + b"00:01") * count
+    numbers = struct.pack(">ii", 14, count) + np.arange(float(count)).astype(">f8").tobytes()
+    names = struct.pack(">ii", 16, 2) + b"".join(struct.pack(">ii", 9, 2) + name for name in (b"at", b"gx"))
+    attribute = struct.pack(">iiii", 0x402, 1, 9, 5) + b"names" + names + struct.pack(">i", 254)
+    recording = al.read(
+        r_file(tmp_path / "a.rds", struct.pack(">ii", 0x213, 2) + texts + numbers + attribute), rate=1, unit="deg/s"
+    )
+    assert recording.channels == ("gx",)
+    assert np.array_equal(recording[0].values, np.arange(count))
+
+
+def test_a_parquet_table_of_thousands_of_columns(tmp_path):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    parquet.write_table(pa.table({str(i): [1.0, 2.0] for i in range(1001)}), tmp_path / "a.parquet")
+    with pytest.raises(DataError, match="1001 columns"):
+        al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
+
+
+@pytest.mark.parametrize("kind", [7, 0])
+def test_a_mat_file_of_other_elements(tmp_path, kind):
+    data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
+    (tmp_path / "a.mat").write_bytes(data[:128] + np.array([kind, 0], "<u4").tobytes() * 10**6)
+    with pytest.raises(DataError, match="where a variable is expected"):
+        al.read(tmp_path / "a.mat", rate=1, unit="deg/s")

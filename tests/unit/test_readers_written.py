@@ -1,0 +1,248 @@
+"""Whatever is written is read back: every format that is written here, and those that others write."""
+
+import bz2
+import gzip
+import lzma
+import zipfile
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+import allanite as al
+from allanite.errors import DataError, UsageError
+from allanite.readers.formats import WRITERS
+from allanite.record import KINDS
+
+UNITS = {
+    "rate": ["deg/s", "rad/s", "deg/h", "g", "m/s^2", "ug", "1"],
+    "increment": ["arcsec", "rad", "m/s", "s"],
+    "angle": ["arcsec", "deg", "rad", "m/s", "s"],
+    "count": ["arcsec", "urad", "ug*s"],
+}
+NAMES = st.text(st.characters(exclude_categories=("Cs",)), max_size=12) | st.sampled_from(
+    [
+        "time",
+        "t",
+        "rate",
+        "allanite",
+        "temperature",
+        "gx",
+        "gx [deg/s]",
+        "1",
+        "nan",
+        "a,b",
+        'say "x"',
+        "file",
+        "Gx",
+        "#",
+    ]
+)
+POSITIVE = st.floats(1e-6, 1e9)
+FLOATS = st.floats(allow_nan=True, allow_infinity=True) | st.integers(-9, 9).map(float)
+
+
+@st.composite
+def recordings(draw):
+    size, rate = draw(st.integers(3, 40)), draw(POSITIVE)
+    start = draw(st.none() | st.floats(-1e9, 1e9))
+    records = []
+    for name in draw(st.lists(NAMES, min_size=1, max_size=5, unique=True)):
+        kind = draw(st.sampled_from(list(KINDS)))
+        integers = kind == "count" or draw(st.booleans())
+        numbers = arrays.arrays(np.int64, size) if integers else arrays.arrays(np.float64, size, elements=FLOATS)
+        scale = draw(POSITIVE) if kind == "count" or draw(st.booleans()) else None
+        history = tuple(draw(st.lists(st.text(max_size=5), max_size=2)))
+        unit = draw(st.sampled_from(UNITS[kind]))
+        records.append(al.Record(draw(numbers), rate, unit, kind, scale, name=name, start=start, history=history))
+    return al.Recording(tuple(records))
+
+
+def assert_same(read, written):
+    assert read.channels == written.channels
+    for got, record in zip(read, written, strict=True):
+        assert got.values.dtype == record.values.dtype
+        assert np.array_equal(got.values, record.values, equal_nan=record.values.dtype.kind == "f")
+        for what in ("rate", "unit", "kind", "scale", "start", "history"):
+            assert getattr(got, what) == getattr(record, what), what
+
+
+COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]}
+
+
+@pytest.mark.parametrize("suffix", [suffix for suffix in WRITERS if suffix not in (".h5", ".hdf5")])
+@settings(max_examples=150, **COMMON)
+@given(recording=recordings())
+def test_written_and_read_back(tmp_path, suffix, recording):
+    al.write(recording, tmp_path / f"a{suffix}", force=True)
+    assert_same(al.read(tmp_path / f"a{suffix}"), recording)
+
+
+@settings(max_examples=20, **COMMON)  # a process for each file
+@given(recording=recordings())
+def test_written_as_hdf5_and_read_back(tmp_path, recording):
+    al.write(recording, tmp_path / "a.h5", force=True)
+    assert_same(al.read(tmp_path / "a.h5"), recording)
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_a_long_recording_and_one_record(tmp_path, suffix):
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=200_000)
+    values[[5, 70_000]] = np.nan
+    record = al.Record(values, 123.4567890123, "deg/s", name="gz", start=1.7e9 + 0.125)
+    al.write(record, tmp_path / f"a{suffix}")
+    assert_same(al.read(tmp_path / f"a{suffix}"), al.Recording((record,)))
+    with pytest.raises(UsageError, match="exists already"):
+        al.write(record, tmp_path / f"a{suffix}")
+    assert [path.name for path in tmp_path.iterdir()] == [f"a{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_what_the_user_says_wins_over_the_description(tmp_path, suffix):
+    records = [al.Record(np.arange(50.0) % 7, 100.0, "deg/s", name=name, start=5.0) for name in ("gx", "gy")]
+    al.write(al.Recording(tuple(records)), tmp_path / f"a{suffix}")
+    recording = al.read(tmp_path / f"a{suffix}", rate=50.0, unit="deg/h", channels=["gy"])
+    assert recording.channels == ("gy",)
+    assert (recording["gy"].rate, recording["gy"].unit) == (50.0, "deg/h")
+
+
+def test_channels_that_share_no_clock_are_refused(tmp_path):
+    slow, fast = (al.Record(np.zeros(9), rate, "deg/s", name=f"{rate:g}") for rate in (1.0, 2.0))
+    with pytest.raises(DataError, match="do not share a clock"):
+        al.write(al.Recording((slow, fast)), tmp_path / "a.csv")
+    with pytest.raises(UsageError, match=r"no format is written .*'\.xyz'.*\.parquet"):
+        al.write(slow, tmp_path / "a.xyz")
+    with pytest.raises(UsageError, match="does not exist"):
+        al.write(slow, tmp_path / "none" / "a.csv")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_description_that_does_not_fit_is_not_used(tmp_path):
+    al.write(al.Record([1.5, 2.5, 1.5], 100.0, "deg/s", name="gz"), tmp_path / "a.csv")
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    wide = [lines[0], "gz [deg/s],gy [deg/s]", *(f"{line},1.5" for line in lines[2:])]
+    for changed in (
+        wide,
+        [lines[0].replace("100.0", "-1"), *lines[1:]],
+        [lines[0].replace('"rate"', '"r"'), *lines[1:]],
+    ):
+        (tmp_path / "b.csv").write_text("\n".join(changed))
+        recording = al.read(tmp_path / "b.csv", rate=10.0)
+        assert recording[0].rate == 10.0
+        assert any("does not fit its columns" in note for note in recording.notes)
+
+
+# formats that others write
+
+VALUES = arrays.arrays(np.float64, (12, 3), elements=FLOATS)
+
+
+def assert_columns(path, values, **options):
+    recording = al.read(path, unit="deg/s", channels=[str(i + 1) for i in range(values.shape[1])], **options)
+    for i, record in enumerate(recording):
+        assert np.array_equal(record.values, values[:, i], equal_nan=True)
+    return recording
+
+
+def plain_csv(values):
+    return (
+        "gx [deg/s],gy [deg/s],gz [deg/s]\n" + "\n".join(",".join(map(repr, map(float, row))) for row in values)
+    ).encode()
+
+
+@pytest.mark.parametrize(("suffix", "pack"), [(".gz", gzip.compress), (".bz2", bz2.compress), (".xz", lzma.compress)])
+@settings(max_examples=20, **COMMON)
+@given(values=VALUES)
+def test_packed_alone(tmp_path, suffix, pack, values):
+    for name in (f"a.csv{suffix}", "nameless"):
+        (tmp_path / name).write_bytes(pack(plain_csv(values)))
+        assert assert_columns(tmp_path / name, values, rate=10.0).channels == ("gx", "gy", "gz")
+
+
+@settings(max_examples=20, **COMMON)
+@given(values=VALUES)
+def test_packed_in_an_archive(tmp_path, values):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("run 1/gyro.csv", plain_csv(values))
+        archive.writestr("README.md", "1 2 3\n4 5 6\n")
+        archive.writestr("__MACOSX/run 1/._gyro.csv", "\0\0")
+    assert_columns(tmp_path / "a.zip", values, rate=10.0)
+    assert assert_columns(f"{tmp_path / 'a.zip'}::run 1/gyro.csv", values, rate=10.0).source.endswith(
+        "::run 1/gyro.csv"
+    )
+
+
+@pytest.mark.parametrize("compress", [False, True])
+@settings(max_examples=30, **COMMON)
+@given(values=VALUES, rate=POSITIVE)
+def test_matlab_5(tmp_path, compress, values, rate):
+    scipy_io = pytest.importorskip("scipy.io")
+    for order in (values, values.T.copy()):
+        content = {"imu": {"gyro": order, "fs": rate}, "temperature": np.arange(5.0), "note": "on the table"}
+        scipy_io.savemat(tmp_path / "a.mat", content, do_compression=compress)
+        recording = al.read(tmp_path / "a.mat", unit="deg/s", channels=["gyro"])
+        assert recording.channels == ("gyro 1", "gyro 2", "gyro 3")
+        for i, record in enumerate(recording):
+            assert np.array_equal(record.values, values[:, i], equal_nan=True)
+            assert record.rate == rate
+
+
+def matlab_73(path, content):
+    """As MATLAB writes it: a block of 512 bytes, every array transposed, its class as attribute."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, (array, kind) in content.items():
+            file.create_dataset(name, data=array.T).attrs["MATLAB_class"] = np.bytes_(kind)
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+
+
+@settings(max_examples=10, **COMMON)
+@given(values=VALUES, rate=POSITIVE)
+def test_matlab_73(tmp_path, values, rate):
+    text = np.frombuffer("note".encode("utf-16-le"), np.uint16).reshape(1, 4)
+    content = {"gyro": (values, "double"), "fs": (np.array([[rate]]), "double"), "note": (text, "char")}
+    matlab_73(tmp_path / "a.mat", content)
+    recording = assert_columns(tmp_path / "a.mat", values)
+    assert recording.channels == ("gyro 1", "gyro 2", "gyro 3")
+    assert recording[0].rate == rate
+
+
+@settings(max_examples=30, **COMMON)
+@given(values=VALUES, rate=POSITIVE)
+def test_r_matrices_and_frames(tmp_path, values, rate):
+    rdata, pandas = pytest.importorskip("rdata"), pytest.importorskip("pandas")
+    rdata.write_rda(tmp_path / "a.rda", {"gyro": values, "freq": rate})
+    assert assert_columns(tmp_path / "a.rda", values)[0].rate == rate
+    frame = pandas.DataFrame(values, columns=["gx", "gy", "gz"])
+    rdata.write_rds(tmp_path / "a.rds", frame)
+    assert assert_columns(tmp_path / "a.rds", values, rate=rate).channels == ("gx", "gy", "gz")
+
+
+@pytest.mark.parametrize("dtype", ["i2", ">i2", "u1", "<u4", ">i4", "i8", "f4", ">f8"])
+@settings(max_examples=20, **COMMON)
+@given(data=st.data())
+def test_raw_binary(tmp_path, dtype, data):
+    elements = {"allow_infinity": False} if "f" in dtype else {}
+    values = data.draw(arrays.arrays(np.dtype(dtype), (9, 3), elements=elements))
+    (tmp_path / "a.bin").write_bytes(b"header." + values.tobytes())
+    recording = al.read(
+        tmp_path / "a.bin", rate=10, dtype=dtype, columns=3, offset=7, scale="0.01deg/s", channels=["1", "2", "3"]
+    )
+    for i, record in enumerate(recording):
+        assert np.array_equal(record.values, values[:, i].astype(record.values.dtype), equal_nan="f" in dtype)
+        assert (record.scale, record.unit, record.kind) == (0.01, "deg/s", "rate")
+
+
+@settings(max_examples=30, **COMMON)
+@given(counts=arrays.arrays(np.int64, (9, 6), elements=st.integers(-(10**12), 10**12)))
+def test_psins(tmp_path, counts):
+    head = "% PSINS\n0 0 -90.6 0 0 0\n34.2 108.9 380 0 8.0 9.7803\n0.1 0.1 0.1 125 125 125\n"
+    (tmp_path / "a.imu").write_text(head + "\n".join(" ".join(map(str, row)) for row in counts.tolist()))
+    recording = al.read(tmp_path / "a.imu")
+    assert recording[0].rate == 125.0
+    for i, record in enumerate(recording):
+        assert np.array_equal(record.values, counts[:, i])

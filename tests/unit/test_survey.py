@@ -1,0 +1,246 @@
+"""Surveys: what goes in, what comes out, on the command line and in figures."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.report import plot, table
+from allanite.report.style import encode
+from allanite.survey import survey
+
+VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "imu.csv"
+    rng = np.random.default_rng(7)
+    data = np.column_stack([np.arange(4000) / 10, rng.standard_normal((4000, 3)), np.zeros(4000)])
+    header = "time [s],x [deg/h],y [deg/h],a [g],flat [deg/h]"
+    np.savetxt(path, data, delimiter=",", fmt="%.9g", header=header, comments="")
+    return str(path)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_deviation_is_that_of_the_library(file):
+    result = run("deviation", file, "--channels", "x", "--statistic", "adev,oadev", "--m", "1,10,100", "--csv", "-")
+    assert result.exit_code == 0, result.stderr
+    found = rows(result.stdout)
+    record = al.read(file)["x"]
+    model = al.identify(record).model
+    for name, part in (("adev", found[:3]), ("oadev", found[3:])):
+        curve = al.deviation(record, name, m=[1, 10, 100], noise=model).to("deg/h")
+        low, high = curve.interval()
+        for i, row in enumerate(part):
+            assert (row["channel"], row["statistic"], row["unit"]) == ("x", name, "deg/h")
+            assert int(row["m"]) == curve.m[i]
+            for key, value in (("deviation", curve.deviation), ("low", low), ("high", high), ("edf", curve.edf)):
+                assert float(row[key]) == pytest.approx(value[i], rel=1e-12)
+
+
+def test_limits_can_be_left_out_and_the_unit_chosen(file):
+    result = run("deviation", file, "--channels", "x", "--no-limits", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-")
+    found = rows(result.stdout)
+    assert [row["tau_s"] for row in found] == ["0.1", "1.0"]
+    assert found[0]["low"] == found[0]["edf"] == ""
+    assert float(found[0]["deviation"]) == pytest.approx(np.radians(1 / 3600), rel=0.1)
+    assert "edf" not in run("deviation", file, "--channels", "x", "--no-limits").stdout
+
+
+def test_spectrum_is_that_of_the_library(file):
+    options = ["--sides", "two", "--bins", "5", "--segment", "40", "--window", "blackman", "--level", "0.9"]
+    found = rows(run("spectrum", file, "--channels", "y", *options, "--csv", "-").stdout)
+    expected = al.spectrum(al.read(file)["y"], al.Welch(40.0, "blackman"), sides="two", bins=5).to("deg/h")
+    low, _ = expected.interval(0.9)
+    assert [float(row["density"]) for row in found] == pytest.approx(expected.density.tolist())
+    assert [float(row["low"]) for row in found] == pytest.approx(low.tolist())
+    assert {(row["unit"], row["amplitude_unit"], row["sides"]) for row in found} == {
+        ("(deg/h)^2/Hz", "deg/h/sqrt(Hz)", "two")
+    }
+    found = rows(run("spectrum", file, "--channels", "y", "--method", "multitaper", "--bins", "0", "--csv", "-").stdout)
+    assert len(found) == al.spectrum(al.read(file)["y"], "multitaper").frequency.size
+
+
+def test_dynamic_is_that_of_the_library(file):
+    options = ["--window", "60", "--step", "20", "--statistic", "adev"]
+    found = rows(run("dynamic", file, "--channels", "x", *options, "--csv", "-").stdout)
+    expected = al.dynamic(al.read(file)["x"], "adev", window=60.0, step=20.0).to("deg/h")
+    assert [float(row["deviation"]) for row in found] == pytest.approx(expected.deviation.ravel().tolist())
+    assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_files_table_and_json(verb, file, tmp_path):
+    paths = {"plot": tmp_path / "a.png", "json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
+    arguments = [verb, file, "--channels", "x,y,a", *(part for name in paths for part in (f"--{name}", paths[name]))]
+    result = run(*arguments)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.splitlines()[-3:] == [f"{name}: {path}" for name, path in paths.items()]
+    assert all(f"\n{name}  " in result.stdout for name in ("x", "y", "a"))
+    assert "ug" in result.stdout
+    assert paths["plot"].read_bytes().startswith(b"\x89PNG")
+    data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert data["type"] == "Survey"
+    assert [(value["type"], value["name"]) for value in data["values"]] == [(VERBS[verb], n) for n in ("x", "y", "a")]
+    assert {row["channel"] for row in rows(paths["csv"].read_text(encoding="utf-8"))} == {"x", "y", "a"}
+    again = run(*arguments)
+    assert again.exit_code == 2
+    assert "--force" in again.stderr
+    assert run(*arguments, "--force", "--quiet").output == ""
+
+
+def test_a_long_table_is_cut_on_the_terminal_only(file):
+    result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-limits")
+    whole = rows(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
+    assert f"28 of {len(whole)} rows; --csv writes all" in result.stdout
+    lines = [line.split() for line in result.stdout.splitlines()]
+    assert ["1", "0.1"] in [line[:2] for line in lines]
+    assert ["2000", "200"] in [line[:2] for line in lines]
+    assert len(whole) >= 100
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; known are "),
+        (["dynamic", "{file}", "--statistic", "nadev"], 2, "known are "),
+        (["deviation", "{file}", "--m", "1.5"], 2, "integers are wanted"),
+        (["deviation", "{file}", "--taus", "often"], 2, "known are octave"),
+        (["deviation", "{file}", "--to", "m"], 2, "measure different things"),
+        (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
+        (["spectrum", "{file}", "--method", "fft"], 2, "known are welch, multitaper"),
+        (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is no setting of 'welch'; it has segment, window"),
+        (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
+        (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),
+        (["deviation", "missing.csv"], 3, "missing.csv"),
+    ],
+)
+def test_what_goes_wrong_is_said_in_a_line(arguments, code, words, file):
+    result = run(*(a.format(file=file) for a in arguments))
+    assert result.exit_code == code
+    assert result.stderr.startswith("error: ")
+    assert words in result.stderr
+    assert result.stdout == ""
+
+
+def test_a_channel_that_cannot_be_identified_has_no_limits_and_says_why(file):
+    result = run("deviation", file, "--channels", "x,flat", "--m", "1")
+    assert result.exit_code == 0
+    assert "! the noise is not identified" in result.stdout
+    assert "edf" in result.stdout
+
+
+def test_refusals_are_named_and_others_go_on():
+    y = np.random.default_rng(1).standard_normal(2000)
+    lost = y.copy()
+    lost[::3] = np.nan
+    pair = al.Recording(tuple(al.Record(v, 10.0, "deg/h", name=n) for n, v in (("good", y), ("bad", lost))))
+    found = survey(pair, lambda record, fit: [al.spectrum(record, "multitaper")])
+    assert [value.name for value in found.values] == ["good"]
+    assert "lost" in found.refusals["bad"]
+    assert "no result: 667 of 2000 samples" in table(found)
+    with pytest.raises(al.DataError, match="bad: 667"):
+        survey(pair["bad"], lambda record, fit: [al.spectrum(record, "multitaper")])
+
+
+@pytest.fixture(scope="module")
+def record():
+    model = al.N(0.05, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.K(2.0, "deg/h/sqrt(h)")
+    return al.simulate(model, 20_000, 10.0, rng=np.random.default_rng(1), name="gz")
+
+
+@pytest.fixture(scope="module")
+def fit(record):
+    return al.identify(record)
+
+
+def labels(figure):
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_channels_of_one_statistic_share_a_panel(record):
+    curves = [al.deviation(record), al.deviation(record.with_values(record.values * 2, ""))]
+    figure = plot([curves[0], type(curves[1])(**{**vars(curves[1]), "name": "gy"})])
+    assert len(figure.axes) == 1
+    assert labels(figure) == ["gz", "gy"]
+
+
+def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
+    curves = [al.deviation(record, name, noise=fit.model) for name in ("adev", "oadev")]
+    figure = plot(curves, fit)
+    assert len(figure.axes) == 1
+    assert figure.axes[0].get_title("left") == "gz"
+    assert labels(figure) == [
+        "Allan deviation", "expected by the model", "overlapped Allan deviation",
+    ]  # fmt: skip
+    drawn = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
+    np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)
+
+
+def test_units_stand_side_by_side_and_channels_below_each_other(file):
+    recording = al.read(file, channels=["x", "y", "a"])
+    curves = [al.deviation(record, name) for record in recording for name in ("adev", "oadev")]
+    figure = plot(curves)
+    assert [ax.get_title("left") for ax in figure.axes if ax.axison] == ["x", "a", "y"]
+    assert len({ax.get_ylabel() for ax in figure.axes if ax.axison}) == 2
+
+
+def test_a_spectrum_with_its_terms(record, fit):
+    spectrum = al.spectrum(record, bins=10)
+    figure = plot(spectrum, fit)
+    (ax,) = figure.axes
+    drawn = {line.get_label(): line for line in ax.lines}
+    np.testing.assert_allclose(drawn["spectrum"].get_ydata(), spectrum.to("deg/h").amplitude)
+    f, model = drawn["model"].get_data()
+    np.testing.assert_allclose(model, np.sqrt(spectrum.to("deg/h").expected(fit.model, np.asarray(f))))
+    assert "one-sided" in ax.get_ylabel()
+    assert "deg/h/√Hz" in ax.get_ylabel()
+    assert any(text.get_text().startswith("N = ") for text in ax.texts)
+    assert ax.get_title("right") == "welch, hann window"
+    swaying = record.with_values(record.values + 1e-5 * np.sin(np.arange(record.size)), "")
+    doubtful = plot(al.spectrum(swaying), al.identify(swaying))
+    assert doubtful.axes[0].get_title("right") == "the model does not explain the record"
+    assert plot([spectrum, spectrum]).axes[1].get_xlabel() == "frequency (Hz)"
+
+
+def test_a_surface(record):
+    y = record.values.copy()
+    y[5000:5400] = np.nan
+    for values in (record.values, y):
+        surface = al.dynamic(record.with_values(values, ""), window=100.0)
+        figure = plot(surface)
+        curves, ratios = figure.axes[:2]
+        assert curves.get_ylabel() == "overlapped Allan deviation (deg/h)"
+        mesh = ratios.collections[0].get_array()
+        assert mesh.shape == (surface.tau.size, surface.time.size)
+        np.testing.assert_allclose(np.nanmedian(mesh.filled(np.nan), axis=1), 1.0, rtol=0.02)
+    with pytest.raises(al.UsageError, match="zero everywhere"):
+        plot(al.dynamic(record.with_values(np.zeros(1000), ""), window=10.0))
+
+
+def test_pictures_are_the_same_each_time(record):
+    for value in (al.spectrum(record), al.dynamic(record), [al.deviation(record, n) for n in ("adev", "oadev")]):
+        assert encode(plot(value), "svg") == encode(plot(value), "svg")
+
+
+@pytest.mark.parametrize("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
+def test_the_legend_stays_within_the_figure(record, fit, names):
+    figure = plot([al.deviation(record, name) for name in names if name in al.STATISTICS], fit)
+    figure.canvas.draw()
+    for legend in figure.legends:
+        box = legend.get_window_extent()
+        assert box.x0 >= 0
+        assert box.x1 <= figure.bbox.x1
