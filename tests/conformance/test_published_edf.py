@@ -75,21 +75,17 @@ def test_the_page_states_the_error_of_every_formula(heading):
             assert stated == pytest.approx(found, abs=0.51)  # rounded to whole percents
 
 
-NOT_YET = {"mdev", "totdev", "mtotdev", "htotdev", "theo1"}
-"""Statistics whose moments the package has not got; a row that agrees fails here until it is taken out."""
-
-
 @pytest.mark.parametrize("heading", list(FORMULAS))
-def test_the_package_has_the_exact_values(heading, request):
+def test_the_package_has_the_exact_values(heading):
     name, _, alphas, ranges = FORMULAS[heading]
-    if name in NOT_YET:
-        request.applymarker(pytest.mark.xfail(strict=True, raises=AssertionError, reason="no moments of this row yet"))
     row = al.STATISTICS[name]
     factors = [m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)]
     for alpha in set(alphas) & {2, 0, -1, -2}:
         model = al.Model((al.model.term(SYMBOLS[alpha], 1.0, UNITS[SYMBOLS[alpha]]),))
         found = edf(row, model, np.array(factors), SIZE, 1.0)
-        np.testing.assert_allclose(found, [exact(name, alpha, m) for m in factors], rtol=1e-5)
+        # as `edf` promises: windows are thinned out where they are many
+        tolerance = 1e-5 if row.differences else 1e-2
+        np.testing.assert_allclose(found, [exact(name, alpha, m) for m in factors], rtol=tolerance)
 
 
 GOLDEN = [

@@ -165,6 +165,7 @@ def test_the_local_term_changes_where_the_asymptotes_cross():
     """3 Q^2/tau^2, N^2/tau, K^2 tau/3 and R^2 tau^2/2 cross at tau = 3, 30 and 600."""
     model = al.Q(1.0, "rad") + al.N(1.0, "rad/sqrt(s)") + al.K(30**-1 * 3**0.5, "rad/s^1.5")
     model += al.R((2 * (30**-2) / 600) ** 0.5, "rad/s^2")
-    m = np.array([10, 29, 31, 290, 310, 5990, 6010, 100_000])  # tenths of a second
+    m = np.array([10, 29, 31, 290, 310, 5990, 6010, 100_000])
     assert "".join(local_term(model, OADEV, m, size=10**6, rate=10.0)) == "QQNNKKRR"
     assert set(local_term(model, OHDEV, m[-3:], size=10**6, rate=10.0)) == {"K"}
+    assert "".join(local_term(model, al.STATISTICS["mdev"], m[:3], size=10**6, rate=10.0)) == "NNN"

@@ -1,4 +1,10 @@
-"""The confidence law of a curve: degrees of freedom and limits, worked out when first asked."""
+"""The confidence law of a curve: degrees of freedom and limits, worked out when first asked.
+
+V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
+single chi-square of as many is as good; with few, one or two large eigenvalues stand beside a nearly constant floor,
+and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one for
+white noise of the angle, and a ramp's share as a constant give the quantiles, by the saddlepoint.
+"""
 
 from collections.abc import Sequence
 from functools import cache
@@ -12,8 +18,10 @@ from allanite.terms import TERMS
 from allanite.units import Signal
 
 from .angle import Angle
+from .chisquares import Mixture, quantiles
+from .eigenvalues import spectrum_of
 from .grids import part_of, times
-from .moments import RANDOM_RATIO, Runs, edf
+from .moments import RANDOM_RATIO, Runs, grouped, shares
 from .powerlaw import PowerLaw, identify_power_law
 from .row import FloatArray, IntArray, Statistic
 
@@ -28,32 +36,100 @@ class Points(NamedTuple):
     rate: float
     join: float
 
-    def at(self, where: IntArray) -> "Points":
-        """Some of the points."""
-        return self._replace(m=self.m[where])
+
+MANY = 20.0
+"""Degrees of freedom from which on a chi-square of as many is the law."""
+
+LEADING = 3
+"""Eigenvalues that are told apart."""
+
+STRETCH = (0.5, 1.3)
+"""Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
 def law(points: Points, models: Sequence[Model]) -> Law:
-    """Chi-square with the exact degrees of freedom, for a model at every point or one for all."""
+    """The law under a model at every point, or one for all."""
 
     @cache
-    def degrees() -> FloatArray:
-        if len(models) == 1:
-            return degrees_of(points, models[0])
-        result, names = np.empty(points.m.size), np.array([str(model) for model in models])
-        for name in np.unique(names):
-            here = np.flatnonzero(names == name)
-            result[here] = degrees_of(points.at(here), models[here[0]])
-        return result
+    def mixtures() -> tuple[FloatArray, Mixture]:
+        made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
+        edf = np.array([e for e, _ in made])
+        weight, dof, shift, sigma2 = (np.array([m[i] for _, m in made]) for i in range(4))
+        return edf, Mixture(weight, dof, shift, sigma2)
 
     def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        from scipy.special import gammaincinv
-
-        e = degrees()
-        low, high = (e / (2 * gammaincinv(e / 2, p)) for p in ((1 + level) / 2, (1 - level) / 2))
-        return e, low, high
+        edf, mixture = mixtures()
+        return edf, 1 / quantiles(mixture, (1 + level) / 2), 1 / quantiles(mixture, (1 - level) / 2)
 
     return limits
+
+
+def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:
+    """Degrees of freedom and law of V / E[V] at a point."""
+    row, m, size = points.row, int(points.m[i]), points.size
+    part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
+    runs = grouped(points.runs)
+    share, r = shares(part, model, m, runs, points.rate)
+    inverse = float(share @ r @ share)
+    if row.parts and part is row.parts[-1]:
+        inverse /= next(factor for edge, factor in RANDOM_RATIO if m / size < edge)
+    edf = max(1 / inverse, 1.0) if inverse > 0 else np.inf
+    if edf >= MANY:
+        return edf, _single(edf)
+    count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
+    return edf, _several(part, model, (m, count, size), (share, r, 1 / edf), points.rate) or _single(edf)
+
+
+def _single(edf: float) -> Mixture:
+    weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
+    if np.isfinite(edf):
+        weight[0], dof[0] = 1 / edf, edf
+    return Mixture(weight, dof, np.array(0.0 if np.isfinite(edf) else 1.0), np.array(0.0))
+
+
+def _several(
+    row: Statistic,
+    model: Model,
+    where: tuple[int, int, int],
+    moments: tuple[FloatArray, FloatArray, float],
+    rate: float,
+) -> Mixture | None:
+    """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they cannot fit the EDF."""
+    (m, count, size), (share, r, inverse) = where, moments
+    rows = [t.row for t in model]
+    fixed = np.array([term.waveform is not None for term in rows])
+    white = np.array([term.structure is TERMS["Q"].structure for term in rows])
+    smooth = [
+        (t.value**2 * rate ** (2 * t.row.power), t.row) for t, out in zip(model, fixed | white, strict=True) if not out
+    ]
+    if not smooth:
+        return None
+    values = spectrum_of(row, smooth, m, count, size)
+    mass = float(share[~(fixed | white)].sum())
+    lead, rest = mass * values[:LEADING], mass * values[LEADING:]
+    lead = np.pad(lead, (0, LEADING - lead.size))
+    nu = float(rest.sum() ** 2 / (rest @ rest)) if rest.sum() > 1e-12 else 1.0
+    angle, ramp = float(share[white].sum()), float(share[fixed].sum())
+    own = float(r[np.ix_(white, white)].sum())
+    sigma2 = 4 * float(share[fixed] @ r[fixed] @ share)
+    f = _stretch(lead, (mass, nu), inverse - sigma2 / 2 - angle**2 * own)
+    if f is None:
+        return None
+    weight = np.array([*(f * lead), (mass - f * lead.sum()) / nu, angle * own])
+    return Mixture(weight, np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0]), np.array(ramp), np.array(sigma2))
+
+
+def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:
+    """F with ``sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted``, the larger root; None if it is far from 1."""
+    mass, nu = rest
+    a = float(lead @ lead) + float(lead.sum()) ** 2 / nu
+    b, c = -2 * mass * float(lead.sum()) / nu, mass**2 / nu - wanted
+    root = b * b - 4 * a * c
+    if root < 0 or a == 0:
+        return None
+    f = (-b + root**0.5) / (2 * a)
+    f = min(f, mass / float(lead.sum()))
+    return f if STRETCH[0] <= f <= STRETCH[1] else None
 
 
 def automatic(points: Points, angle: Angle, signal: Signal) -> Law:
@@ -79,18 +155,3 @@ def unit_term(symbol: str, signal: Signal) -> Term:
     """A term with the coefficient 1, SI: of a single term no more is needed."""
     assert symbol in TERMS  # noqa: S101 - the identification knows no other
     return Term(symbol, 1.0, signal)
-
-
-def degrees_of(points: Points, model: Model) -> FloatArray:
-    """EDF at averaging factors of any row, hybrids included."""
-    row, m, runs, size, rate, join = points
-    if not row.parts:
-        return edf(row, model, m, runs, rate)
-    which, result = part_of(row, m, size, join), np.empty(m.size)
-    for i, part in enumerate(row.parts):
-        here = which == i
-        result[here] = edf(part, model, m[here], runs, rate)
-        if i == len(row.parts) - 1:
-            share = m[here] / size
-            result[here] *= np.select([share < edge for edge, _ in RANDOM_RATIO], [f for _, f in RANDOM_RATIO])
-    return np.maximum(result, 1.0)

@@ -63,13 +63,17 @@ def edf(row: Statistic, model: Model, m: IntArray, runs: Runs | int, rate: float
     a hybrid.
     """
     runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
-    size = sum(n * times for n, times in runs)
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
-        E = by_term(row, model, k, size, rate)
-        share = E / E.sum()
-        result[i] = 1 / (share @ relative(row, [t.row for t in model], k, runs) @ share)
+        share, r = shares(row, model, k, runs, rate)
+        result[i] = 1 / (share @ r @ share)
     return result
+
+
+def shares(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
+    """p_i, shape (t,), and r_ij, shape (t, t), of a model at an averaging factor."""
+    E = by_term(row, model, m, sum(n * times for n, times in runs), rate)
+    return E / E.sum(), relative(row, [t.row for t in model], m, runs)
 
 
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:

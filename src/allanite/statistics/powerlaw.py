@@ -130,9 +130,29 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
 
 
 def local_term(model: Model, row: Statistic, m: IntArray, *, size: int, rate: float) -> tuple[str, ...]:
-    """Symbol of the term that has the largest share of a statistic's expectation at each averaging factor."""
+    """Symbol of the term with the largest share of a statistic's expectation at each averaging factor, length k.
+
+    Parameters
+    ----------
+    model : Model
+    row : Statistic
+        Not a hybrid: one of its parts.
+    m : array of int, shape (k,)
+    size : int
+        Sample intervals of the record.
+    rate : float
+        Sampling rate, Hz.
+
+    Examples
+    --------
+    >>> from allanite.model import K, N
+    >>> from allanite.statistics import STATISTICS
+    >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
+    >>> local_term(model, STATISTICS["oadev"], np.array([10, 20]), size=1000, rate=1.0)
+    ('N', 'K')
+    """
     symbols = [term.symbol for term in model]
-    return tuple(symbols[int(np.argmax(by_term(row, model, int(k), size, rate)))] for k in m)
+    return tuple(symbols[int(np.argmax(by_term(row, model, k, size, rate)))] for k in m.tolist())
 
 
 def _longest(angle: Angle) -> int:
