@@ -110,7 +110,7 @@ def test_curves_come_back_with_their_limits_as_numbers():
 
 def test_confidence_needs_the_noise():
     with pytest.raises(al.UsageError, match="identify"):
-        _ = al.deviation(record()).edf
+        _ = al.deviation(record(), noise=None).edf
     with pytest.raises(al.UsageError, match="between 0 and 1"):
         al.deviation(record(), noise=MODEL).interval(95)
 

@@ -1,8 +1,10 @@
 """Quantiles of a weighted sum of chi-squares by the saddlepoint of Lugannani and Rice.
 
-V = shift + sigma Z + sum_j w_j chi^2(d_j) has the cumulant function
+V = sum_j w_j chi^2(d_j) + W has the cumulant function
 
-    K(t) = shift t + sigma^2 t^2 / 2 - sum_j d_j/2 ln(1 - 2 w_j t)
+    K(t) = c t / (1 - 2 u t) - sum_j d_j/2 ln(1 - 2 w_j t)
+
+where W, of mean c, is what a deterministic part adds to squares of weight u (a noncentral chi-square).
 
 At the saddlepoint t the value is x = K'(t), and with r = sign(t) sqrt(2 (t x - K)), v = t sqrt(K'')
 
@@ -23,12 +25,12 @@ NEAR = 1e-4
 
 
 class Mixture(NamedTuple):
-    """Weights and degrees of freedom, shape (k, j); shift and variance of a normal part, shape (k,)."""
+    """Weights and degrees of freedom, shape (k, j); mean and weight of the deterministic part, shape (k,)."""
 
     weight: FloatArray
     dof: FloatArray
-    shift: FloatArray
-    sigma2: FloatArray
+    mean: FloatArray
+    beside: FloatArray
 
 
 def quantiles(mixture: Mixture, p: float) -> FloatArray:
@@ -37,12 +39,12 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
     Examples
     --------
     >>> one = Mixture(np.array([[0.1]]), np.array([[10.0]]), np.zeros(1), np.zeros(1))
-    >>> round(quantiles(one, 0.975)[0], 2)  # chi-square with 10 degrees of freedom over 10: 2.0483
+    >>> quantiles(one, 0.975).round(2).item()  # chi-square with 10 degrees of freedom over 10: 2.0483
     2.05
     """
     from scipy.special import ndtr
 
-    top = 1 / (2 * mixture.weight.max(axis=1))
+    top = 1 / (2 * np.maximum(mixture.weight.max(axis=1), mixture.beside))
     low, high = np.full(top.shape, -40.0), np.full(top.shape, 40.0)
     for _ in range(60):
         middle = (low + high) / 2
@@ -58,12 +60,13 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
 
 
 def _saddle(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    weight, dof, shift, sigma2 = mixture
+    weight, dof, c, u = mixture
+    pole = 1 - 2 * u * t
     rest = 1 - 2 * weight * t[:, None]
     part = weight / rest
-    x = shift + sigma2 * t + (dof * part).sum(axis=1)
-    K = shift * t + sigma2 * t * t / 2 - (dof * np.log(rest)).sum(axis=1) / 2
-    K2 = sigma2 + 2 * (dof * part**2).sum(axis=1)
-    K3 = 8 * (dof * part**3).sum(axis=1)
+    x = c / pole**2 + (dof * part).sum(axis=1)
+    K = c * t / pole - (dof * np.log(rest)).sum(axis=1) / 2
+    K2 = 4 * c * u / pole**3 + 2 * (dof * part**2).sum(axis=1)
+    K3 = 24 * c * u * u / pole**4 + 8 * (dof * part**3).sum(axis=1)
     r = np.sign(t) * np.sqrt(np.maximum(2 * (t * x - K), 0))
     return r, t * np.sqrt(K2), K3 / K2**1.5, x

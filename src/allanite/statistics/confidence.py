@@ -2,8 +2,8 @@
 
 V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
 single chi-square of as many is as good; with few, one or two large eigenvalues stand beside a nearly constant floor,
-and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one for
-white noise of the angle, and a ramp's share as a constant give the quantiles, by the saddlepoint.
+and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one
+for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from allanite.units import Signal
 
 from .angle import Angle
 from .chisquares import Mixture, quantiles
-from .eigenvalues import spectrum_of
+from .eigenvalues import WINDOWS, spectrum_of
 from .grids import part_of, times
 from .moments import RANDOM_RATIO, Runs, grouped, shares
 from .powerlaw import PowerLaw, identify_power_law
@@ -37,7 +37,7 @@ class Points(NamedTuple):
     join: float
 
 
-MANY = 20.0
+MANY = 60.0
 """Degrees of freedom from which on a chi-square of as many is the law."""
 
 LEADING = 3
@@ -47,6 +47,10 @@ STRETCH = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
 
 
+NOTHING = 1e-9
+"""Share of a term below which it has none."""
+
+
 def law(points: Points, models: Sequence[Model]) -> Law:
     """The law under a model at every point, or one for all."""
 
@@ -54,8 +58,8 @@ def law(points: Points, models: Sequence[Model]) -> Law:
     def mixtures() -> tuple[FloatArray, Mixture]:
         made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
         edf = np.array([e for e, _ in made])
-        weight, dof, shift, sigma2 = (np.array([m[i] for _, m in made]) for i in range(4))
-        return edf, Mixture(weight, dof, shift, sigma2)
+        weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
+        return edf, Mixture(weight, dof, mean, beside)
 
     def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         edf, mixture = mixtures()
@@ -84,7 +88,7 @@ def _single(edf: float) -> Mixture:
     weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
     if np.isfinite(edf):
         weight[0], dof[0] = 1 / edf, edf
-    return Mixture(weight, dof, np.array(0.0 if np.isfinite(edf) else 1.0), np.array(0.0))
+    return Mixture(weight, dof, np.array(0.0), np.array(0.0))
 
 
 def _several(
@@ -98,25 +102,29 @@ def _several(
     (m, count, size), (share, r, inverse) = where, moments
     rows = [t.row for t in model]
     fixed = np.array([term.waveform is not None for term in rows])
+    # of few differences every one is in the matrix, white noise of the angle with it
     white = np.array([term.structure is TERMS["Q"].structure for term in rows])
-    smooth = [
-        (t.value**2 * rate ** (2 * t.row.power), t.row) for t, out in zip(model, fixed | white, strict=True) if not out
-    ]
+    white &= not row.differences or count > WINDOWS
+    apart = fixed | white
+    smooth = [(t.value**2 * rate ** (2 * t.row.power), t.row) for t, out in zip(model, apart, strict=True) if not out]
     if not smooth:
         return None
     values = spectrum_of(row, smooth, m, count, size)
-    mass = float(share[~(fixed | white)].sum())
+    mass = float(share[~apart].sum())
     lead, rest = mass * values[:LEADING], mass * values[LEADING:]
     lead = np.pad(lead, (0, LEADING - lead.size))
     nu = float(rest.sum() ** 2 / (rest @ rest)) if rest.sum() > 1e-12 else 1.0
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
     own = float(r[np.ix_(white, white)].sum())
-    sigma2 = 4 * float(share[fixed] @ r[fixed] @ share)
-    f = _stretch(lead, (mass, nu), inverse - sigma2 / 2 - angle**2 * own)
+    between = 2 * float(share[fixed] @ r[fixed] @ share)
+    f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
     if f is None:
         return None
     weight = np.array([*(f * lead), (mass - f * lead.sum()) / nu, angle * own])
-    return Mixture(weight, np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0]), np.array(ramp), np.array(sigma2))
+    dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
+    # a third difference leaves of a ramp what rounding leaves
+    beside = between / (2 * ramp) if ramp > NOTHING else 0.0
+    return Mixture(weight, dof, np.array(ramp), np.array(beside))
 
 
 def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:

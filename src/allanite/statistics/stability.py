@@ -77,7 +77,7 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: Model |
     Examples
     --------
     >>> record = Record([1.0, 3, 2, 2, 5, 3], rate=1.0, unit="rad/s", kind="rate")
-    >>> averaging_stability(record, 2.0).value.round(4).item()
+    >>> round(averaging_stability(record, 2.0).value, 4)
     1.1547
     """
     m = round(seconds * record.rate)
@@ -116,6 +116,7 @@ def minimum(curve: Curve) -> Minimum:
     Examples
     --------
     >>> from allanite.statistics import deviation
+    >>> import numpy as np
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
     >>> minimum(deviation(record)).inside
     False
