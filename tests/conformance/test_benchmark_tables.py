@@ -17,7 +17,9 @@ def rows_of(name):
     return [dict(zip(headings, row, strict=True)) for row in rows]
 
 
-@pytest.mark.parametrize("name", ["identification.md", "noise_identification.md", "speed.md", "angle.md"])
+@pytest.mark.parametrize(
+    "name", ["identification.md", "noise_identification.md", "speed.md", "angle.md", "coverage.md"]
+)
 def test_tables_say_how_they_were_made(name):
     head = (RESULTS / name).read_text().split("\n| ")[0]
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
@@ -146,3 +148,32 @@ def test_a_part_of_noise_identification_made_again_agrees(which):
         assert made[heading] == row[heading]
     for heading in script.HEADINGS[5:]:
         assert float(made[heading]) == pytest.approx(float(row[heading]), abs=1.0)
+
+
+def coverage_script():
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        import confidence_coverage as script
+    finally:
+        sys.path.pop(0)
+    return script
+
+
+def test_confidence_limits_cover_in_every_cell_of_the_table():
+    rows, script = rows_of("coverage.md"), coverage_script()
+    assert {(row["noise"], row["statistic"]) for row in rows} <= set(script.CELLS)
+    assert len({row["statistic"] for row in rows}) == len(script.FACTORS)
+    assert [row for row in rows if not script.within(tuple(row.values()))] == []
+
+
+@pytest.mark.parametrize(("noise", "name"), [("NK", "oadev"), ("QK", "theo1"), ("NBKR", "totdev"), ("K", "mtotdev")])
+def test_a_part_of_the_coverage_made_again_agrees(noise, name):
+    """The first 200 of the same seeds: within 5 standard errors of 200 records (one failure in a million)."""
+    script = coverage_script()
+    again = script.made((noise, name), script.records_of(noise, 200))
+    rows = [row for row in rows_of("coverage.md") if (row["noise"], row["statistic"]) == (noise, name)]
+    for line, row in zip(again, rows, strict=True):
+        made = dict(zip(script.HEADINGS, line, strict=True))
+        assert made["edf"] == row["edf"]
+        assert float(made["68 %"]) == pytest.approx(float(row["68 %"]), abs=17)
+        assert float(made["95 %"]) == pytest.approx(float(row["95 %"]), abs=8)

@@ -325,3 +325,22 @@ def test_wrong_grids_say_what_is_possible():
             al.deviation(record, "oadev", **options)
     with pytest.raises(al.UsageError, match="known are adev, oadev"):
         al.deviation(record, "nadev")
+
+
+@pytest.mark.parametrize("m", [12, 100, 1000, 10_000])
+def test_theo1_of_a_long_random_walk_keeps_its_digits(m):
+    """By the path that the program takes by itself, against the definition: in extended precision as far as it goes."""
+    record = record_of(np.cumsum(np.random.default_rng(1).standard_normal(720_000)), 100.0)
+    found = al.deviation(record, "theo1", m=[m], noise=None).variance[0]
+    x = np.concatenate(([0], np.cumsum(record.values.astype(np.longdouble) - record.constant)))
+    if m <= 100:
+        windows = x.size - m
+        total = sum(
+            (((x[:windows] - x[v : v + windows]) + (x[m:] - x[m - v : m - v + windows])) ** 2).sum() / v
+            for v in range(1, m // 2 + 1)
+        )
+    else:
+        from allanite.kernels.theo import theo1
+
+        total = theo1(x.astype(np.float64), np.array([m]))[0]
+    assert found == pytest.approx(float(total / (0.75 * (x.size - m) * m**2)), rel=1e-8)

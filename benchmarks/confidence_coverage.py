@@ -1,9 +1,9 @@
 """How often the confidence limits of every statistic hold the truth, under every noise; allantools' errors beside them.
 
-    python benchmarks/coverage.py [--records 1000] [--write PATH]
+    python benchmarks/confidence_coverage.py [--records 1000] [--write PATH]
 
-Records of 256 samples are simulated with seeds 1, 2, 3, ...; the limits are those of the model that made them. Ends with
-exit code 1 if a cell is out of bounds.
+Records of 256 samples are simulated with seeds 1, 2, 3, ...; the limits are those of the model that made them. Ends
+with exit code 1 if a cell is out of bounds.
 """
 
 import argparse
@@ -66,19 +66,18 @@ def made(cell: tuple[str, str], records: list[al.Record]) -> list[tuple[str, ...
     noise, name = cell
     model, factors = model_of(noise), FACTORS[name]
     curve = al.deviation(records[0], name, m=factors, noise=model)
-    assert curve.law is not None
-    edf, low68, high68 = curve.law(0.682689)
-    _, low95, high95 = curve.law(0.95)
+    low68, high68 = (limit**2 / curve.variance for limit in curve.interval(0.682689))
+    low95, high95 = (limit**2 / curve.variance for limit in curve.interval(0.95))
     ratio = np.array([al.deviation(r, name, m=factors, noise=None).variance for r in records])
     ratio /= al.expected(model, name, curve.tau, rate=1.0, size=SAMPLES)
     peer = peers(name, factors, records, model) if name in PEERS else [""] * len(factors)
     lines = []
-    for j in np.flatnonzero(edf >= FEWEST):
+    for j in np.flatnonzero(curve.edf >= FEWEST):
         v = ratio[:, j]
         shares = ((v * low68[j] < 1) & (v * high68[j] > 1), None, v * low95[j] > 1, v * high95[j] < 1)
         within, _, below, above = (0 if s is None else 100 * float(np.mean(s)) for s in shares)
         numbers = [f"{x:.1f}" for x in (within, 100 - below - above, below, above)]
-        lines.append((noise, name, str(factors[j]), f"{edf[j]:.2f}", f"{v.mean():.3f}", *numbers, peer[j]))
+        lines.append((noise, name, str(factors[j]), f"{curve.edf[j]:.2f}", f"{v.mean():.3f}", *numbers, peer[j]))
     return lines
 
 
@@ -123,7 +122,7 @@ def main() -> None:
             "",
             f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
             f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-            f"- command: `python benchmarks/coverage.py --records {options.records}`",
+            f"- command: `python benchmarks/confidence_coverage.py --records {options.records}`",
             f"- seeds 1..{options.records}; {SAMPLES} samples; cells with {FEWEST} degrees of freedom or more",
             "- below, above: how often the 95 % limits lie above and below the truth, each tail by itself; bounds "
             + ", ".join(f"{key} {low} to {high}" for key, (low, high) in BOUNDS.items()),
