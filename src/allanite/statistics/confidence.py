@@ -19,7 +19,7 @@ from allanite.units import Signal
 
 from .angle import Angle
 from .chisquares import Mixture, quantiles
-from .eigenvalues import WINDOWS, spectrum_of
+from .eigenvalues import is_sharp, spectrum_of
 from .grids import part_of, times
 from .moments import RANDOM_RATIO, Runs, grouped, shares
 from .powerlaw import PowerLaw, identify_power_law
@@ -102,9 +102,8 @@ def _several(
     (m, count, size), (share, r, inverse) = where, moments
     rows = [t.row for t in model]
     fixed = np.array([term.waveform is not None for term in rows])
-    # of few differences every one is in the matrix, white noise of the angle with it
     white = np.array([term.structure is TERMS["Q"].structure for term in rows])
-    white &= not row.differences or count > WINDOWS
+    white &= is_sharp(row, count)
     apart = fixed | white
     smooth = [(t.value**2 * rate ** (2 * t.row.power), t.row) for t, out in zip(model, apart, strict=True) if not out]
     if not smooth:

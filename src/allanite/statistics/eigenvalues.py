@@ -1,15 +1,16 @@
 """The largest eigenvalues of a statistic's quadratic form under a model: what a few degrees of freedom consist of.
 
 They come from few windows spread over the record, and from reduced windows where a window has many points; the degrees
-of freedom, known exactly, scale them. White noise of the angle has no large eigenvalue and is left to its own.
+of freedom, known exactly, scale them. White noise of the angle is left to its own where windows meet it point by point.
 """
 
 import numpy as np
 
-from allanite.terms import NoiseTerm
+from allanite.terms import TERMS, NoiseTerm
 
 from . import lagsums
 from .row import FloatArray, Statistic
+from .windowed import SCHEMES
 
 WINDOWS = 96
 """Windows of one row each that stand for all."""
@@ -36,6 +37,13 @@ def spectrum_of(row: Statistic, terms: Terms, m: int, count: int, size: int) -> 
     return np.asarray(values / values.sum())
 
 
+def is_sharp(row: Statistic, count: int) -> bool:
+    """Whether white noise of the angle cannot be in the matrix: its windows neither average it nor are all there."""
+    if row.differences:
+        return not row.summed and count > WINDOWS
+    return row.window is not None and SCHEMES[row.name].sharp is not None
+
+
 def _places(count: int, most: int) -> FloatArray:
     k = min(count, most)
     return np.floor((np.arange(k) + 0.5) * count / k)
@@ -56,7 +64,8 @@ def _windows(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
     at, points = _places(count, FEW), np.arange(filters.shape[1]) * (m / short)
     place = (at[:, None] + points).ravel()
-    D = _structure(terms, np.abs(np.subtract.outer(place, place)))
+    lag, step = np.abs(np.subtract.outer(place, place)), m / short
+    D = np.asarray(sum(c * _averaged(term, lag, step) for c, term in terms))
     blocks = D.reshape(at.size, points.size, at.size, points.size)
     C = -0.5 * np.einsum("ap,ipjq,bq->iajb", factors, blocks, factors, optimize=True)
     return np.asarray(C.reshape(at.size * factors.shape[0], -1))
@@ -75,6 +84,13 @@ def _folded(terms: Terms, m: int, size: int) -> FloatArray:
     D = _structure(terms, np.abs(np.subtract.outer(places.ravel(), places.ravel())))
     blocks = D.reshape(*places.shape, *places.shape)
     return np.asarray(-0.5 * np.einsum("ip,ipjq,jq->ij", weights, blocks, weights, optimize=True))
+
+
+def _averaged(term: NoiseTerm, lag: FloatArray, step: float) -> FloatArray:
+    """The structure function; of white noise that of its means over a step."""
+    if term.structure is TERMS["Q"].structure:
+        return 2 / step * np.minimum(lag / step, 1.0)
+    return term.structure(lag)
 
 
 def _structure(terms: Terms, lag: FloatArray) -> FloatArray:
