@@ -77,8 +77,8 @@ class Curve:
     def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Two-sided confidence limits (low, high) of the deviation under `noise`.
 
-        Chi-square with the exact equivalent degrees of freedom of the model's mixture: right in the lower limit, wide
-        in the upper one where the degrees of freedom are few.
+        Exact equivalent degrees of freedom of the model's mixture; where they are few, the law of its largest
+        eigenvalues instead of one chi-square, whose upper limit would be up to several times too wide.
         """
         _, low, high = self._limits(level)
         return np.sqrt(self.variance * low), np.sqrt(self.variance * high)
