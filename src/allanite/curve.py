@@ -83,6 +83,14 @@ class Curve:
         _, low, high = self._limits(level)
         return np.sqrt(self.variance * low), np.sqrt(self.variance * high)
 
+    def lower(self, level: float = 0.95) -> FloatArray:
+        """One-sided lower limit of the deviation, which the truth exceeds with this confidence; level above 0.5."""
+        return self.interval(2 * level - 1)[0]
+
+    def upper(self, level: float = 0.95) -> FloatArray:
+        """One-sided upper limit of the deviation, below which the truth lies with this confidence; level above 0.5."""
+        return self.interval(2 * level - 1)[1]
+
     def to(self, unit: str) -> "Curve":
         """The same curve in another unit."""
         factor = convert(1.0, self.unit, unit)

@@ -181,3 +181,10 @@ def test_a_part_of_the_coverage_made_again_agrees(noise, name):
         assert made["edf"] == row["edf"]
         assert float(made["68 %"]) == pytest.approx(float(row["68 %"]), abs=17)
         assert float(made["95 %"]) == pytest.approx(float(row["95 %"]), abs=8)
+
+
+def test_hybrids_have_the_degrees_of_freedom_of_the_simulation():
+    """Within 15 %, and three standard errors of what 600 records tell about few degrees of freedom."""
+    for row in rows_of("hybrids.md"):
+        assert float(row["edf / simulated"]) == pytest.approx(1, abs=0.15 + 0.1 * (float(row["edf"]) < 3)), row
+        assert 92.5 <= float(row["95 %"]) <= 98, row

@@ -54,6 +54,22 @@ def test_the_model_takes_the_place_of_the_ratio_of_theobr():
     np.testing.assert_allclose(by_model.variance, raw.variance * ratio, rtol=1e-9)
 
 
+def test_a_ratio_that_is_computed_does_not_scatter():
+    model = model_of(N=1.0, K=0.1)
+    record = record_of(model, 4000)
+    plain = al.deviation(record, "theo1", m=[2000], noise=model)
+    np.testing.assert_allclose(al.deviation(record, "theobr", m=[2000], noise=model, bias="model").edf, plain.edf)
+    assert al.deviation(record, "theobr", m=[2000], noise=model).edf < plain.edf
+
+
+def test_limits_on_one_side_are_those_of_the_wider_interval():
+    model = model_of(N=1.0)
+    curve = al.deviation(record_of(model), noise=model)
+    low, high = curve.interval(0.9)
+    np.testing.assert_allclose(curve.lower(0.95), low, rtol=1e-12)
+    np.testing.assert_allclose(curve.upper(0.95), high, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "options", "words"),
     [

@@ -88,7 +88,7 @@ def deviation(
     variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor)
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
-    points = Points(row, factors, angle.runs, record.size, record.rate, join)
+    points = Points(row, factors, angle.runs, record.size, record.rate, join, scattered=bias != "model")
     if bias is not None:
         wanted = _corrected(points, bias, noise, angle, record.signal)
         variance, factor = variance * wanted / factor, wanted

@@ -21,13 +21,16 @@ from .angle import Angle
 from .chisquares import Mixture, quantiles
 from .eigenvalues import is_sharp, spectrum_of
 from .grids import part_of, times
-from .moments import RANDOM_RATIO, Runs, grouped, shares
+from .moments import Runs, grouped, shares
 from .powerlaw import PowerLaw, identify_power_law
 from .row import FloatArray, IntArray, Statistic
 
 
 class Points(NamedTuple):
-    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`."""
+    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
+
+    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed.
+    """
 
     row: Statistic
     m: IntArray
@@ -35,6 +38,7 @@ class Points(NamedTuple):
     size: int
     rate: float
     join: float
+    scattered: bool = True
 
 
 MANY = 60.0
@@ -49,6 +53,17 @@ STRETCH = (0.5, 1.3)
 
 NOTHING = 1e-9
 """Share of a term below which it has none."""
+
+
+SCATTER_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
+SCATTER = {
+    "N": (0.45, 0.47, 0.70, 0.91, 0.97),
+    "B": (0.66, 0.66, 0.80, 0.92, 0.94),
+    "K": (0.72, 0.74, 0.79, 0.88, 0.89),
+    "R": (0.72, 0.74, 0.79, 0.88, 0.89),
+}
+"""EDF of TheoBR over that of Theo1 at m over the record's length, by term: its bias ratio scatters too (simulated:
+benchmarks/hybrids.py)."""
 
 
 def law(points: Points, models: Sequence[Model]) -> Law:
@@ -75,8 +90,9 @@ def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:
     runs = grouped(points.runs)
     share, r = shares(part, model, m, runs, points.rate)
     inverse = float(share @ r @ share)
-    if row.parts and part is row.parts[-1]:
-        inverse /= next(factor for edge, factor in RANDOM_RATIO if m / size < edge)
+    if row.parts and part is row.parts[-1] and points.scattered:
+        kept = [np.interp(m / size, SCATTER_AT, SCATTER.get(term.symbol, SCATTER["N"])) for term in model]
+        inverse /= float(share @ kept)
     edf = max(1 / inverse, 1.0) if inverse > 0 else np.inf
     if edf >= MANY:
         return edf, _single(edf)

@@ -26,9 +26,6 @@ Runs = Sequence[tuple[int, int]]
 DISTINCT = 40
 """Different lengths of runs that are dealt with one by one."""
 
-RANDOM_RATIO = ((0.5, 0.75), (np.inf, 0.9))
-"""EDF of TheoBR over that of Theo1, up to m over the record's length: its bias ratio scatters too (by simulation)."""
-
 
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
     """Expected variance of each term of a model, SI, shape (t,).

@@ -1,0 +1,101 @@
+"""Degrees of freedom and coverage of TheoBR and TheoH against simulation, from which `confidence.SCATTER` comes.
+
+    python benchmarks/hybrids.py [--records 600] [--first 1] [--write PATH]
+
+Records of 512 samples with seeds FIRST, FIRST + 1, ...: single noise with the ratio kf of the record, mixtures with the
+ratio of the model. (`SCATTER` was taken from seeds 1 to 600; other seeds test it.)
+"""
+
+import argparse
+import platform
+import subprocess
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+
+import allanite as al
+
+SAMPLES = 512
+UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
+CASES = (
+    ({"N": 1.0}, None),
+    ({"B": 1.0}, None),
+    ({"K": 1.0}, None),
+    ({"N": 1.0, "K": 0.05}, "model"),
+    ({"N": 1.0, "B": 0.3}, "model"),
+    ({"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.02}, "model"),
+)
+FACTORS = {"theobr": (32, 100, 200, 400), "theoh": (8, 64, 200, 400)}
+FEWEST = 1.5
+HEADINGS = (
+    "noise",
+    "bias",
+    "statistic",
+    "m",
+    "edf",
+    "edf / simulated",
+    "mean / expected",
+    "68 %",
+    "95 %",
+    "below",
+    "above",
+)
+
+
+def made(case: tuple[dict[str, float], str | None], seeds: range) -> list[tuple[str, ...]]:
+    """The lines of a case."""
+    coefficients, bias = case
+    model = al.Model(tuple(al.model.term(s, v, UNITS[s]) for s, v in coefficients.items()))
+    records = [al.simulate(model, SAMPLES, 1.0, rng=np.random.default_rng(seed)) for seed in seeds]
+    lines = []
+    for name, factors in FACTORS.items():
+        curves = [al.deviation(record, name, m=factors, noise=model, bias=bias) for record in records]
+        curve, ratio = curves[0], np.array([c.variance for c in curves])
+        ratio /= al.expected(model, "oadev", curve.tau)
+        low68, high68 = (limit**2 / curve.variance for limit in curve.interval(0.682689))
+        low95, high95 = (limit**2 / curve.variance for limit in curve.interval(0.95))
+        for j in np.flatnonzero(curve.edf >= FEWEST):
+            v = ratio[:, j]
+            simulated = 2 * v.mean() ** 2 / v.var(ddof=1)
+            below, above = (100 * float(np.mean(s)) for s in (v * low95[j] > 1, v * high95[j] < 1))
+            within = 100 * float(np.mean((v * low68[j] < 1) & (v * high68[j] > 1)))
+            shares = [f"{x:.1f}" for x in (within, 100 - below - above, below, above)]
+            head = ("".join(coefficients), str(bias), name, str(factors[j]), f"{curve.edf[j]:.2f}")
+            lines.append((*head, f"{curve.edf[j] / simulated:.2f}", f"{v.mean():.3f}", *shares))
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=600)
+    parser.add_argument("--first", type=int, default=1, help="first seed")
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.records)
+    lines = [line for case in CASES for line in made(case, seeds)]
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    text = "\n".join(
+        [
+            "# TheoBR and TheoH against simulation",
+            "",
+            f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}",
+            f"- command: `python benchmarks/hybrids.py --records {options.records} --first {options.first}`",
+            f"- seeds {seeds[0]}..{seeds[-1]}; {SAMPLES} samples; the simulated degrees of freedom are known to "
+            f"{100 * (2 / options.records) ** 0.5:.0f} % where they are many, worse where they are few",
+            "",
+            "| " + " | ".join(HEADINGS) + " |",
+            "|" + "---|" * len(HEADINGS),
+            *("| " + " | ".join(line) + " |" for line in lines),
+            "",
+        ]
+    )
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
