@@ -113,18 +113,18 @@ def _binomial(order: int) -> list[float]:
 
 
 def _differences(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
-    total = np.zeros_like(h)
-    for k, weight in enumerate(_binomial(order)):
-        total += weight * _one_difference(field, order, m[0], h + (order / 2 - k) * m[1])
-    return total
+    weights = _binomial(order)
+    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
+    return np.asarray(np.array(weights) @ _one_difference(field, order, m[0], h + offsets))
 
 
 def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
-    """Central difference of F(|t|) over m."""
+    """Central difference of F(|t|) over m, shape of t."""
     far = np.abs(t) > FAR * m
-    result = np.zeros_like(t)
-    for k, weight in enumerate(_binomial(order)):
-        result[~far] += weight * field.value(np.abs(t[~far] + (order / 2 - k) * m))
+    near = t[~far]
+    result = np.empty_like(t)
+    points = np.abs(near + (order / 2 - np.arange(order + 1.0))[:, None] * m)
+    result[~far] = np.array(_binomial(order)) @ field.value(points)
     if far.any():
         c1 = order / 24
         c2 = c1**2 / 2 - order / 2880
