@@ -184,7 +184,7 @@ def test_a_part_of_the_coverage_made_again_agrees(noise, name):
 
 
 def test_hybrids_have_the_degrees_of_freedom_of_the_simulation():
-    """Within 15 %, and three standard errors of what 600 records tell about few degrees of freedom."""
+    """Within 15 %, on seeds that the factors were not taken from."""
     for row in rows_of("hybrids.md"):
-        assert float(row["edf / simulated"]) == pytest.approx(1, abs=0.15 + 0.1 * (float(row["edf"]) < 3)), row
-        assert 92.5 <= float(row["95 %"]) <= 98, row
+        assert float(row["edf / simulated"]) == pytest.approx(1, abs=0.15), row
+        assert 92.5 <= float(row["95 %"]) <= 97.5, row

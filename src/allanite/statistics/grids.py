@@ -80,10 +80,11 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
     largest, least = (row.parts or (row,))[-1].largest(size), row.step
     if largest < least:
         raise UsageError(f"{row.name} needs {_least(row)} samples or more, and there are {size}")
-    if factors.size == 0 or factors.min() < least or factors.max() > largest:
-        given = f"{factors.min()} to {factors.max()} came" if factors.size else "none came"
+    outside = factors[(factors < least) | (factors > largest)]
+    if outside.size or not factors.size:
+        came = ", ".join(map(str, outside[:3])) or "none"
         raise UsageError(
-            f"averaging factors of {row.name} lie between {least} and {largest} for {size} samples; {given}"
+            f"averaging factors of {row.name} lie between {least} and {largest} for {size} samples; {came} came"
         )
     step = np.array([part.step for part in row.parts or (row,)])[part_of(row, factors, size, join)]
     odd = factors % step != 0
