@@ -76,7 +76,8 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
-        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})', "```", "",
+        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
+        "```", "",
         "## Source", "", row.reference + ".",
     ]  # fmt: skip
 

@@ -1,6 +1,8 @@
 """Gauss-Markov noise: an exponentially correlated rate, averaged over each sample interval."""
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -8,6 +10,9 @@ from .row import FloatArray, NoiseTerm, Parameter
 
 SMALL = 0.05
 """t / T below which differences of exponentials are taken from their series."""
+
+FORGOTTEN = 70.0
+"""Interval over time constant above which neighbouring means know nothing of each other."""
 
 
 def _rest(u: FloatArray, order: int) -> FloatArray:
@@ -20,71 +25,94 @@ def _rest(u: FloatArray, order: int) -> FloatArray:
     return np.where(u < SMALL * 4, series, direct)
 
 
-def _shape(u: float) -> tuple[float, float, float, float]:
-    """For u = 1/T: exp(-u), the variance of a mean over one interval, its covariance with the next, 1 - exp(-u)."""
-    loss = -math.expm1(-u)
-    return math.exp(-u), 2 * float(_rest(np.array(u), 2)) / u**2, (loss / u) ** 2, loss
+@dataclass(frozen=True)
+class _Markov:
+    """The functions of Gauss-Markov noise of effective value 1 with a time constant of T sample intervals."""
 
+    T: float
 
-def gauss_markov(T: float) -> NoiseTerm:
-    """The row of Gauss-Markov noise of the rate, with a time constant of T sample intervals."""
-    u = 1 / T
-    p, variance, neighbour, loss = _shape(u)
+    @cached_property
+    def u(self) -> float:
+        """One interval over the time constant."""
+        return 1 / self.T
 
-    def structure(t: FloatArray) -> FloatArray:
-        return np.asarray(2 * T * T * _rest(np.asarray(t, dtype=np.float64) * u, 2))
+    @cached_property
+    def loss(self) -> float:
+        """1 - exp(-u)."""
+        return -math.expm1(-self.u)
 
-    def derivative(order: int, t: FloatArray) -> FloatArray:
+    @cached_property
+    def variance(self) -> float:
+        """Of a mean over one interval."""
+        return 2 * self.T**2 * float(_rest(np.array(self.u), 2))
+
+    @cached_property
+    def neighbour(self) -> float:
+        """Covariance of two neighbouring means."""
+        return (self.loss * self.T) ** 2
+
+    def structure(self, t: FloatArray) -> FloatArray:
+        return np.asarray(2 * self.T**2 * _rest(np.asarray(t, dtype=np.float64) * self.u, 2))
+
+    def derivative(self, order: int, t: FloatArray) -> FloatArray:
         if order == 1:
-            return np.asarray(-2 * T * np.expm1(-t * u))
-        return np.asarray(2 * T * T * (-u) ** order * np.exp(-t * u))
+            return np.asarray(-2 * self.T * np.expm1(-t * self.u))
+        return np.asarray(2 * self.T**2 * (-self.u) ** order * np.exp(-t * self.u))
 
-    def summed(t: FloatArray) -> FloatArray:
+    def summed(self, t: FloatArray) -> FloatArray:
         # second sum of 2T (t - T + T exp(-t/T)), without even powers of t up to the fourth, which third differences
         # of the sums remove, and without the cancellation that they would bring
+        T, u, small = self.T, self.u, self.u < SMALL
         t = np.asarray(t, dtype=np.float64)
-        excess = u**2 / 12 + u**4 / 360 + u**6 / 20160 if u < SMALL else (2 * math.cosh(u) - 2) / u**2 - 1
+        excess = u**2 / 12 + u**4 / 360 + u**6 / 20160 if small else (2 * math.cosh(u) - 2) / u**2 - 1
         inverse = 1 / (u**2 * (1 + excess))  # of 2 cosh u - 2
-        if u < SMALL:
+        if small:
             linear = (u**2 * (1 / 120 - 1 / 72) + u**4 * (1 / 5040 - 1 / 2160)) / (1 + excess)
         else:
             linear = T * inverse * (math.sinh(u) - u) - 1 / 6
         return np.asarray(2 * T * (t**3 / 6 * excess / (1 + excess) + linear * t + T * inverse * _rest(t * u, 5)))
 
-    def covariance(h: FloatArray) -> FloatArray:
-        return np.where(h == 0, variance, neighbour * np.exp(-u * np.maximum(np.abs(h) - 1, 0)))
+    def _covariance(self, h: FloatArray) -> FloatArray:
+        beyond = self.neighbour * np.exp(-self.u * np.maximum(np.abs(h) - 1, 0))
+        return np.where(h == 0, self.variance, beyond)
 
-    def increments(h: FloatArray) -> FloatArray:
-        h = np.asarray(h, dtype=np.float64)
-        near = 2 * covariance(h) - covariance(np.abs(h - 1)) - covariance(h + 1)
-        return np.where(h < 2, near, -neighbour * loss**2 * np.exp(-u * np.maximum(h - 2, 0)))
+    def increments(self, h: FloatArray) -> FloatArray:
+        h, C = np.asarray(h, dtype=np.float64), self._covariance
+        near = 2 * C(h) - C(np.abs(h - 1)) - C(h + 1)
+        return np.where(h < 2, near, -self.neighbour * self.loss**2 * np.exp(-self.u * np.maximum(h - 2, 0)))
 
-    def spectrum(f: FloatArray, tau0: float) -> FloatArray:
+    def spectrum(self, f: FloatArray, tau0: float) -> FloatArray:
+        p, loss = math.exp(-self.u), self.loss
         s = np.sin(math.pi * tau0 * np.asarray(f, dtype=np.float64)) ** 2
-        numerator = 2 * T * loss**2 + 4 * s * (p * variance - T * T * loss**2)
+        numerator = 2 * self.T * loss**2 + 4 * s * (p * self.variance - self.neighbour)
         return np.asarray(tau0 * numerator / (loss**2 + 4 * p * s))
 
-    def dct(k: FloatArray, n: int) -> FloatArray:
-        if p < 1e-30:  # one interval has forgotten the one before
-            return np.full(np.shape(k), variance)
-        return variance + 2 * neighbour / p * _cosine_sum(np.asarray(k, dtype=np.float64), n, u)
+    def dct(self, k: FloatArray, n: int) -> FloatArray:
+        if self.u > FORGOTTEN:
+            return np.full(np.shape(k), self.variance)
+        scale = 2 * self.neighbour * math.exp(self.u)
+        return np.asarray(self.variance + scale * _cosine_sum(np.asarray(k, dtype=np.float64), n, self.u))
 
+
+def gauss_markov(T: float) -> NoiseTerm:
+    """The row of Gauss-Markov noise of the rate, with a time constant of T sample intervals."""
+    functions = _Markov(T)
     return NoiseTerm(
         symbol="GM",
         title="Gauss-Markov noise",
         meaning="noise of the rate that forgets itself exponentially, with a time constant T",
-        formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 e^{-\tau/T} + e^{-2 \tau/T}))",
+        formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
         reference="IEEE Std 952; s is the effective value of the rate, q = s sqrt(2/T) its driving noise",
         power=0.0,
         slope=math.nan,
         read_at=math.nan,
         level=math.nan,
-        structure=structure,
-        derivative=derivative,
-        summed=summed,
-        increments=increments,
-        spectrum=spectrum,
-        dct=dct,
+        structure=functions.structure,
+        derivative=functions.derivative,
+        summed=functions.summed,
+        increments=functions.increments,
+        spectrum=functions.spectrum,
+        dct=functions.dct,
         parameters=(Parameter("time_constant", "s", least=0.0),),
         shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
