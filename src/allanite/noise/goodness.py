@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.fit import EXPLAINED, Goodness
+from allanite.fit import EXPLAINED, Goodness, Line
 
 from .likelihood import Likelihood
 from .whittle import Spectrum
@@ -19,7 +19,13 @@ FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
 
 
-def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used: NDArray[np.bool_]) -> Goodness:
+def goodness(
+    spectrum: Spectrum,
+    likelihood: Likelihood,
+    theta: FloatArray,
+    used: NDArray[np.bool_],
+    taken: tuple[Line, ...] = (),
+) -> Goodness:
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
@@ -31,6 +37,8 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
         The spectrum, its likelihood in the band that was used, and the model.
     used : bool array, shape (bins of the spectrum,)
         The band.
+    taken : tuple of Line
+        Sinusoids that were taken out before.
     """
     from scipy.special import chdtrc
 
@@ -49,7 +57,15 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
         named = _where(bounds, ratio, z * moving) + _roll_off(spectrum, used, m)
         reasons += named or _where(bounds, ratio, z)
-    return Goodness(bounds, ratio, z, p, tuple(reasons))
+    return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
+
+
+def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
+    if not taken:
+        return ()
+    where = ", ".join(line.words() for line in taken)
+    many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
+    return (f"{many} taken out first, at {where}: vibration, sway or interference",)
 
 
 def _cells(first: NDArray[np.int64], spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:

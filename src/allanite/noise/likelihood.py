@@ -12,7 +12,7 @@ replaced by its expectation given the data, (c - U eta)^2 + U V U', while each d
 more.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -62,6 +62,16 @@ class Likelihood:
             W=self.W[held],
             flat=self.flat[held],
         )
+
+    def with_column(self, which: int, S: FloatArray) -> "Likelihood":
+        """The likelihood with another column of the bins for one of the terms."""
+        columns = self.S.copy()
+        columns[:, which] = S
+        return replace(self, S=columns)
+
+    def with_more(self, S: FloatArray) -> "Likelihood":
+        """The likelihood with one more column, of a term that does not know the edges of the record."""
+        return replace(self, S=np.column_stack((self.S, S)), W=np.column_stack((self.W, np.zeros(self.W.shape[0]))))
 
     def expectation(self, theta: FloatArray) -> FloatArray:
         """Expected power m of the bins, without the directions."""
