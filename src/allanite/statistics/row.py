@@ -14,6 +14,11 @@ Window = tuple[FloatArray, FloatArray]
 """Weights, shape (r,), and filters, shape (r, points): ``sum_r weights[r] (filters[r] . x)^2`` of a window's points."""
 
 
+def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
+    """Places in m, the same number of small and of large ones for each thread."""
+    return [np.arange(i, m.size, threads) for i in range(min(threads, m.size))]
+
+
 @dataclass(frozen=True)
 class Statistic:
     """A statistic as a mean of squares over windows of the angle x.
@@ -34,6 +39,8 @@ class Statistic:
     sums : (x, m) -> sums of squares over the windows of x, for ascending m, however large
     window : m -> Window
         The quadratic form whose mean over the windows is the sum; None where there is none (a maximum).
+    split : (points, m, threads) -> list of places in m
+        What threads can deal with apart, so that the numbers stay the same.
     target : str
         The statistic whose expectation this one estimates; empty if its own.
     overlapped : bool
@@ -67,6 +74,7 @@ class Statistic:
     span: tuple[int, int]
     sums: Callable[[FloatArray, IntArray], FloatArray]
     window: Callable[[int], Window] | None
+    split: Callable[[int, IntArray, int], list[IntArray]] = interleaved
     target: str = ""
     overlapped: bool = True
     step: int = 1
