@@ -94,7 +94,7 @@ def add_rectangles(total, near, far, place, steps):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True, nogil=True)
-def prefix(z):  # type: ignore[no-untyped-def]
+def running_squares(z):  # type: ignore[no-untyped-def]
     """Running sums of z^2, shape (z.size + 1,), by blocks: rounding does not grow with the length."""
     out = np.empty(z.size + 1)
     out[0] = base = 0.0

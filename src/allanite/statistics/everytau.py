@@ -58,7 +58,7 @@ def dense(
     for low, high in groups(points, order, summed=summed):
         here = (m >= low) & (m < high) & (fit > FEW * points)
         if here.sum() > PAYS:
-            frames = framed(x, order * int(m[here][-1]), order - 1, summed=summed)
+            frames = framed(x, order * int(m[here][-1]), order - 1, summed=summed, whole=order * high >= points)
             result[here] = _of_frames(frames, m[here], order)
             # what is left of so much more has lost its digits: a strong vibration at whole periods
             todo[here] = result[here] < LEFT_OVER * frames.products[0]
@@ -92,7 +92,7 @@ def _of_frames(frames: Frames, m: IntArray, order: int) -> FloatArray:
     c = [(-1) ** a * math.comb(order, a) for a in range(order + 1)]
     count = int(m[-1]) + 1
     total = sum(v * v for v in c) * frames.products[0] * np.ones(m.shape)
-    squares = [(sign, _prefix(e)) for e, sign in zip(frames.edges, frames.signs, strict=True)]
+    squares = [(sign, prefix(e)) for e, sign in zip(frames.edges, frames.signs, strict=True)]
     for a in range(order + 1):
         total -= c[a] ** 2 * sum(sign * square[a * m] for sign, square in squares)
         for b in range(a + 1, order + 1):
@@ -102,7 +102,8 @@ def _of_frames(frames: Frames, m: IntArray, order: int) -> FloatArray:
     return np.asarray(total)
 
 
-def _prefix(e: FloatArray) -> FloatArray:
-    from allanite.kernels.frames import prefix
+def prefix(e: FloatArray) -> FloatArray:
+    """Running sums of e^2, one more than e has."""
+    from allanite.kernels.frames import running_squares
 
-    return prefix(np.ascontiguousarray(e))  # type: ignore[no-any-return]
+    return running_squares(np.ascontiguousarray(e))  # type: ignore[no-any-return]

@@ -55,7 +55,7 @@ class Frames(NamedTuple):
     signs: list[float]
 
 
-def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False) -> Frames:
+def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False) -> Frames:
     """The products of a record at lags up to `reach`, and its edges.
 
     Parameters
@@ -66,7 +66,8 @@ def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False) -> F
         Length of the longest window: it covers reach + 1 points.
     degree : {1, 2}
         Of the polynomials that the form does not see.
-    summed : bool
+    summed, whole : bool
+        `whole`: in one frame.
     """
     from allanite.kernels.frames import cut
 
@@ -74,7 +75,7 @@ def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False) -> F
     block = min(fast(reach), BLOCK)
     right = -(-reach // block)
     step = LEFT * right * block
-    count = max(0, (points - reach) // step)
+    count = 0 if whole else max(0, (points - reach) // step)
     total = np.zeros((right + 1, 2 * block + 2))
     seams = _Seams(reach, degree)
     batch = max(1, BATCH // (step + right * block))
@@ -92,6 +93,14 @@ def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False) -> F
     _add(total, _blocks(tail, block), block, -(-tail.size // block))
     edges, signs = seams.edges()
     return Frames(_lags(total, block)[: reach + 1], [*edges, tail[::-1][:reach]], [*signs, 1.0])
+
+
+def autocorrelation(z: FloatArray) -> FloatArray:
+    """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
+    block = min(fast(z.size), BLOCK)
+    total = np.zeros((-(-z.size // block), 2 * block + 2))
+    _add(total, _blocks(z, block), block, total.shape[0])
+    return _lags(total, block)[: z.size]
 
 
 def _blocks(z: FloatArray, block: int) -> FloatArray:

@@ -86,6 +86,11 @@ class Statistic:
     gaps: bool = True
     parts: tuple["Statistic", ...] = ()
 
+    @property
+    def sliding(self) -> bool:
+        """Whether it is a mean of squared differences of the angle at every sample, which windows of a record share."""
+        return self.overlapped and self.differences > 1 and not self.summed
+
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""
         if self.parts:
