@@ -8,7 +8,12 @@ import pytest
 import allanite as al
 from allanite.kernels.allan import second, third
 from allanite.kernels.summed import modified
+from allanite.report.listing import render
+from allanite.report.plain import to_csv
+from allanite.statistics import _warn_of_long
 from allanite.statistics.everytau import PAYS, dense, groups
+from allanite.statistics.row import seconds
+from allanite.survey import survey
 
 N = 20_000
 KINDS = ("white", "flicker", "random walk", "ramp", "ramp and white", "quantization")
@@ -128,3 +133,24 @@ def test_a_curve_of_every_tau_has_its_limits_and_figure_in_seconds():
     assert time.process_time() - start < 20
     assert curve.m.size == 150_000 > PAYS
     assert all(len(line.get_xdata()) <= 400 for line in figure.axes[0].lines)
+
+
+def test_what_takes_minutes_is_warned_of():
+    row = al.STATISTICS["mtotdev"]
+    m = np.arange(1, row.largest(200_000) + 1)
+    assert 30 < seconds(row, 200_000, m) < 600
+    assert seconds(row, 200_000, m[:100]) < 1
+    assert seconds(al.STATISTICS["oadev"], 3_600_000, np.arange(1, 1_800_001)) == 0
+    assert seconds(al.STATISTICS["theoh"], 3_600_000, np.array([1, 2, 1_000_000])) > 30
+    words = r"mtotdev at 66667 averaging times of 200000 samples takes about \d+ min"
+    with pytest.warns(al.LongJobWarning, match=words):
+        _warn_of_long(row, 200_000, m, 1)
+
+
+def test_a_table_of_every_tau_is_short_and_its_csv_whole():
+    record = record_of(rate("white", 6000))
+    found = survey(record, lambda record, _: [al.deviation(record, taus="all").to("deg/h")])
+    text = render(found)
+    assert "26 of 3000 rows; --csv writes all" in text
+    assert len(text.splitlines()) < 45
+    assert len(to_csv(found).splitlines()) == 3001

@@ -174,7 +174,7 @@ def _cross(P, m, forms, count):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def _add_moments(cross, low, high, factors):  # type: ignore[no-untyped-def]
-    """cross[k, n] += sum_p factors[p, k] sum over the range of j^p P[n + j], from running sums of (n + j)^p P[n + j]."""
+    """cross[k, n] += sum_p factors[p, k] sum over the range of j^p P[n+j], from running sums of (n+j)^p P[n+j]."""
     l0, l1, l2, h0, h1, h2 = low[0], low[1], low[2], high[0], high[1], high[2]
     first, second, third = cross[0], cross[1], cross[2]
     f00, f01, f11 = factors[0, 0], factors[0, 1], factors[1, 1]

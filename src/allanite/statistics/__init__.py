@@ -1,10 +1,11 @@
 """Statistics of a record over averaging time: the table, the estimates, their expectation and confidence."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Literal
 
 from allanite.curve import Curve, Law
-from allanite.errors import DataError, UsageError
+from allanite.errors import DataError, LongJobWarning, UsageError
 from allanite.model import Model
 from allanite.record import Record
 from allanite.units import Signal
@@ -19,10 +20,13 @@ from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .moments import covariance as covariance
 from .moments import edf as edf
-from .row import BoolArray, FloatArray, IntArray, Statistic
+from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
 from .sparse import sparse, sparse_law
 from .table import STATISTICS as STATISTICS
 from .table import statistic_named as statistic_named
+
+PATIENCE = 60.0
+"""Seconds from which on a job is long enough to be warned of."""
 
 
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
@@ -69,6 +73,11 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     Curve
         SI. A constant is removed before integrating, so that a bias costs no digits.
 
+    Warns
+    -----
+    LongJobWarning
+        It takes more than a minute.
+
     Raises
     ------
     DataError
@@ -98,6 +107,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         raise UsageError(f"threads are 1 or more, not {threads!r}")
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
     factors = checked(asked, row, record.size, join)
+    _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
     variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
@@ -121,6 +131,17 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         noise=noise if isinstance(noise, Model) else None,
         law=_law(points, noise, angle, record.signal),
     )
+
+
+def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
+    wait = seconds(row, size, m) / threads
+    if wait > PATIENCE:
+        warnings.warn(
+            f"{row.name} at {m.size} averaging times of {size} samples takes about {wait / 60:.0f} min; "
+            "taus='log' takes 100 of them",
+            LongJobWarning,
+            stacklevel=3,
+        )
 
 
 def _law(points: Points, noise: Model | str | None, angle: Angle, signal: Signal) -> Law | None:

@@ -41,6 +41,8 @@ class Statistic:
         The quadratic form whose mean over the windows is the sum; None where there is none (a maximum).
     split : (points, m, threads) -> list of places in m
         What threads can deal with apart, so that the numbers stay the same.
+    pace : float
+        Time of a window, ns, where every tau takes that of all its windows; 0 where there is a faster form for many.
     target : str
         The statistic whose expectation this one estimates; empty if its own.
     overlapped : bool
@@ -75,6 +77,7 @@ class Statistic:
     sums: Callable[[FloatArray, IntArray], FloatArray]
     window: Callable[[int], Window] | None
     split: Callable[[int, IntArray, int], list[IntArray]] = interleaved
+    pace: float = 0.0
     target: str = ""
     overlapped: bool = True
     step: int = 1
@@ -104,6 +107,13 @@ class Statistic:
         per, fixed = self.span
         room = n - (per * m + fixed)
         return np.maximum(0, (room if self.overlapped else room // m) + 1)
+
+
+def seconds(row: Statistic, n: int, m: IntArray) -> float:
+    """About how long a statistic of n intervals takes at averaging factors m, s."""
+    if row.parts:
+        return sum(seconds(part, n, m[m % part.step == 0]) for part in row.parts[-1:]) + 4e-12 * n**2
+    return 1e-9 * row.pace * float(row.count(n, m).sum())
 
 
 def constant(value: float) -> Callable[[IntArray], FloatArray]:

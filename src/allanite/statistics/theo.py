@@ -37,6 +37,7 @@ THEO1 = Statistic(
     span=(1, 0),
     sums=theo1_sums,
     split=split,
+    pace=0.8,
     window=_window,
     target="oadev",
     step=2,

@@ -67,6 +67,7 @@ TOTDEV = Statistic(
     norm=constant(2.0),
     span=(0, 2),
     sums=_folded,
+    pace=0.4,
     window=None,
     target="oadev",
     gaps=False,
@@ -88,6 +89,7 @@ MTOTDEV = Statistic(
     norm=constant(2.0),
     span=(3, -1),
     sums=_modified_total,
+    pace=40.0,
     window=_window,
     target="mdev",
 )
