@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from allanite.fit import EXPLAINED, Goodness, Line
 
 from .likelihood import Likelihood
+from .lines import surroundings
 from .whittle import Spectrum
 
 FloatArray = NDArray[np.float64]
@@ -90,7 +91,7 @@ def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[s
     from scipy.special import ndtri
 
     power, peak, count = spectrum.power[used], spectrum.peak[used], spectrum.count[used]
-    around = np.array([np.median(power[max(0, i - 4) : i + 5]) for i in range(power.size)])
+    around = np.median(surroundings(power), axis=1)
     threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
     found = peak > threshold * np.maximum(around, m)
     if not found.any():

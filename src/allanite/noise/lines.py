@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .likelihood import FloatArray
+from .likelihood import BoolArray, FloatArray
 from .whittle import IntArray, Spectrum
 
 FALSE_LINE = 0.01
@@ -46,25 +47,30 @@ class Wave(NamedTuple):
         """At the middles of n sample intervals."""
         inner, outer = _turns(self.frequency, n)
         turned = np.outer(outer * np.exp(1j * self.phase), inner).ravel()[:n]
-        return np.array(self.amplitude * turned.imag, dtype=np.float64)
+        return self.amplitude * turned.imag
 
 
-def _turns(frequency: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """exp(2 pi i f (k + 1/2)) as a product of a part within a block and one of the block."""
     length = -(-n // BLOCKS)
     inner = np.exp(2j * np.pi * frequency * (np.arange(length) + 0.5))
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
 
 
+def surroundings(values: NDArray[Any]) -> NDArray[Any]:
+    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
+    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
+    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
+
+
 def levels(seen: Spectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
-    near = [slice(max(0, i - 4), i + 5) for i in range(m.size)]
-    around = np.array([np.median(seen.power[part]) for part in near])
-    many = np.array([seen.count[part].sum() for part in near])
+    around = np.median(surroundings(seen.power), axis=1)
+    many = surroundings(seen.count).sum(axis=1)
     return np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around))
 
 
-def suspected(seen: Spectrum, level: FloatArray, used: np.ndarray) -> bool:
+def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
     from scipy.special import ndtri
 
@@ -93,7 +99,7 @@ class Periodogram:
     square: float
     level: FloatArray
 
-    def peaks(self, used: np.ndarray) -> IntArray:
+    def peaks(self, used: BoolArray) -> IntArray:
         """Where lines stand, the strongest first; of neighbours, the higher one."""
         threshold = -math.log(FALSE_LINE / max(int(used.sum()), 1))
         above = np.flatnonzero(used & (self.power > threshold))
