@@ -240,6 +240,16 @@ def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | Non
     return _with_markov(whole.only(used), (seen, used), noise, asked=asked)
 
 
+def _taken(plain: Subset, markov: Subset, noise: list[str], penalty: FloatArray) -> bool:
+    """Whether Gauss-Markov noise would take more than the place of flicker, without as much more evidence.
+
+    At a short time constant it stands in for angle random walk too, which is there in any sensor.
+    """
+    fast = np.array([TERMS[symbol].slope < 0 for symbol in noise])
+    lost = int((fast & (plain.theta > 0) & (markov.theta == 0)).sum())
+    return lost > 0 and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty)
+
+
 def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: list[str], *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
     penalty = penalties(len(noise))
@@ -248,6 +258,8 @@ def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: lis
     fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
+    if plain is not None and markov is not None and not asked and _taken(plain, markov, noise, penalty):
+        markov = None
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
     if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
         best = search.coarse

@@ -47,7 +47,7 @@ class Wave(NamedTuple):
         """At the middles of n sample intervals."""
         inner, outer = _turns(self.frequency, n)
         turned = np.outer(outer * np.exp(1j * self.phase), inner).ravel()[:n]
-        return self.amplitude * turned.imag
+        return np.asarray(self.amplitude * turned.imag)
 
 
 def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -67,7 +67,7 @@ def levels(seen: Spectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
     around = np.median(surroundings(seen.power), axis=1)
     many = surroundings(seen.count).sum(axis=1)
-    return np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around))
+    return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
 
 
 def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
