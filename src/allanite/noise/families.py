@@ -37,6 +37,9 @@ CLOSE = 2.0
 OPEN = 6.6
 """Time constants that lose less than this in 2 L take part in the limits of the terms (the 99 % point)."""
 
+STARTS = 3
+"""Pairs of time constants from which the best pair is sought."""
+
 NEAR = 3
 """Time constants on either side of the best that take part."""
 
@@ -146,11 +149,19 @@ class Search:
             both = self.at(float(first)).with_more(self.column(float(second)))
             return Subset(both, free, *both.minimise(free), (float(first), float(second)))
 
-        grid = np.log(self.grid[::2])
-        pairs = (np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :])
-        start = min(pairs, key=lambda x: least(x).value)
-        found = minimize(lambda x: least(x).value, start, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 0.01})
-        return least(found.x)
+        grid = np.log(self.grid)
+        pairs = [np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :]]
+        corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])
+        tries = [
+            minimize(
+                lambda x: least(x).value,
+                start,
+                method="Nelder-Mead",
+                options={"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01},
+            )
+            for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]
+        ]
+        return least(min(tries, key=lambda found: float(found.fun)).x)
 
 
 @dataclass(frozen=True, eq=False)
