@@ -277,7 +277,12 @@ def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: lis
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
-    if plain is not None and best is markov and not asked and not _believed(plain, best, noise, where):
+    if (
+        plain is not None
+        and markov is not None
+        and best is markov
+        and not (asked or _believed(plain, markov, noise, where))
+    ):
         best = plain
     if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
         best = search.coarse
