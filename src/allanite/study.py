@@ -10,10 +10,11 @@ from .errors import DataError, UsageError
 from .finding import Quality
 from .fit import Fit
 from .noise import identify
-from .prepare import inspect, quiet_window, trim
+from .prepare import inspect, mark_outliers, quiet_window, trim
 from .readers import read
 from .record import Record, Recording
 from .statistics import deviation
+from .statistics.robust import demand_choice
 from .version import __version__
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
@@ -24,7 +25,8 @@ READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "column
 class Recipe:
     """Every choice of an analysis as plain data.
 
-    The first group says what the file holds (None: taken from the file), the second what is done with it.
+    The first group says what the file holds (None: taken from the file), the second what is done with it. `outliers`:
+    "mark" leaves them out of everything, "keep" out of nothing; None leaves them out of the fit, and not of curves.
     """
 
     rate: float | None = None
@@ -39,6 +41,7 @@ class Recipe:
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
+    outliers: str | None = None
     statistic: str = "oadev"
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
@@ -52,10 +55,12 @@ class Recipe:
             fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
             if value is not None and (isinstance(value, bool) or not fine):
                 raise UsageError(f"{key} is a number, not {value!r}")
-        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method"):
+        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers"):
             value = getattr(self, key)
             if value is not None and not isinstance(value, str):
                 raise UsageError(f"{key} is a word, not {value!r}")
+        if self.outliers is not None:
+            demand_choice(self.outliers)
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
         if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
@@ -217,7 +222,16 @@ def _looked_at(record: Record, recording: Recording) -> Channel:
 def recording_of(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
     """The part of the recording that the recipe wants."""
     whole = trim(_whole(source, recipe), recipe.start, recipe.until)
-    return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+    part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+    if recipe.outliers != "mark":
+        return part
+    return replace(part, records=tuple(mark_outliers(record) for record in part))
+
+
+def fitted(record: Record, recipe: Recipe) -> Fit:
+    """The noise of a channel as the recipe wants it identified."""
+    outliers = recipe.outliers or "mark"
+    return identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band, outliers=outliers)
 
 
 def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
@@ -234,7 +248,7 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
         return seen
     record = seen.record
     try:
-        fit = identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band)
+        fit = fitted(record, recipe)
         curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=fit.model)
     except DataError as error:
         return replace(seen, refusal=str(error))

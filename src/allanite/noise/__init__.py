@@ -1,14 +1,14 @@
 """Identification of noise: from a record or a curve to coefficients."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from allanite.curve import Curve
 from allanite.errors import UsageError
 from allanite.fit import Fit
 from allanite.record import Record
-from allanite.statistics import deviation
+from allanite.statistics import deviation, robust
 from allanite.terms import TERMS
 
 from .identify import whittle
@@ -39,8 +39,11 @@ def identify(
     *,
     terms: str = "auto",
     band: tuple[float, float] | None = None,
+    outliers: str = "mark",
 ) -> Fit:
     """Find the noise coefficients of a record, or of an Allan curve.
+
+    Lost readings (NaN) are cut out, and what the joints do to each term is accounted for.
 
     Parameters
     ----------
@@ -53,6 +56,8 @@ def identify(
         "auto" for Q, N, B, K and R, or their symbols, for example "QNK".
     band : (low, high), optional
         Frequencies that count, Hz ("whittle" only).
+    outliers : {"mark", "keep"}
+        Whether outliers count as lost ("whittle" only); `Fit.notes` say how many and where.
 
     Returns
     -------
@@ -64,7 +69,7 @@ def identify(
     UsageError
         Unknown method or term, or an option the method does not have.
     DataError
-        The record is too short, constant, or not finite.
+        The record is too short or constant, holds infinite readings, or too little of it is left.
 
     Examples
     --------
@@ -80,6 +85,7 @@ def identify(
     name = method or ("whittle" if isinstance(source, Record) else "ls")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
+    robust.demand_choice(outliers)
     row = METHODS[name]
     symbols = _symbols(terms)
     options: dict[str, Any] = {} if band is None else {"band": band}
@@ -89,7 +95,18 @@ def identify(
         raise UsageError(f"method {name!r} needs the record, not a curve of it")
     if isinstance(source, Record) and row.takes is Curve:
         source = deviation(source, "oadev")
+    if isinstance(source, Record) and outliers == "mark":
+        found = robust.outliers(source)
+        return _noted(row.fit(robust.marked(source, found), symbols, **options), found, source.rate)
     return row.fit(source, symbols, **options)
+
+
+def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
+    """The fit with a note on the outliers that it leaves out."""
+    if not found.at.size:
+        return fit
+    note = f"{found.words(rate)}: left out of the fit (--outliers keep counts them in)"
+    return replace(fit, notes=(*fit.notes, note))
 
 
 def _symbols(terms: str) -> str:

@@ -8,8 +8,9 @@ import numpy as np
 
 from allanite.errors import DataError
 from allanite.fit import WEAK, Estimate, Fit
+from allanite.gaps import refusal
 from allanite.model import Model, Term
-from allanite.record import SHORTEST, Record
+from allanite.record import Record
 from allanite.terms import TERMS
 
 from .goodness import goodness
@@ -34,8 +35,9 @@ def whittle(record: Record, symbols: str, band: tuple[float, float] | None = Non
     band : (low, high), optional
         Frequencies to be used, Hz.
     """
-    if record.size < SHORTEST:
-        raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
+    why = refusal(record)
+    if why:
+        raise DataError(f"{record.name or 'the record'}: {why}")
     noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
     ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
     seen = spectrum(record, detrend=bool(ramps))

@@ -121,23 +121,21 @@ def _grid(view: View) -> tuple[int, float]:
 
 
 def outliers(view: View) -> Finding | None:
-    """Readings off the line between their neighbours by more than any noise of this length."""
-    from scipy.special import ndtri
-
-    limit = -float(ndtri(RARE / 2 / view.bends.size)) * 1.05
-    scale = view.fast * math.sqrt(6.0)
-    high = np.abs(view.bends) > limit * scale
-    count = int(high.sum())
-    if not count or count > 0.02 * high.size:
+    """Readings far off the median of those around them, or the heavy tails that they belong to."""
+    found = view.outliers
+    if found.heavy:
+        return Finding(
+            "heavy tails",
+            f"{found.heavy} readings lie beyond {found.limit:.2g} standard deviations, too many for outliers",
+            "the noise is not Gaussian, or its level changes fast: intervals are too narrow",
+            "look at the readings; nothing is left out",
+        )
+    if not found.at.size:
         return None
-    at = np.flatnonzero(high)
-    events = 1 + int((np.diff(at) > 3).sum())
-    first = int(at[0]) + 1
-    worst = float(np.abs(view.bends[at]).max()) / scale
     return Finding(
         "outliers",
-        f"{events} outlier(s), the first at {view.seconds(first):.6g} s, the largest {worst:.3g} standard deviations",
-        "a spike adds to every short averaging time, and N and Q come out too large",
-        "mark them (prepare.mark_outliers), or choose a window without them (--from, --until)",
-        (view.seconds(first), view.seconds(int(at[-1]) + 1)),
+        found.words(view.rate),
+        "a spike adds to every short averaging time; the fit leaves them out, curves and spectra do not",
+        "leave them out everywhere (--outliers mark) or nowhere (--outliers keep)",
+        (float(found.at[0]) / view.rate, float(found.at[-1] + 1) / view.rate),
     )
