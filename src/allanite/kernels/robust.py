@@ -9,7 +9,7 @@ HALF = 15
 
 @njit(cache=True, nogil=True)
 def residuals(y, at):  # type: ignore[no-untyped-def]
-    """How far y is off the median of the 31 readings around each index of `at`; near an end, of the first or last 31."""
+    """How far y is off the median of the 31 readings around the indices `at`; near an end, of the first or last 31."""
     width = min(2 * HALF + 1, y.size)
     out = np.empty(at.size)
     window = np.empty(width)
