@@ -57,7 +57,7 @@ class Gaps:
         values = term.dct(k, self.size)
         if not self.at.size:
             return values
-        n, walk = self.size, max(0.0, 2 * term.slope)
+        n, walk = self.size, 2 * term.slope if term.slope > 0 else 0.0
         both = np.full(k.shape, 0.0)
         steps = np.full(k.shape, float(self.lost.sum()))
         low = k <= EXACT

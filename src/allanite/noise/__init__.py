@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, overload
 
 from allanite.curve import Curve
-from allanite.errors import UsageError
+from allanite.errors import DataError, UsageError
 from allanite.fit import Fit
-from allanite.record import Record
+from allanite.record import Record, Recording
 from allanite.statistics import deviation, robust
 from allanite.terms import TERMS
 
@@ -33,21 +33,44 @@ METHODS: dict[str, Method] = {
 }
 
 
+@overload
 def identify(
     source: Record | Curve,
+    method: str | None = ...,
+    *,
+    terms: str = ...,
+    band: tuple[float, float] | None = ...,
+    outliers: str = ...,
+) -> Fit: ...
+
+
+@overload
+def identify(
+    source: Recording,
+    method: str | None = ...,
+    *,
+    terms: str = ...,
+    band: tuple[float, float] | None = ...,
+    outliers: str = ...,
+) -> dict[str, Fit]: ...
+
+
+def identify(
+    source: Record | Curve | Recording,
     method: str | None = None,
     *,
     terms: str = "auto",
     band: tuple[float, float] | None = None,
     outliers: str = "mark",
-) -> Fit:
+) -> Fit | dict[str, Fit]:
     """Find the noise coefficients of a record, or of an Allan curve.
 
     Lost readings (NaN) are cut out, and what the joints do to each term is accounted for.
 
     Parameters
     ----------
-    source : Record or Curve
+    source : Record, Curve or Recording
+        A recording is identified channel by channel.
     method : {"whittle", "ls", "slopes"}, optional
         "whittle" for a record, the default there: reaches the Cramer-Rao bound and gives intervals. The others read an
         Allan curve (that of the record, at octaves, if a record is given) and give numbers only; "ls" is the default
@@ -62,14 +85,16 @@ def identify(
     Returns
     -------
     Fit
-        Every term asked for is in it, absent ones with their upper limit.
+        Every term asked for is in it, absent ones with their upper limit. Of a recording a dict: the fit of each
+        channel that supports the job, by its name and in channel order.
 
     Raises
     ------
     UsageError
         Unknown method or term, or an option the method does not have.
     DataError
-        The record is too short or constant, holds infinite readings, or too little of it is left.
+        The record is too short or constant, holds infinite readings, or too little of it is left; of a recording,
+        none of its channels supports the job.
 
     Examples
     --------
@@ -82,6 +107,8 @@ def identify(
     >>> fit["N"].status, fit["B"].status, low < fit.model["N"].value < high
     ('identified', 'absent', True)
     """
+    if isinstance(source, Recording):
+        return _by_channel(source, lambda record: identify(record, method, terms=terms, band=band, outliers=outliers))
     name = method or ("whittle" if isinstance(source, Record) else "ls")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
@@ -99,6 +126,19 @@ def identify(
         found = robust.outliers(source)
         return _noted(row.fit(robust.marked(source, found), symbols, **options), found, source.rate)
     return row.fit(source, symbols, **options)
+
+
+def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str, Fit]:
+    """The fits that can be made, or why there is none."""
+    fits, refusals = {}, []
+    for record in recording:
+        try:
+            fits[record.name] = fit(record)
+        except DataError as error:
+            refusals.append(str(error))
+    if not fits:
+        raise DataError("; ".join(refusals))
+    return fits
 
 
 def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:

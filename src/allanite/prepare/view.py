@@ -1,6 +1,5 @@
 """View: a record as the checks of its quality look at it; what several of them need is computed once."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.record import Record
 from allanite.statistics.robust import Outliers, outliers
+from allanite.statistics.rounding import fast_noise
 
 FloatArray = NDArray[np.float64]
 
@@ -84,11 +84,7 @@ class View:
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; of white noise its standard deviation."""
         whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
-        sample = np.abs(whole[:: max(1, whole.size // 100_000)])
-        scale = float(np.median(sample)) / 0.6745 or float(sample.std())
-        # of coarse readings the median is coarse too: the spread of what is no outlier is not
-        kept = sample[sample < 6 * scale]
-        return float(np.sqrt(np.square(kept).mean() / 6)) if kept.size else scale / math.sqrt(6)
+        return fast_noise(whole)
 
     def seconds(self, index: float) -> float:
         """Time of a reading after the first one, s."""
