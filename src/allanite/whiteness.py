@@ -82,13 +82,14 @@ class Residuals:
     def verdict(self) -> str:
         """One sentence; the likeliest reason comes first."""
         fit = "" if self.goodness is None else f"goodness of fit {chance(self.goodness.p)}, "
+        also = "" if self.goodness is None else "".join(f"; {remark}" for remark in self.goodness.remarks)
         if self.explained:
             if not self.checks:
-                return f"the model explains the record ({fit.removesuffix(', ')})"
+                return f"the model explains the record ({fit.removesuffix(', ')}){also}"
             least = chance(min(check.p for check in self.checks))
-            return f"the model explains the record ({fit}residuals {least} or more)"
+            return f"the model explains the record ({fit}residuals {least} or more){also}"
         why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record ({fit.removesuffix(', ')}){why}"
+        return f"no model of these terms explains the record ({fit.removesuffix(', ')}){why}{also}"
 
     @property
     def reasons(self) -> tuple[str, ...]:

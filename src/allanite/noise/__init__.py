@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, overload
+from typing import overload
 
 from allanite.curve import Curve
 from allanite.errors import DataError, UsageError
@@ -40,6 +40,7 @@ def identify(
     *,
     terms: str = ...,
     band: tuple[float, float] | None = ...,
+    lines: bool = ...,
     outliers: str = ...,
 ) -> Fit: ...
 
@@ -51,6 +52,7 @@ def identify(
     *,
     terms: str = ...,
     band: tuple[float, float] | None = ...,
+    lines: bool = ...,
     outliers: str = ...,
 ) -> dict[str, Fit]: ...
 
@@ -61,6 +63,7 @@ def identify(
     *,
     terms: str = "auto",
     band: tuple[float, float] | None = None,
+    lines: bool = True,
     outliers: str = "mark",
 ) -> Fit | dict[str, Fit]:
     """Find the noise coefficients of a record, or of an Allan curve.
@@ -76,9 +79,12 @@ def identify(
         Allan curve (that of the record, at octaves, if a record is given) and give numbers only; "ls" is the default
         for a curve.
     terms : str
-        "auto" for Q, N, B, K and R, or their symbols, for example "QNK".
+        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) takes the place of flicker if the record clearly says
+        so; or symbols, for example "QNK" or "N,GM,K", which are obeyed.
     band : (low, high), optional
         Frequencies that count, Hz ("whittle" only).
+    lines : bool
+        Whether sinusoids are found, taken out and reported before the noise is identified ("whittle" only).
     outliers : {"mark", "keep"}
         Whether outliers count as lost ("whittle" only); `Fit.notes` say how many and where.
 
@@ -108,24 +114,32 @@ def identify(
     ('identified', 'absent', True)
     """
     if isinstance(source, Recording):
-        return _by_channel(source, lambda record: identify(record, method, terms=terms, band=band, outliers=outliers))
+
+        def one(record: Record) -> Fit:
+            return identify(record, method, terms=terms, band=band, lines=lines, outliers=outliers)
+
+        return _by_channel(source, one)
     name = method or ("whittle" if isinstance(source, Record) else "ls")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     robust.demand_choice(outliers)
     row = METHODS[name]
     symbols = _symbols(terms)
-    options: dict[str, Any] = {} if band is None else {"band": band}
-    if options and row.takes is not Record:
-        raise UsageError(f"a band is for methods that work on the record, not for {name!r}")
+    if row.takes is not Record and (band is not None or not lines):
+        raise UsageError(
+            f"a band, and whether lines are taken out, is for methods that work on the record, not for {name!r}"
+        )
     if isinstance(source, Curve) and row.takes is Record:
         raise UsageError(f"method {name!r} needs the record, not a curve of it")
     if isinstance(source, Record) and row.takes is Curve:
         source = deviation(source, "oadev")
-    if isinstance(source, Record) and outliers == "mark":
-        found = robust.outliers(source)
-        return _noted(row.fit(robust.marked(source, found), symbols, **options), found, source.rate)
-    return row.fit(source, symbols, **options)
+    if row.takes is Curve:
+        return row.fit(source, symbols)
+    assert isinstance(source, Record)  # noqa: S101 - a curve was refused above
+    found = robust.outliers(source) if outliers == "mark" else None
+    record = robust.marked(source, found) if found else source
+    fit = row.fit(record, symbols, band, lines=lines, rival=terms == "auto")
+    return _noted(fit, found, source.rate) if found else fit
 
 
 def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str, Fit]:
@@ -149,11 +163,16 @@ def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
     return replace(fit, notes=(*fit.notes, note))
 
 
-def _symbols(terms: str) -> str:
-    symbols = AUTOMATIC if terms == "auto" else terms
-    for symbol in symbols:
-        if symbol not in TERMS:
-            raise UsageError(f"unknown term {symbol!r} in {terms!r}; known are {', '.join(TERMS)}")
+def _symbols(terms: str) -> tuple[str, ...]:
+    """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between."""
+    rest = AUTOMATIC if terms == "auto" else terms
+    symbols: tuple[str, ...] = ()
+    known = sorted(TERMS, key=len, reverse=True)
+    while rest := rest.lstrip(", "):
+        symbol = next(filter(rest.startswith, known), None)
+        if symbol is None:
+            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known are {', '.join(TERMS)}")
+        symbols, rest = (*symbols, symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
         raise UsageError(f"terms name each symbol once, and at least one is noise, unlike {terms!r}")
     return symbols
