@@ -24,59 +24,110 @@ FEW = f"too few for noise coefficients (at least {SHORTEST})"
 LEAST = 0.1
 """Share of the readings that must be left."""
 
+BLOCK = 1024
+"""Steps of an angle over which its rate is taken as one, to be taken off during a gap."""
+
 SHORTEST_RUN = 4.0
 """Readings between two joints that must be left on average."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The joints of `size` readings.
+    """The gaps among `size` readings that are left.
 
     Attributes
     ----------
     size : int
         Readings that are left.
     at, lost : int arrays, shape (g,)
-        Index of the first reading behind each joint, and how many were lost there.
+        Index of the first reading behind each gap, and how many were lost there.
+    shut : bool array, shape (g,)
+        Gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
     """
 
     size: int
     at: IntArray
     lost: IntArray
+    shut: NDArray[np.bool_]
 
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients under a term, shape of `k`.
 
-        With the joints j, the lost readings l and omega = pi k / n
+        With the first readings j behind the gaps, the lost l and omega = pi k / n
 
             edge (2/n) sum [cos(2 omega j) + cos(omega)]      is what an open angle adds,
             1 + (2/n) sum l sin^2(omega j)                    the factor of a random walk,
+            (1/n) sum [D(l + 1) - D(1)]                       what a shut gap adds, of the angle's own noise,
 
-        and on average over k the cosine is 0, the square of the sine 1/2.
+        and on average over k the first cosine is 0, the square of the sine 1/2. Noise between these is left alone.
         """
         values = term.dct(k, self.size)
         if not self.at.size:
             return values
         n, walk = self.size, 2 * term.slope if term.slope > 0 else 0.0
+        opened, shut = self.at[~self.shut], self.lost[self.shut] + 1.0
         both = np.full(k.shape, 0.0)
         steps = np.full(k.shape, float(self.lost.sum()))
         low = k <= EXACT
         turn = np.cos((2 * np.pi / n) * np.outer(k[low], self.at))
-        both[low], steps[low] = turn.sum(axis=1), (1 - turn) @ self.lost
-        opened = term.edge * (2 / n) * (both + self.at.size * np.cos((np.pi / n) * k))
-        return np.asarray(values * (1 + steps / n) ** walk + opened)
+        both[low], steps[low] = turn[:, ~self.shut].sum(axis=1), (1 - turn) @ self.lost
+        ends = term.edge * (2 / n) * (both + opened.size * np.cos((np.pi / n) * k))
+        longer = float((term.structure(np.asarray(shut)) - term.structure(np.ones(1))).sum()) / n if term.slope <= -0.5 else 0.0
+        return np.asarray(values * (1 + steps / n) ** walk + ends + longer)
+
+
+def whole(size: int) -> Gaps:
+    """No gaps among so many readings."""
+    none = np.empty(0, np.int64)
+    return Gaps(size, none, none, none.astype(np.bool_))
 
 
 def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
     """Rates in the record's unit, joined over the gaps; the gaps; and which readings are left (None: all)."""
-    steps = np.diff(record.values) if record.kind == "angle" else record.values - record.constant
-    none = np.empty(0, np.int64)
-    if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
-        return np.asarray(steps, dtype=np.float64), Gaps(steps.size, none, none), None
-    there = np.flatnonzero(np.isfinite(steps))
+    values = record.values
+    if values.dtype.kind != "f" or np.isfinite(values.sum()):
+        steps = np.diff(values) if record.kind == "angle" else values - record.constant
+        return np.asarray(steps, dtype=np.float64), whole(steps.size), None
+    there = np.flatnonzero(np.isfinite(values))
     jumps = np.diff(there)
+    if record.kind == "angle":
+        return _stepped(values[there], there[:-1], jumps)
     at = np.flatnonzero(jumps > 1) + 1
-    return np.asarray(steps[there], dtype=np.float64), Gaps(there.size, at, jumps[at - 1] - 1), there
+    gaps = Gaps(there.size, at, jumps[at - 1] - 1, np.zeros(at.size, dtype=np.bool_))
+    return np.asarray(values[there] - record.constant, dtype=np.float64), gaps, there
+
+
+def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[FloatArray, Gaps, IntArray | None]:
+    """Steps of an angle of which points were lost: a short gap is one long step, a long one is cut out.
+
+    A gap is short if noise of the rate over its length is at most half of what a step has anyhow: where quantization
+    rules, that keeps the angle shut, which is all that tells small noise of the rate.
+    """
+    steps = np.diff(angle)
+    long = spans > 1
+    shut = long & (spans * _rate_share(steps[~long]) <= 0.5)
+    # the rate during the gap is taken off, but for one interval's; over whole blocks no angle is open
+    starts = np.arange(0, steps.size, BLOCK)
+    rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
+    steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
+    kept = ~long | shut
+    index = np.cumsum(kept) - 1
+    opened = long & ~shut
+    # of what is cut out every interval is lost, of a long step all but one; leading and trailing ones are no gaps
+    at = np.concatenate((index[opened] + 1, index[shut]))
+    lost = np.concatenate((spans[opened], spans[shut] - 1))
+    flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
+    return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there + (spans - 1) // 2)[kept]
+
+
+def _rate_share(steps: FloatArray) -> float:
+    """Share of the noise of the rate in the variance of a step, the rest is noise of the angle; never below 0.5 %."""
+    fast = np.diff(steps)
+    # of steps of variance 2 q + w: differences have 6 q + 2 w, and correlate by -4 q - w from one to the next
+    variance, beside = float(fast @ fast) / fast.size, float(fast[1:] @ fast[:-1]) / fast.size
+    w = 2 * variance + 3 * beside
+    q = (variance - 2 * w) / 6
+    return max(w / max(2 * q + w, 1e-300), 0.005)
 
 
 def refusal(record: Record) -> str:

@@ -161,7 +161,7 @@ def test_rows_are_the_diagonal_of_the_joined_covariance(symbol):
 
 
 def test_far_up_the_joints_count_on_average():
-    gaps = Gaps(10_000, np.array([100, 4000, 9000]), np.array([50, 7, 900]))
+    gaps = Gaps(10_000, np.array([100, 4000, 9000]), np.array([50, 7, 900]), np.zeros(3, dtype=bool))
     k = np.arange(5000.0, 9000.0)
     for symbol in "QNBK":
         row = TERMS[symbol]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.errors import UsageError
-from allanite.gaps import Gaps, joined
+from allanite.gaps import Gaps, joined, whole
 from allanite.model import Model
 from allanite.record import Record
 
@@ -69,9 +69,9 @@ def whitened(record: Record, model: Model) -> NDArray[np.float32]:
     u = idct(c, norm="ortho", overwrite_x=True)
     if left is None:
         return np.asarray(u)
-    whole = np.full(record.size, np.nan, dtype=np.float32)
-    whole[left] = u
-    return whole
+    everywhere = np.full(record.size, np.nan, dtype=np.float32)
+    everywhere[left] = u
+    return everywhere
 
 
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
@@ -106,6 +106,5 @@ def memory(model: Model, size: int, rate: float) -> int:
     """
     if not any(t.row.edge for t in model):
         return 0
-    none = np.empty(0, np.int64)
-    _, deviation = _deviations(model, Gaps(size, none, none), rate)
+    _, deviation = _deviations(model, whole(size), rate)
     return math.ceil(2 * float(deviation.max() / deviation.min()))
