@@ -27,6 +27,9 @@ LEAST = 0.1
 BLOCK = 1024
 """Steps of an angle over which its rate is taken as one, to be taken off during a gap."""
 
+LEAST_SHARE = 0.005
+"""Share of the rate's noise in that of a step below which it is not known."""
+
 SHORTEST_RUN = 4.0
 """Readings between two joints that must be left on average."""
 
@@ -72,7 +75,11 @@ class Gaps:
         turn = np.cos((2 * np.pi / n) * np.outer(k[low], self.at))
         both[low], steps[low] = turn[:, ~self.shut].sum(axis=1), (1 - turn) @ self.lost
         ends = term.edge * (2 / n) * (both + opened.size * np.cos((np.pi / n) * k))
-        longer = float((term.structure(np.asarray(shut)) - term.structure(np.ones(1))).sum()) / n if term.slope <= -0.5 else 0.0
+        longer = (
+            float((term.structure(np.asarray(shut)) - term.structure(np.ones(1))).sum()) / n
+            if term.slope <= -0.5
+            else 0.0
+        )
         return np.asarray(values * (1 + steps / n) ** walk + ends + longer)
 
 
@@ -100,12 +107,11 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
 def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[FloatArray, Gaps, IntArray | None]:
     """Steps of an angle of which points were lost: a short gap is one long step, a long one is cut out.
 
-    A gap is short if noise of the rate over its length is at most half of what a step has anyhow: where quantization
-    rules, that keeps the angle shut, which is all that tells small noise of the rate.
+    Where quantization rules, only an angle that stays shut tells small noise of the rate.
     """
     steps = np.diff(angle)
     long = spans > 1
-    shut = long & (spans * _rate_share(steps[~long]) <= 0.5)
+    shut = long & _short(steps, spans)
     # the rate during the gap is taken off, but for one interval's; over whole blocks no angle is open
     starts = np.arange(0, steps.size, BLOCK)
     rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
@@ -120,14 +126,31 @@ def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[Float
     return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there + (spans - 1) // 2)[kept]
 
 
-def _rate_share(steps: FloatArray) -> float:
-    """Share of the noise of the rate in the variance of a step, the rest is noise of the angle; never below 0.5 %."""
-    fast = np.diff(steps)
+def known_rates(record: Record) -> FloatArray:
+    """Rates in the record's unit, NaN where nothing is known; over a short gap of an angle their mean is."""
+    values = record.values
+    if record.kind != "angle":
+        return np.asarray(values, dtype=np.float64)
+    there = np.flatnonzero(np.isfinite(values))
+    spans = np.diff(there)
+    steps = np.diff(values[there])
+    known = (spans == 1) | _short(steps, spans)
+    rates = np.full(record.size, np.nan)
+    rates[there[0] : there[-1]] = np.repeat(np.where(known, steps / spans, np.nan), spans)
+    return rates
+
+
+def _short(steps: FloatArray, spans: IntArray) -> NDArray[np.bool_]:
+    """Spans over which noise of the rate is at most half of what a step has."""
+    fast = np.diff(steps[spans == 1])
+    if fast.size < SHORTEST:
+        return np.zeros(spans.size, dtype=np.bool_)
     # of steps of variance 2 q + w: differences have 6 q + 2 w, and correlate by -4 q - w from one to the next
     variance, beside = float(fast @ fast) / fast.size, float(fast[1:] @ fast[:-1]) / fast.size
     w = 2 * variance + 3 * beside
     q = (variance - 2 * w) / 6
-    return max(w / max(2 * q + w, 1e-300), 0.005)
+    share = max(w / max(2 * q + w, 1e-300), LEAST_SHARE)
+    return np.asarray(spans * share <= 0.5)
 
 
 def refusal(record: Record) -> str:
