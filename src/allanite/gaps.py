@@ -5,6 +5,7 @@ hardly notice. Quantization loses the angle that the two readings at a joint wou
 What walks goes on walking unseen, so that what is left steps at the joint.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,18 +69,15 @@ class Gaps:
         if not self.at.size:
             return values
         n, walk = self.size, 2 * term.slope if term.slope > 0 else 0.0
-        opened, shut = self.at[~self.shut], self.lost[self.shut] + 1.0
+        opened, shut = self.at[~self.shut], np.asarray(self.lost[self.shut] + 1.0, dtype=np.float64)
         both = np.full(k.shape, 0.0)
         steps = np.full(k.shape, float(self.lost.sum()))
         low = k <= EXACT
         turn = np.cos((2 * np.pi / n) * np.outer(k[low], self.at))
         both[low], steps[low] = turn[:, ~self.shut].sum(axis=1), (1 - turn) @ self.lost
         ends = term.edge * (2 / n) * (both + opened.size * np.cos((np.pi / n) * k))
-        longer = (
-            float((term.structure(np.asarray(shut)) - term.structure(np.ones(1))).sum()) / n
-            if term.slope <= -0.5
-            else 0.0
-        )
+        D: Callable[[FloatArray], FloatArray] = term.structure if term.slope <= -0.5 else np.ones_like
+        longer = float((D(shut) - D(np.ones(1))).sum()) / n
         return np.asarray(values * (1 + steps / n) ** walk + ends + longer)
 
 
