@@ -227,8 +227,8 @@ def _reasons(
     ratio = max(halves.value, 1 / halves.value, eighths.value)
     if not (halves.passed and eighths.passed) and ratio > (LOUD if spectral else UNSTEADY):
         found.append(_unsteady(eighths, *level))
-    # where the spectrum is wrong neighbours correlate, and a line has tails of its own
-    if not spectral and not tails.passed and abs(tails.value) > TAILED:
+    # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
+    if not spectral and not tails.passed and tails.value > TAILED:
         found.append(_tailed(tails))
     if not spectral and not near.passed and abs(near.value) > KIN:
         found.append(_kin(near))
@@ -270,14 +270,11 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
 
 
 def _tailed(check: Check) -> Finding:
-    if check.value > 0:
-        what = "heavier tails than Gaussian noise has: outliers, bursts, or two kinds of noise by turns"
-    else:
-        what = "lighter tails than Gaussian noise has: a clipped or periodic signal, or rounding"
     return Finding(
-        "heavy tails" if check.value > 0 else "light tails",
-        f"what the model leaves has {what} (excess kurtosis {check.value:.3g})",
-        "intervals are those of Gaussian noise",
+        "heavy tails",
+        "what the model leaves has heavier tails than Gaussian noise has: outliers, bursts, or two kinds of noise by "
+        f"turns (excess kurtosis {check.value:.3g})",
+        "intervals, which are those of Gaussian noise, are too narrow",
         "look at the readings; mark outliers, or use a window without them (--outliers mark, --from, --until)",
     )
 
