@@ -21,6 +21,9 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .noise.residuals import residuals as residuals
+from .noise.shared import shared as shared
+from .noise.whitening import whitened as whitened
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates
 from .readers import read as read
@@ -48,3 +51,5 @@ from .study import analyze as analyze
 from .surface import Surface as Surface
 from .terms import TERMS as TERMS
 from .version import __version__ as __version__
+from .whiteness import Residuals as Residuals
+from .whiteness import Shared as Shared

@@ -20,7 +20,7 @@ def plot(
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Fit, Channel, Study, Survey, or a sequence of one of them
+    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, or a sequence of one of them
         Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
         panel. Density against frequency. Or the curves of all windows, and what changes with time.
     fit : Fit, optional

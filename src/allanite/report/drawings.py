@@ -10,10 +10,12 @@ from allanite.fit import Fit
 from allanite.psd import Spectrum
 from allanite.surface import Surface
 from allanite.survey import Survey
+from allanite.whiteness import Residuals
 
 from .figures import plot_panels
 from .overlay import plot_overlay
 from .panels import Panel, panels_of
+from .residuals import plot_residuals
 from .spectra import plot_spectra
 from .surfaces import plot_surfaces
 
@@ -24,6 +26,8 @@ def draw(value: Any, fit: Fit | None, level: float) -> Figure:
     items = _items(value)
     if items and all(isinstance(item, Spectrum) for item in items):
         return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
+    if len(items) == 1 and isinstance(items[0], Residuals):
+        return plot_residuals(items[0])
     if items and all(isinstance(item, Surface) for item in items):
         return plot_surfaces(items)
     if len(items) > 1 and all(isinstance(item, Curve) for item in items):
