@@ -2,6 +2,8 @@
 
 from . import angle as angle
 from . import rate as rate
+from .comparing import compare as compare
+from .comparison import Comparison as Comparison
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError

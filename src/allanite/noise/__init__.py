@@ -81,7 +81,7 @@ def identify(
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     row = METHODS[name]
-    symbols = _symbols(terms)
+    symbols = symbols_of(terms)
     options: dict[str, Any] = {} if band is None else {"band": band}
     if options and row.takes is not Record:
         raise UsageError(f"a band is for methods that work on the record, not for {name!r}")
@@ -92,7 +92,14 @@ def identify(
     return row.fit(source, symbols, **options)
 
 
-def _symbols(terms: str) -> str:
+def symbols_of(terms: str) -> str:
+    """The symbols that `terms` asks for.
+
+    Raises
+    ------
+    UsageError
+        One is unknown or stands twice, or none is noise.
+    """
     symbols = AUTOMATIC if terms == "auto" else terms
     for symbol in symbols:
         if symbol not in TERMS:

@@ -1,0 +1,196 @@
+r"""Several records at once: one common model against a model for each, and a coefficient against its like.
+
+The records are independent, so that their likelihoods multiply. Every hypothesis is one `Likelihood` whose columns are
+those of the parts, mixed: with theta_j = H_j theta the squared coefficients of part j, S = [S_1 H_1; S_2 H_2; ...].
+
+    H_j = 1                          one common model
+    H_1 = (cos^2 phi, 1, 0), ...     one coefficient of the second record is tan(phi) times that of the first
+
+Twice the difference of log-likelihoods is the test. Coefficients end at zero, and some stand on few powers, so that it
+is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from allanite.errors import DataError
+from allanite.model import Model, Term
+from allanite.record import SHORTEST, Record
+from allanite.terms import TERMS
+from allanite.units import Signal
+
+from .likelihood import BoolArray, FloatArray, Likelihood
+from .selection import DOUBT, Profiles, Subset, select, subsets
+from .whittle import FEWEST, Spectrum, likelihood, spectrum
+
+RANK = 1e-9
+"""Share of a bin's largest direction below which another is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """The likelihoods of several records of one kind of sensor, for squared coefficients in SI.
+
+    Attributes
+    ----------
+    symbols : str
+        The noise terms: the columns.
+    parts : tuple of Likelihood
+    seen : tuple of Spectrum
+        The spectrum of each part.
+    signal : Signal
+    band : (low, high)
+        The frequencies that every part has, Hz.
+    """
+
+    symbols: str
+    parts: tuple[Likelihood, ...]
+    seen: tuple[Spectrum, ...]
+    signal: Signal
+    band: tuple[float, float]
+
+    @cached_property
+    def whole(self) -> Likelihood:
+        """All parts with one common model."""
+        return tied(self.parts)
+
+    @cached_property
+    def fitted(self) -> list[Subset]:
+        """Every set of terms, fitted to all parts in common."""
+        return subsets(self.whole)
+
+    @cached_property
+    def chosen(self) -> Subset:
+        """What any part may hold: the common model, with the terms that gain `DOUBT` in 2 L."""
+        return select(self.fitted, DOUBT)
+
+    @property
+    def terms(self) -> str:
+        """Symbols of the terms that are chosen."""
+        return "".join(s for s, there in zip(self.symbols, self.chosen.free, strict=True) if there)
+
+    @property
+    def model(self) -> Model:
+        """The common model."""
+        values = zip(self.symbols, np.sqrt(self.chosen.theta).tolist(), strict=True)
+        return Model(tuple(Term(s, value, self.signal) for s, value in values if value > 0))
+
+    def limits(self, which: int, level: float) -> tuple[float, float]:
+        """Limits of a common coefficient, SI."""
+        low, high = Profiles(self.whole, self.fitted).limits(which, level)
+        return math.sqrt(low), math.sqrt(high)
+
+    def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
+        """The parts with some of the terms."""
+        return tuple(reduced(part, columns) for part in self.parts)
+
+
+def joint(records: Sequence[Record], symbols: str, band: tuple[float, float] | None = None) -> Joint:
+    """The likelihoods of records in the band of frequencies that all of them have.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        At least two, of one kind of sensor; rates, units and lengths may differ.
+    symbols : str
+        Keys of `TERMS`; a deterministic one is integrated out of each record.
+    band : (low, high), optional
+        Frequencies that count, Hz, within the common band.
+
+    Raises
+    ------
+    DataError
+        The records are of different sensors, too short, constant, or have no band in common.
+    """
+    signals = {record.signal.name: record.name for record in records}
+    if len(signals) > 1:
+        kinds = ", ".join(f"{name or 'a record'} is of a {signal} signal" for signal, name in signals.items())
+        raise DataError(f"only sensors of one kind can be compared, but {kinds}; compare like with like")
+    for record in records:
+        if record.size < SHORTEST:
+            raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
+    noise = "".join(s for s in symbols if TERMS[s].waveform is None)
+    seen = tuple(spectrum(record, detrend=len(noise) < len(symbols)) for record in records)
+    low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
+    low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
+    parts = tuple(_in_band(s, likelihood(s, symbols), (low, high)) for s in seen)
+    parts = tuple(_in_si(part, s, noise) for part, s in zip(parts, seen, strict=True))
+    return Joint(noise, parts, seen, records[0].signal, (low, high))
+
+
+def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
+    """The bins within a band; coefficient k stands for the frequencies from k - 1/2 to k + 1/2."""
+    low, high = band
+    first, last = seen.frequency(seen.first + 0.5), seen.frequency(seen.first + seen.count - 1)
+    inside = (first > low) & (last <= high * (1 + 1e-9))
+    if inside.sum() < FEWEST:
+        raise DataError(
+            f"the records have no band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them has "
+            f"{inside.sum()} bins of the spectrum, fewer than {FEWEST}; record longer, or at more alike rates"
+        )
+    return whole if inside.all() else whole.only(inside)
+
+
+def _in_si(part: Likelihood, seen: Spectrum, noise: str) -> Likelihood:
+    """The same for squared coefficients in SI."""
+    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
+    return replace(part, S=part.S * size, W=part.W * size)
+
+
+def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
+    """The likelihood of some of the terms; a direction to which none of them adds is dropped."""
+    W = part.W[:, columns]
+    kept = part.flat | W.any(axis=1)
+    return replace(
+        part, S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept], flat=part.flat[kept]
+    )
+
+
+def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) -> Likelihood:
+    """One likelihood of all parts, theta of part j being maps[j] @ theta; without maps one theta for all."""
+    maps = maps or [np.eye(part.S.shape[1]) for part in parts]
+    sizes = np.cumsum([0, *(part.flat.size for part in parts)])
+    bins = np.cumsum([0, *(part.count.size for part in parts)])
+    UU, Uc = np.zeros((bins[-1], sizes[-1], sizes[-1])), np.zeros((bins[-1], sizes[-1]))
+    for part, i, j in zip(parts, bins, sizes, strict=False):
+        here, own = slice(i, i + part.count.size), slice(j, j + part.flat.size)
+        UU[here, own, own], Uc[here, own] = part.UU, part.Uc
+    return Likelihood(
+        S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
+        power=np.concatenate([part.power for part in parts]),
+        count=np.concatenate([part.count for part in parts]),
+        UU=UU,
+        Uc=Uc,
+        W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
+        flat=np.concatenate([part.flat for part in parts]),
+    )
+
+
+def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
+    """Theta of each part by itself, and the sum of the minima of L."""
+    free = np.ones(parts[0].S.shape[1], dtype=bool)
+    found = [part.minimise(free, start) for part in parts]
+    return [theta for theta, _ in found], sum(value for _, value in found)
+
+
+def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
+    """The same likelihood for powers drawn at random under a model.
+
+    In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest of
+    the count beside them.
+    """
+    m = part.expectation(theta)
+    value, vector = np.linalg.eigh(part.UU)
+    there = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
+    F = vector * np.sqrt(np.where(there, value, 0.0))[:, None, :]
+    z = rng.standard_normal(there.shape) * np.sqrt(m)[:, None] * there
+    rest = np.maximum(part.count - there.sum(axis=1), 0.0)
+    squares = (z**2).sum(axis=1) + m * 2 * rng.standard_gamma(rest / 2)
+    eta = np.where(part.flat, 0.0, np.sqrt(part.W @ theta)) * rng.standard_normal(part.flat.size)
+    Uc = np.einsum("bij,bj->bi", F, z)
+    squares += (part.UU @ eta) @ eta + 2 * Uc @ eta
+    return replace(part, power=squares / part.count, Uc=Uc + part.UU @ eta)
