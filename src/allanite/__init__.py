@@ -21,6 +21,9 @@ from .model import R as R
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .pooled import Pool as Pool
+from .pooling import pool as pool
+from .pooling import truncation as truncation
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates
 from .readers import read as read

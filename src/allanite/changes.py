@@ -26,7 +26,7 @@ OUTCOMES = {
 
 @dataclass(frozen=True)
 class Homogeneity:
-    """Is the noise of several records one and the same?
+    """Whether the noise of several records is one and the same.
 
     Attributes
     ----------
@@ -142,6 +142,7 @@ def words_of_p(p: float) -> str:
 
 
 def told(change: Change) -> str:
+    """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
     if not math.isfinite(change.ratio):
         return f"{change.symbol} is there only afterwards"

@@ -232,7 +232,7 @@ def ratios_of(records: tuple[Record, Record], fits: tuple[Fit, Fit], recipe: Rec
     """The curves of both at the same averaging times, and the law of their ratio."""
     m = shared_factors(records, recipe.statistic, recipe.taus)
     before, after = (
-        deviation(record, recipe.statistic, m=factors, noise=fit.model)
+        deviation(record, recipe.statistic, m=factors.tolist(), noise=fit.model)
         for record, factors, fit in zip(records, m, fits, strict=True)
     )
     law = ratio_law(records, recipe.statistic, m, [fit.model for fit in fits])

@@ -17,6 +17,7 @@ from .terms import TERMS
 
 FloatArray = NDArray[np.float64]
 
+
 @dataclass(frozen=True, eq=False)
 class Ratios:
     """Ratio of two curves' variances, after over before, at the averaging times that both have.
@@ -95,6 +96,8 @@ class Pair:
     records : (Record, Record) or None
     alerts : tuple of str
         What must stand beside the numbers.
+    whole : Fit or None
+        Of the record of which both are parts, in a study of truncation.
     """
 
     name: str
@@ -107,6 +110,7 @@ class Pair:
     alerts: tuple[str, ...] = ()
     refusal: str = ""
     alpha: float = 0.05
+    whole: Fit | None = None
 
     def __getitem__(self, symbol: str) -> Change:
         for change in self.changes:
@@ -131,7 +135,11 @@ class Pair:
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
             return f"not compared: {self.refusal}"
-        how = "" if self.test is None else f" (likelihood ratio {self.test.statistic:.4g} for {self.test.dof} coefficients)"
+        how = (
+            ""
+            if self.test is None
+            else f" (likelihood ratio {self.test.statistic:.4g} for {self.test.dof} coefficients)"
+        )
         p = words_of_p(self.p)
         first = f"the noise has changed, {p}{how}" if self.changed else f"no change of the noise is seen, {p}{how}"
         named = [told(change) for change in self.changes if change.significant]
@@ -153,6 +161,7 @@ class Pair:
             "p": self.p,
             "test": None if self.test is None else self.test.to_dict(),
             "terms": [change.to_dict(level) for change in self.changes],
+            "whole": None if self.whole is None else self.whole.to_dict(level),
             "ratios": None if self.ratios is None else self.ratios.to_dict(level),
             "band": None if self.band is None else list(self.band),
             "alerts": list(self.alerts),

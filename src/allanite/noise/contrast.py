@@ -1,4 +1,4 @@
-"""Tests between records: are they of one noise, and how far apart can a coefficient of two be?"""
+"""Tests between records: whether they are of one noise, and how far apart a coefficient of two can be."""
 
 import math
 from dataclasses import dataclass

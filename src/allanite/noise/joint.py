@@ -125,7 +125,8 @@ def joint(records: Sequence[Record], symbols: str, band: tuple[float, float] | N
 def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
     """The bins within a band; coefficient k stands for the frequencies from k - 1/2 to k + 1/2."""
     low, high = band
-    first, last = seen.frequency(seen.first + 0.5), seen.frequency(seen.first + seen.count - 1)
+    half = seen.rate / (4 * seen.size)
+    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
     inside = (first > low) & (last <= high * (1 + 1e-9))
     if inside.sum() < FEWEST:
         raise DataError(
@@ -146,7 +147,12 @@ def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
     W = part.W[:, columns]
     kept = part.flat | W.any(axis=1)
     return replace(
-        part, S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept], flat=part.flat[kept]
+        part,
+        S=part.S[:, columns],
+        UU=part.UU[:, kept][:, :, kept],
+        Uc=part.Uc[:, kept],
+        W=W[kept],
+        flat=part.flat[kept],
     )
 
 

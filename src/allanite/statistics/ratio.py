@@ -79,7 +79,7 @@ class RatioLaw:
             middle = (low + high) / 2
             short = self.below(np.exp(middle)) < p
             low, high = np.where(short, middle, low), np.where(short, high, middle)
-        return np.exp((low + high) / 2)
+        return np.asarray(np.exp((low + high) / 2))
 
     def limits(self, ratio: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
         """Limits of the ratio of the expectations, from a measured ratio."""
@@ -90,7 +90,9 @@ def _largest(mixture: Mixture) -> FloatArray:
     return np.asarray(np.maximum(mixture.weight.max(axis=1), mixture.beside))
 
 
-def ratio_law(records: tuple[Record, Record], statistic: str, m: Sequence[IntArray], models: Sequence[Model]) -> RatioLaw:
+def ratio_law(
+    records: tuple[Record, Record], statistic: str, m: Sequence[IntArray], models: Sequence[Model]
+) -> RatioLaw:
     """The law of the ratio of two records' variances.
 
     Parameters
@@ -132,7 +134,9 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     """
     row = statistic_named(statistic)
     if row.parts or row.extreme or row.order < 2:
-        raise UsageError(f"curves of {row.name} have no law of their ratio; compare oadev, ohdev, mdev, totdev or theo1")
+        raise UsageError(
+            f"curves of {row.name} have no law of their ratio; compare oadev, ohdev, mdev, totdev or theo1"
+        )
     slow = min(records, key=lambda record: record.rate)
     if isinstance(taus, str):
         if taus not in GRIDS:
