@@ -15,6 +15,9 @@ Limits = Callable[[float], tuple[float, float]]
 RESOLVED = 2.0
 """Where the limits of a ratio hold this factor or its inverse, the record does not resolve the coefficient."""
 
+LEAST_P = 1e-12
+"""A probability below this is printed as being below it."""
+
 OUTCOMES = {
     "smaller": "the coefficient is smaller afterwards; by chance that happens with the adjusted p",
     "larger": "the coefficient is larger afterwards; by chance that happens with the adjusted p",
@@ -66,7 +69,7 @@ class Change:
     limits : level -> (low, high)
         Of the ratio.
     alpha : float
-        Adjusted p below which the change is called one.
+        Adjusted p up to which the change is called one.
     """
 
     symbol: str
@@ -94,7 +97,7 @@ class Change:
     @property
     def significant(self) -> bool:
         """Whether the change is more than chance, all terms considered."""
-        return self.adjusted < self.alpha
+        return self.adjusted <= self.alpha
 
     @property
     def outcome(self) -> str:
@@ -121,6 +124,11 @@ class Change:
         }
 
 
+def alpha_of(level: float) -> float:
+    """The p up to which a difference is called one, at a confidence level: 0.05, not 0.050000000000000044."""
+    return round(1 - level, 12)
+
+
 def holm(p: list[float]) -> list[float]:
     """P-values adjusted for their number (S. Holm, Scandinavian J. Statistics 6 (1979) 65).
 
@@ -138,7 +146,7 @@ def holm(p: list[float]) -> list[float]:
 
 def words_of_p(p: float) -> str:
     """A probability: ``p = 0.03``, ``p < 1e-12``."""
-    return f"p = {p:.2g}" if p >= 1e-12 else "p < 1e-12"
+    return f"p = {p:.2g}" if p >= LEAST_P else f"p < {LEAST_P:g}"
 
 
 def told(change: Change) -> str:

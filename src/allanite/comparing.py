@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .changes import Change, holm
+from .changes import Change, alpha_of, holm
 from .comparison import Comparison, Pair, Ratios
 from .errors import DataError, UsageError
 from .fit import Fit
@@ -121,8 +121,9 @@ def loaded(source: Any, recipe: Recipe) -> Recording:
 
 
 def called(*sources: Any) -> tuple[Any, ...]:
-    """What the sources are called: the names of files where these differ."""
-    names = [os.path.basename(s) if isinstance(s, (str, os.PathLike)) else "" for s in sources]
+    """What the sources are called: the names of files or records where these differ."""
+    paths = (str, os.PathLike)
+    names = [os.path.basename(s) if isinstance(s, paths) else getattr(s, "name", "") for s in sources]
     if all(names) and len(set(names)) == len(names):
         return tuple(names)
     return ("before", "after") if len(sources) == 2 else tuple(f"run {i + 1}" for i in range(len(sources)))
@@ -210,7 +211,7 @@ def _pair(name: str, records: tuple[Record, Record], recipe: Recipe, rng: "np.ra
         fits=(first, second),
         records=records,
         alerts=(*doubts((first, second)), *alerts),
-        alpha=1 - recipe.level,
+        alpha=alpha_of(recipe.level),
     )
 
 
@@ -223,7 +224,7 @@ def _changes(both: Joint, symbols: str, fits: tuple[Fit, Fit], level: float) -> 
     kept = [s for s in symbols if s in found]
     p = [found[s].p for s in kept]
     return tuple(
-        Change(s, both.signal, first[s], second[s], found[s].ratio, q, adjusted, found[s].limits, 1 - level)
+        Change(s, both.signal, first[s], second[s], found[s].ratio, q, adjusted, found[s].limits, alpha_of(level))
         for s, q, adjusted in zip(kept, p, holm(p), strict=True)
     )
 
@@ -251,10 +252,10 @@ def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
     found = [IntervalContrast(before[s], after[s]) for s in common]
     p = [contrast.p for contrast in found]
     changes = tuple(
-        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, c.limits, 1 - recipe.level)
+        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, c.limits, alpha_of(recipe.level))
         for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
     )
     name = before.name if before.name == after.name else f"{before.name} / {after.name}"
-    pair = Pair(name, changes=changes, fits=(before, after), alpha=1 - recipe.level)
+    pair = Pair(name, changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
     notes = ("compared by the intervals of the coefficients only: the records would tell more",)
     return Comparison((pair,), level=recipe.level, choices={}, notes=notes)

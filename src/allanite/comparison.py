@@ -128,7 +128,7 @@ class Pair:
     @property
     def changed(self) -> bool:
         """Whether the records differ by more than chance."""
-        return self.p < self.alpha
+        return self.p <= self.alpha
 
     @property
     def verdict(self) -> str:

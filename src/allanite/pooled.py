@@ -131,7 +131,7 @@ class PooledChannel:
     @property
     def alike(self) -> bool:
         """Whether the runs differ by no more than chance."""
-        return self.test is not None and self.test.p >= self.alpha
+        return self.test is not None and self.test.p > self.alpha
 
     @property
     def verdict(self) -> str:
@@ -146,9 +146,9 @@ class PooledChannel:
         parts = [first if not self.alike else f"one noise describes the {runs} runs ({words_of_p(self.test.p)})"]
         if apart:
             parts.append(f"apart from the others: {apart}")
-            more = "have one noise" if self.rest >= self.alpha else "still differ"
+            more = "have one noise" if self.rest > self.alpha else "still differ"
             parts.append(f"the runs that are left {more} ({words_of_p(self.rest)})")
-        named = [t.symbol for t in self.terms if t.adjusted < self.alpha]
+        named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
             parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
         return "; ".join(parts)

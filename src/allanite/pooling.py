@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .changes import Limits, holm
+from .changes import Limits, alpha_of, holm
 from .comparing import Progress, Source, called, compare, demand_fit, doubts, fits_of, loaded, origin
 from .comparison import Comparison
 from .curve import Curve
@@ -159,7 +159,7 @@ def _pooled(
     made: "tuple[Recipe, np.random.Generator]",
 ) -> PooledChannel:
     recipe, rng = made
-    alpha = 1 - recipe.level
+    alpha = alpha_of(recipe.level)
     alerts = demand_fit(records)
     symbols = symbols_of(recipe.terms)
     together = joined(records, symbols, recipe.band)
@@ -230,7 +230,7 @@ def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[st
     while len(left) > 2:
         p = holm(outlying(rest))
         worst = int(np.argmin(p))
-        if p[worst] >= alpha:
+        if p[worst] > alpha:
             break
         apart[names[left.pop(worst)]] = p[worst]
         rest = replace(
