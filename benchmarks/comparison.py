@@ -201,14 +201,14 @@ def main() -> None:
         *table(VERDICT, rows["verdict"]),
         "## A small change of white noise",
         "",
-        f"The likelihood ratio of {options.pairs // 5} pairs against an F test with {SAMPLES - 1} degrees of freedom each, "
-        "the best there is if nothing but white noise could be there.",
+        f"The likelihood ratio of {options.pairs // 5} pairs against an F test with {SAMPLES - 1} degrees of freedom "
+        "each, the best there is if nothing but white noise could be there.",
         "",
         *table(SMALL_HEADINGS, rows["small"]),
         "## Ratio of variances by averaging time",
         "",
-        "Overlapped Allan variance at octaves, the law under the model fitted to each record. Predicted: the law of the "
-        "true model (an F with both degrees of freedom where these are many), scaled by the square of the change. "
+        "Overlapped Allan variance at octaves, the law under the model fitted to each record. Predicted: the law of "
+        "the true model (an F with both degrees of freedom where these are many), scaled by the square of the change. "
         f"Bounds: size {SIZE[0]} to {SIZE[1]} %, power within {NEAR:g} points of the prediction; from {FEWEST} degrees "
         "of freedom on.",
         "",
