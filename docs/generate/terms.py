@@ -14,6 +14,9 @@ from .markdown import figure, sections, shown, table
 TYPICAL = {0.5: 0.1, 0: 1.0, -0.5: 10.0, -1: 10.0, 1: 0.5}
 """Coefficient of the example on a term's page, in the unit of data sheets, by the power of time it carries."""
 
+SHAPES = {"time_constant": 20.0, "frequency": 0.02, "phase": 0.0}
+"""Shape of the example, where a term has one."""
+
 
 def term_index() -> list[str]:
     """All terms side by side."""
@@ -41,6 +44,8 @@ def _spectrum(density: str) -> list[str]:
 
 def _slope(value: float) -> str:
     """A multiple of one half, as it is spoken."""
+    if np.isnan(value):
+        return "none"
     halves = {-1: "−1", -0.5: "−1/2", 0: "0", 0.5: "+1/2", 1: "+1"}
     return halves.get(value, f"{value:+g}")
 
@@ -48,6 +53,8 @@ def _slope(value: float) -> str:
 def _read_off(symbol: str) -> str:
     """Where the asymptote has the value of the coefficient; or at which share of it a level line lies."""
     row = TERMS[symbol]
+    if np.isnan(row.level):
+        return "its top"
     if not np.isclose(row.level * row.read_at ** (2 * row.slope), 1.0):
         return f"lies at {np.sqrt(row.level):.3f} {symbol}"
     whole = round(row.read_at, 9).is_integer()
@@ -62,18 +69,31 @@ def term_page(symbol: str, folder: Path) -> list[str]:
          shown(convert(1.0, signal.sheet[row.power], signal.si[row.power])))
         for signal in SIGNALS[:2]
     ]  # fmt: skip
-    place = _read_off(symbol)
-    where = f"At {place} the line of this slope has the value of {symbol}." if "=" in place else f"The line {place}."
     return [
         f"# {symbol}: {row.title}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
-        f"$$\n{row.formula}\n$$", "", f"The Allan deviation has slope {_slope(row.slope)} against τ. {where}", "",
+        f"$$\n{row.formula}\n$$", "", *_line(symbol), "",
         *figure(_term_figure(symbol, folder), f"A simulated record of {row.title}, and its Allan deviation"),
         *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
-        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}")', "```", "",
+        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
+        "```", "",
         "## Source", "", row.reference + ".",
     ]  # fmt: skip
+
+
+def _line(symbol: str) -> list[str]:
+    """The straight line that the term is, if it is one."""
+    row, place = TERMS[symbol], _read_off(symbol)
+    if np.isnan(row.slope):
+        return ["The Allan deviation is no straight line, but a hump."]
+    where = f"At {place} the line of this slope has the value of {symbol}." if "=" in place else f"The line {place}."
+    return [f"The Allan deviation has slope {_slope(row.slope)} against τ. {where}"]
+
+
+def _arguments(symbol: str) -> str:
+    wanted = [p for p in TERMS[symbol].parameters if p.default is None]
+    return "".join(f", {p.name}={SHAPES[p.name]:g}" for p in wanted)
 
 
 def _term_figure(symbol: str, folder: Path) -> Path:
@@ -82,7 +102,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
-    term = al.model.term(symbol, TYPICAL[row.power], unit)
+    term = al.model.term(symbol, TYPICAL[row.power], unit, tuple(SHAPES[p.name] for p in row.parameters))
     record = al.simulate(term, 20_000, 10.0, rng=np.random.default_rng(1))
     curve = al.deviation(record, "oadev", taus="log").to("deg/h")
     path = folder / f"{symbol}.svg"

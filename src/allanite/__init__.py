@@ -12,12 +12,14 @@ from .errors import UnitError as UnitError
 from .errors import UsageError as UsageError
 from .fit import Estimate as Estimate
 from .fit import Fit as Fit
+from .model import GM as GM
 from .model import B as B
 from .model import K as K
 from .model import Model as Model
 from .model import N as N
 from .model import Q as Q
 from .model import R as R
+from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from .errors import UsageError
 from .model import Model, Term
 from .record import Record
-from .terms import TERMS
 
 FloatArray = NDArray[np.float64]
 
@@ -52,17 +51,18 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Genera
     if n < 2:
         raise UsageError(f"a record has at least 2 samples, not {n}")
     y = np.zeros(n)
-    weights = {t.symbol: t.value**2 * rate ** (2 * t.row.power) for t in model if t.row.waveform is None}
-    if any(weights.values()):
+    parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value]
+    if parts:
 
         def covariance(lags: FloatArray) -> FloatArray:
-            return np.asarray(sum(w * TERMS[s].increments(lags) for s, w in weights.items()))
+            return np.asarray(sum(power * row.increments(lags) for power, row in parts))
 
         y[1:] = _stationary(covariance, n - 1, rng)
         np.cumsum(y, out=y)
     for t in model:
-        if t.row.waveform is not None:
-            y += t.value * rate**t.row.power * t.row.waveform(n)
+        wave = t.sampled(rate).waveform
+        if wave is not None:
+            y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
     return Record(y, rate, model.signal.unit, name=name, history=(f"simulated: {model}",))
 

@@ -63,7 +63,7 @@ def _kriging(setting: Setting) -> FloatArray:
         return np.full(n, 1 / n)
     covariance = Covariance(noise, n, rate)
     v = covariance.solve(-Covariance(setting.settled, n, rate).times(g)) if setting.settled else np.zeros(n)
-    waves = [t.row.waveform(n) for t in setting.wandering if t.row.waveform is not None]
+    waves = [wave(n) for t in setting.wandering if (wave := t.sampled(rate).waveform) is not None]
     X = np.column_stack([*(wave - wave.mean() for wave in waves), setting.sinusoids])
     if X.shape[1]:
         # the slow rate holds the ramp, which g reaches as it should; the sinusoids are no part of it

@@ -26,8 +26,9 @@ def variance(weights: FloatArray, setting: Setting) -> float:
     if noise:
         total += Covariance(noise, setting.size, setting.rate).variance(weights - setting.aim)
     for t in setting.wandering:
-        if t.row.waveform is not None:
-            drift = t.value * setting.rate**t.row.power * t.row.waveform(setting.size)
+        wave = t.sampled(setting.rate).waveform
+        if wave is not None:
+            drift = t.value * setting.rate**t.row.power * wave(setting.size)
             total += float((weights - setting.aim) @ drift) ** 2
     return max(total, 0.0)
 

@@ -21,7 +21,7 @@ from .angle import Angle
 from .chisquares import Mixture, quantiles
 from .eigenvalues import is_sharp, spectrum_of
 from .grids import part_of, times
-from .moments import Runs, grouped, shares
+from .moments import Runs, grouped, noise_of, shares
 from .powerlaw import PowerLaw, identify_power_law
 from .row import FloatArray, IntArray, Statistic
 
@@ -67,7 +67,12 @@ benchmarks/hybrids.py)."""
 
 
 def law(points: Points, models: Sequence[Model]) -> Law:
-    """The law under a model at every point, or one for all."""
+    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
+
+    It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
+    noise alone are wide enough.
+    """
+    models = [noise_of(model) for model in models]
 
     @cache
     def found() -> tuple[FloatArray, Mixture]:
@@ -121,12 +126,12 @@ def _several(
 ) -> Mixture | None:
     """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they cannot fit the EDF."""
     (m, count, size), (share, r, inverse) = where, moments
-    rows = [t.row for t in model]
+    rows = [t.sampled(rate) for t in model]
     fixed = np.array([term.waveform is not None for term in rows])
     white = np.array([term.structure is TERMS["Q"].structure for term in rows])
     white &= is_sharp(row, count)
     apart = fixed | white
-    smooth = [(t.value**2 * rate ** (2 * t.row.power), t.row) for t, out in zip(model, apart, strict=True) if not out]
+    smooth = [(t.power(rate), t.sampled(rate)) for t, out in zip(model, apart, strict=True) if not out]
     if not smooth:
         return None
     values = spectrum_of(row, smooth, m, count, size)

@@ -58,7 +58,7 @@ def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
     total = np.zeros(n)
     for t in terms:
         if t.row.waveform is None:
-            total += t.value**2 * rate ** (2 * t.row.power) * _second_difference(t.row, n) / 2
+            total += t.power(rate) * _second_difference(t.sampled(rate), n) / 2
     return total
 
 
@@ -100,7 +100,7 @@ class Covariance:
         """Variance of the coefficients 1 to size - 1 of the orthonormal DCT-II, shape (size - 1,)."""
         k = np.arange(1, self.size, dtype=np.float64)
         noise = (t for t in self.terms if t.row.waveform is None)
-        power = np.sum([t.value**2 * self.rate ** (2 * t.row.power) * t.row.dct(k, self.size) for t in noise], axis=0)
+        power = np.sum([t.power(self.rate) * t.sampled(self.rate).dct(k, self.size) for t in noise], axis=0)
         if not np.all(power > 0):
             raise UsageError("a covariance needs at least one noise term with a coefficient above zero")
         return np.asarray(power)

@@ -17,7 +17,7 @@ from allanite.errors import UsageError
 from allanite.model import Model
 from allanite.terms import NoiseTerm
 
-from . import lagsums, windowed
+from . import lagsums, lines, windowed
 from .row import FloatArray, IntArray, Statistic
 
 Runs = Sequence[tuple[int, int]]
@@ -35,8 +35,7 @@ def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float)
     UsageError
         The statistic has no expectation under one of the terms, or none without the record's length.
     """
-    rows = [term.row for term in model]
-    E = _responses(row, rows, m, size) * np.array([t.value**2 * rate ** (2 * t.row.power) for t in model])
+    E = _responses(row, [t.sampled(rate) for t in model], m, size) * np.array([t.power(rate) for t in model])
     return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
 
 
@@ -50,15 +49,20 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
         return lagsums.responses(row, terms, m)
     if size is None and not row.span[0]:
         raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
-    return windowed.response(row, terms, m, size or 0)
+    E = np.empty(len(terms))
+    periodic = np.array([term.periodic for term in terms])
+    E[~periodic] = windowed.response(row, [term for term in terms if not term.periodic], m, size or 0)
+    E[periodic] = [lines.response(row, term, m, size or 0) for term in terms if term.periodic]
+    return E
 
 
 def edf(row: Statistic, model: Model, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
     """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
 
     Exact for the model's mixture but for the quadrature: 1e-7 for differences, below 1 % for windows. A single row, not
-    a hybrid.
+    a hybrid. Of a model with sinusoids, that of its noise.
     """
+    model = noise_of(model)
     runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
@@ -67,10 +71,23 @@ def edf(row: Statistic, model: Model, m: IntArray, runs: Runs | int, rate: float
     return result
 
 
+def noise_of(model: Model) -> Model:
+    """The part of a model that scatters.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    if model.noise is None:
+        raise UsageError(f"{model} has no noise in it: confidence limits need at least one term of noise")
+    return model.noise
+
+
 def shares(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
-    """p_i, shape (t,), and r_ij, shape (t, t), of a model at an averaging factor."""
+    """p_i, shape (t,), and r_ij, shape (t, t), of a model without sinusoids at an averaging factor."""
     E = by_term(row, model, m, sum(n * times for n, times in runs), rate)
-    return E / E.sum(), relative(row, [t.row for t in model], m, runs)
+    return E / E.sum(), relative(row, [t.sampled(rate) for t in model], m, runs)
 
 
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:
@@ -111,10 +128,11 @@ def grouped(runs: Runs) -> list[tuple[int, int]]:
 def covariance(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
     """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
 
-    For overlapped differences (oadev, ohdev, mdev, tdev).
+    For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
     """
-    terms = [t.row for t in model]
-    powers = np.array([t.value**2 * rate ** (2 * t.row.power - 2) for t in model])
+    model = noise_of(model)
+    terms = [t.sampled(rate) for t in model]
+    powers = np.array([t.power(rate) for t in model]) / rate**2
     scale = row.norm(m) * (m / rate) ** 2.0 / (m * row.tau_factor / rate) ** (2.0 * row.power)
     result = np.empty((m.size, m.size))
     for i, j in np.ndindex(result.shape):

@@ -1,0 +1,19 @@
+"""The table of noise terms: pure mathematics, one row a term.
+
+A term enters every statistic through one function, its structure function ``D(t) = E[(x(s+t) - x(s))^2]`` of the angle
+x (in the generalised sense: polynomials that every statistic here removes are left out). All functions are for a
+coefficient of 1 and, but for `structure` and `spectrum`, for a sample interval of 1; they are linear in the square of
+the coefficient.
+"""
+
+from .flicker import FLICKER
+from .markov import GAUSS_MARKOV
+from .powers import ANGLE_RANDOM_WALK, QUANTIZATION, RAMP, RATE_RANDOM_WALK, ramp_coefficients
+from .row import NoiseTerm, Parameter
+from .sine import SINE
+
+__all__ = ["TERMS", "NoiseTerm", "Parameter", "ramp_coefficients"]
+
+TERMS: dict[str, NoiseTerm] = {
+    row.symbol: row for row in (QUANTIZATION, ANGLE_RANDOM_WALK, FLICKER, RATE_RANDOM_WALK, RAMP, GAUSS_MARKOV, SINE)
+}

@@ -1,0 +1,105 @@
+"""Bias instability: flicker of the rate."""
+
+import math
+
+import numpy as np
+
+from .row import FloatArray, NoiseTerm
+
+LN2 = math.log(2.0)
+
+
+def _flicker_structure(t: FloatArray) -> FloatArray:
+    t = np.asarray(t, dtype=np.float64)
+    return -(t * t) * np.log(np.where(t > 0, t, 1.0)) / math.pi
+
+
+def _flicker_derivative(order: int, t: FloatArray) -> FloatArray:
+    if order == 1:
+        return -(2 * np.log(t) + 1) * t / math.pi
+    if order == 2:
+        return -(2 * np.log(t) + 3) / math.pi
+    sign = 1 if order % 2 else -1
+    return -2 * sign * math.factorial(order - 3) / t ** (order - 2) / math.pi
+
+
+def _flicker_increments(h: FloatArray) -> FloatArray:
+    near = np.minimum(h, 30.0)
+    D = _flicker_structure
+    direct = -0.5 * (6 * D(near) - 4 * D(np.abs(near - 1)) - 4 * D(near + 1) + D(np.abs(near - 2)) + D(near + 2))
+    far = np.maximum(h, 30.0) ** -2.0
+    # fourth difference of h^2 ln h in powers of 1/h: the direct form loses (h^4) digits
+    series = -far * (2 + far * (2 + far * (3 + far * 17 / 3))) / (2 * math.pi)
+    return np.where(h < 30, direct, series)
+
+
+def _flicker_series(t: FloatArray) -> FloatArray:
+    """Euler-Maclaurin series of the second sum of t^2 ln t."""
+    log = np.log(t)
+    powers = 1 / (3024 * t**2) - 1 / (14400 * t**4) + 4.5094e-5 / t**6
+    return t**4 * (log / 12 - 7 / 144) - t * t * log / 12 + log / 120 + powers + ZETA3 / (4 * math.pi**2) * t
+
+
+def _flicker_near() -> FloatArray:
+    """The second sum at 0 .. 13: the recursion down from where the series is exact."""
+    e = np.zeros(14)
+    e[12:] = _flicker_series(np.array([12.0, 13.0]))
+    for k in range(12, 0, -1):
+        e[k - 1] = k * k * math.log(k) + 2 * e[k] - e[k + 1]
+    return e
+
+
+ZETA3 = 1.2020569031595942
+_FLICKER_NEAR = _flicker_near()
+
+
+def _flicker_summed(t: FloatArray) -> FloatArray:
+    t = np.asarray(t, dtype=np.float64)
+    near = (t < 12) & (t == np.floor(t))
+    table = _FLICKER_NEAR[np.where(near, t, 0).astype(np.int64)]
+    return -np.where(near, table, _flicker_series(np.where(near, 12.0, t))) / math.pi
+
+
+FLICKER_EDGE = np.array([0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747])
+
+
+def _flicker_spectrum(f: FloatArray, tau0: float) -> FloatArray:
+    from scipy.special import zeta
+
+    x = np.asarray(f, dtype=np.float64) * tau0
+    aliases = zeta(3, x) + zeta(3, 1 - x)
+    return np.asarray(4 * tau0 * np.sin(math.pi * x) ** 2 * aliases / (2 * math.pi) ** 3)
+
+
+def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
+    # DCT-II does not quite diagonalise flicker: a factor of k alone, whatever n (computed exactly for k <= 8)
+    edge = np.where(
+        k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
+    )
+    return np.asarray(_flicker_spectrum(k / (2.0 * n), 1.0) * edge)
+
+
+FLICKER = NoiseTerm(
+    symbol="B",
+    title="bias instability",
+    meaning="flicker of the rate: the floor of the Allan deviation lies at 0.664 B",
+    formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
+    reference="IEEE Std 952",
+    power=0.0,
+    slope=0.0,
+    read_at=1.0,
+    level=2 * LN2 / math.pi,
+    structure=_flicker_structure,
+    derivative=_flicker_derivative,
+    summed=_flicker_summed,
+    increments=_flicker_increments,
+    spectrum=_flicker_spectrum,
+    dct=_flicker_dct,
+    density=r"S(f) = \frac{B^2}{2 \pi f}",
+    origin="Flicker of electronics, of the discharge in a ring laser, of whatever has many relaxation times: a "
+    "spectrum that rises as 1/f towards low frequencies, so that every decade of time brings as much "
+    "wandering of the bias as the one before.",
+    advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random "
+    "walk make a minimum by themselves, at sqrt(2 N K / sqrt(3)), without any flicker. Kalman filters "
+    "have no state for it; it is stood in for by one or several Gauss-Markov processes.",
+)

@@ -1,0 +1,154 @@
+"""Terms whose structure function is a power of t: quantization, angle and rate random walk, ramp."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .row import FloatArray, NoiseTerm
+
+
+def _monomial(coefficient: float, power: int) -> Callable[[int, FloatArray], FloatArray]:
+    """Derivatives of ``coefficient * t^power``."""
+
+    def derivative(order: int, t: FloatArray) -> FloatArray:
+        if order > power:
+            return np.zeros_like(t)
+        return coefficient * math.perm(power, order) * t ** (power - order)
+
+    return derivative
+
+
+def _at_small_lags(*values: float) -> Callable[[FloatArray], FloatArray]:
+    """Function of the lag with these values at 0, 1, 2, ... and zero beyond."""
+    table = np.array([*values, 0.0])
+    return lambda h: table[np.minimum(h, len(values)).astype(np.int64)]
+
+
+def _sine_squared(k: FloatArray, n: int) -> FloatArray:
+    """sin^2(omega/2) at omega = pi k / n."""
+    return np.asarray(np.sin((0.5 * math.pi / n) * k) ** 2)
+
+
+def _random_walk_spectrum(f: FloatArray, tau0: float) -> FloatArray:
+    s = np.sin(math.pi * tau0 * np.asarray(f, dtype=np.float64)) ** 2
+    return np.asarray(tau0**2 * (1 - 2 * s / 3) / (4 * s))
+
+
+def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
+    """DCT-II coefficients (orthonormal) of the rate j - (n-1)/2, j = 0..n-1, at k >= 1; zero at even k."""
+    half = (0.5 * math.pi / n) * k
+    odd = np.asarray(k, dtype=np.int64) % 2
+    return np.asarray(-math.sqrt(2.0 / n) * odd * np.cos(half) / (2 * np.sin(half) ** 2))
+
+
+def _ramp(n: int) -> FloatArray:
+    return np.arange(n, dtype=np.float64) - (n - 1) / 2
+
+
+QUANTIZATION = NoiseTerm(
+    symbol="Q",
+    title="quantization noise",
+    meaning="white noise of the angle: rounding of the angle output, or timing jitter of the readout",
+    formula=r"\sigma^2(\tau) = 3 Q^2 / \tau^2",
+    reference="IEEE Std 952; Q = LSB / sqrt(12) for a dithered angle quantizer",
+    power=1.0,
+    slope=-1.0,
+    read_at=math.sqrt(3.0),
+    level=3.0,
+    structure=lambda t: np.where(np.asarray(t) > 0, 2.0, 0.0),
+    derivative=_monomial(2.0, 0),
+    summed=lambda t: -np.asarray(t, dtype=np.float64),
+    increments=_at_small_lags(6.0, -4.0, 1.0),
+    spectrum=lambda f, tau0: 4 / tau0 * np.sin(math.pi * f * tau0) ** 2,
+    dct=lambda k, n: 4 * _sine_squared(k, n),
+    edge=1.0,
+    density=r"S(f) = \frac{4 Q^2}{\tau_0} \sin^2(\pi f \tau_0) \approx (2 \pi f)^2 \tau_0 Q^2",
+    origin="Rounding of an angle output: the pulses of a ring laser gyroscope or of a rebalance loop, and the "
+    "jitter of the instant at which they are read. What one sample loses the next one gains, so that the "
+    "angle never errs by more than a step. Rounding of a rate output is something else: its errors add "
+    "up, and make angle random walk.",
+    advice="It rules the shortest averaging times with slope -1. The line has the value of Q at tau = sqrt(3). "
+    "Overlapped Allan and Hadamard deviation cannot tell it from other noise of the angle; in the "
+    "modified Allan deviation it falls faster, with slope -3/2. It does not grow with time: for "
+    "navigation beyond seconds it can mostly be ignored.",
+)
+
+
+ANGLE_RANDOM_WALK = NoiseTerm(
+    symbol="N",
+    title="angle random walk",
+    meaning="white noise of the rate; the angle error grows as N sqrt(t)",
+    formula=r"\sigma^2(\tau) = N^2 / \tau",
+    reference="IEEE Std 952",
+    power=0.5,
+    slope=-0.5,
+    read_at=1.0,
+    level=1.0,
+    structure=lambda t: np.asarray(t, dtype=np.float64),
+    derivative=_monomial(1.0, 1),
+    summed=lambda t: (np.asarray(t) ** 3 - t) / 6,
+    increments=_at_small_lags(2.0, -1.0),
+    spectrum=lambda f, tau0: np.ones_like(f),
+    dct=lambda k, _: np.ones_like(k),
+    density=r"S(f) = N^2",
+    origin="Everything that is faster than the sampling: shot noise of the light and spontaneous emission in "
+    "optical gyroscopes, thermal motion of the proof mass and noise of the amplifier in micromechanical "
+    "ones, dither of a ring laser, rounding of a rate output.",
+    advice="Slope -1/2; N is the value of the line at tau = 1, in the unit of time of the coefficient: one hour "
+    "for deg/sqrt(h). It is the square root of the two-sided density; a one-sided density "
+    "(scipy.signal.welch, many data sheets) gives sqrt(2) N. A sample of duration tau0 has the standard "
+    "deviation N / sqrt(tau0); after a time t the angle has wandered by N sqrt(t).",
+)
+
+
+RATE_RANDOM_WALK = NoiseTerm(
+    symbol="K",
+    title="rate random walk",
+    meaning="random walk of the rate; the bias wanders as K sqrt(t)",
+    formula=r"\sigma^2(\tau) = K^2 \tau / 3",
+    reference="IEEE Std 952; the rate is the mean over each sample interval",
+    power=-0.5,
+    slope=0.5,
+    read_at=3.0,
+    level=1 / 3,
+    structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 3) / 6,
+    derivative=_monomial(-1 / 6, 3),
+    summed=lambda t: -(np.asarray(t) ** 5 / 20 - np.asarray(t) ** 3 / 12 + np.asarray(t) / 30) / 6,
+    increments=_at_small_lags(2 / 3, 1 / 6),
+    spectrum=_random_walk_spectrum,
+    dct=lambda k, n: _random_walk_spectrum(k / (2.0 * n), 1.0),
+    density=r"S(f) = \frac{K^2}{(2 \pi f)^2}",
+    origin="Slow change that adds up: temperature that wanders, ageing, the beginning of an exponentially "
+    "correlated process whose correlation time is longer than the record.",
+    advice="Slope +1/2; K is the value of the line at tau = 3. It lives at the long end, where the curve has few "
+    "degrees of freedom: one record of a length of 10 tau says little about it at tau. It is the driving "
+    "noise of the bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
+)
+
+
+RAMP = NoiseTerm(
+    symbol="R",
+    title="rate ramp",
+    meaning="a steady drift of the rate, with a sign",
+    formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
+    reference="IEEE Std 952",
+    power=-1.0,
+    slope=1.0,
+    read_at=math.sqrt(2.0),
+    level=0.5,
+    structure=lambda t: -(np.asarray(t, dtype=np.float64) ** 4) / 12,
+    derivative=_monomial(-1 / 12, 4),
+    summed=lambda t: -(np.asarray(t) ** 6 / 30 - np.asarray(t) ** 4 / 12 + np.asarray(t) ** 2 / 20) / 12,
+    increments=_at_small_lags(0.0),
+    spectrum=lambda f, tau0: np.zeros_like(f),
+    dct=lambda k, _: np.zeros_like(k),
+    waveform=_ramp,
+    origin="A steady change during the record: warming up, ageing, a light source that fades, a platform that "
+    "turns ever faster. It is no noise, and the next record may have another one.",
+    advice="Slope +1; the size of R is the value of the line at tau = sqrt(2). A curve has no sign, so that here "
+    "R is estimated from the record. The Hadamard deviation does not see it: where the Allan deviation is "
+    "more than sqrt(2) times the Hadamard deviation, there is a ramp, or a noise steeper than a random "
+    "walk. Remove it by a model of its cause (temperature), not by a fitted line, before you speak of the "
+    "noise at long times.",
+)

@@ -1,0 +1,92 @@
+"""What a noise term is: a row of the table."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a term has beside its coefficient.
+
+    `least` is what its value must exceed, None if it may be anything; `default` stands where none is given.
+    """
+
+    name: str
+    unit: str
+    least: float | None = None
+    default: float | None = None
+
+
+@dataclass(frozen=True)
+class NoiseTerm:
+    """A row of `TERMS`.
+
+    Attributes
+    ----------
+    symbol, title, meaning, formula, reference
+        What it is, in words and in LaTeX (Allan variance), and where that is written.
+    power : float
+        The coefficient is a signal times time to this power.
+    slope : float
+        Slope of log Allan deviation against log tau.
+    read_at : float
+        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time).
+    level : float
+        Allan variance of the term at tau = 1 for a coefficient of 1.
+    structure : t -> D(t)
+        For t >= 0.
+    derivative : (order, t) -> d^order D/dt^order
+        For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
+    summed : l -> E(l)
+        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for a square of l, which the statistics
+        remove; for l >= 0, and between the integers from l = 3 on.
+    increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
+    spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
+        For 0 < f <= 1 / (2 tau0).
+    dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
+    edge : float
+        Variance that the first and the last rate have beyond that.
+    waveform : n -> the rate itself, for a deterministic term of coefficient 1; None for noise.
+    periodic : bool
+        A spectral line: its structure function is the mean over its phase, and it adds nothing to the scatter of an
+        estimate.
+    parameters : tuple of Parameter
+        What a term has beside its coefficient: a time constant, a frequency.
+    shape : tuple of float
+        The values of `parameters` that the functions of this row hold for, at a sample interval of 1.
+    shaped : (shape, rate) -> the row of another shape (in SI), at a sample interval of 1 / rate.
+    density : str
+        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
+    origin, advice : str
+        For the documentation: where it comes from, and how it is read off and used.
+    """
+
+    symbol: str
+    title: str
+    meaning: str
+    formula: str
+    reference: str
+    power: float
+    slope: float
+    read_at: float
+    level: float
+    structure: Callable[[FloatArray], FloatArray]
+    derivative: Callable[[int, FloatArray], FloatArray]
+    summed: Callable[[FloatArray], FloatArray]
+    increments: Callable[[FloatArray], FloatArray]
+    spectrum: Callable[[FloatArray, float], FloatArray]
+    dct: Callable[[FloatArray, int], FloatArray]
+    edge: float = 0.0
+    waveform: Callable[[int], FloatArray] | None = None
+    periodic: bool = False
+    parameters: tuple[Parameter, ...] = ()
+    shape: tuple[float, ...] = ()
+    shaped: "Callable[[tuple[float, ...], float], NoiseTerm] | None" = None
+    density: str = ""
+    origin: str = ""
+    advice: str = ""

@@ -1,0 +1,69 @@
+"""A sinusoid of the rate: vibration, sway, interference; averaged over each sample interval."""
+
+import math
+
+import numpy as np
+
+from .row import FloatArray, NoiseTerm, Parameter
+
+
+def _cosine_rest(x: FloatArray) -> FloatArray:
+    """cos(x) without its series up to the fourth power, without cancellation."""
+    x = np.asarray(x, dtype=np.float64)
+    small = np.minimum(np.abs(x), 1.0)
+    series = sum((-1) ** k * small ** (2 * k) / math.factorial(2 * k) for k in range(3, 11))
+    return np.where(np.abs(x) < 1, series, np.cos(x) - 1 + x**2 / 2 - x**4 / 24)
+
+
+def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
+    """The row of a sinusoid of the rate, amplitude 1, with `frequency` periods a sample interval."""
+    w = 2 * math.pi * frequency
+    amplitude = float(np.sinc(frequency))  # of the mean over an interval
+
+    def structure(t: FloatArray) -> FloatArray:
+        return np.asarray(2 * np.sin(w / 2 * np.asarray(t, dtype=np.float64)) ** 2 / w**2)
+
+    def derivative(order: int, t: FloatArray) -> FloatArray:
+        return np.asarray(-(w ** (order - 2)) * np.cos(w * t + order * math.pi / 2))
+
+    def summed(t: FloatArray) -> FloatArray:
+        # of (1 - cos(w t)) / w^2; even powers of t up to the fourth are removed by third differences of the sums
+        return np.asarray(_cosine_rest(w * np.asarray(t)) / (w * 2 * math.sin(w / 2)) ** 2)
+
+    def increments(h: FloatArray) -> FloatArray:
+        return np.asarray(2 * amplitude**2 * math.sin(w / 2) ** 2 * np.cos(w * np.asarray(h)))
+
+    def waveform(n: int) -> FloatArray:
+        return np.asarray(amplitude * np.sin(w * (np.arange(n) + 0.5) + phase))
+
+    return NoiseTerm(
+        symbol="Sine",
+        title="sinusoid",
+        meaning="a sinusoid of the rate, with an amplitude and a frequency",
+        formula=r"\sigma^2(\tau) = A^2 \sin^4(\pi f \tau) / (\pi f \tau)^2",
+        reference="IEEE Std 952; the mean over all phases",
+        power=0.0,
+        slope=math.nan,
+        read_at=math.nan,
+        level=math.nan,
+        structure=structure,
+        derivative=derivative,
+        summed=summed,
+        increments=increments,
+        spectrum=lambda f, tau0: np.zeros_like(f),
+        dct=lambda k, _: np.zeros_like(k),
+        waveform=waveform,
+        periodic=True,
+        parameters=(Parameter("frequency", "Hz", least=0.0), Parameter("phase", "rad", default=0.0)),
+        shape=(frequency, phase),
+        shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
+        origin="Vibration, sway of the building or the vehicle, a dither that is not taken out, interference of the "
+        "mains and its beats with the sampling. Nothing random: the next record may have it elsewhere.",
+        advice="A hump with its top at tau = 0.371/f, where the Allan deviation is 0.725 A, and zeros at multiples of "
+        "1/f; the envelope falls with slope -1. The top may be taken for bias instability, and its flank for "
+        "quantization. In the spectrum it is a narrow peak: there it is found, its amplitude and frequency "
+        "estimated, and it is taken out before the noise is identified.",
+    )
+
+
+SINE = sine(0.125)
