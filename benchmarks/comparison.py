@@ -171,7 +171,7 @@ def main() -> None:
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()
     start = time.perf_counter()
-    rows: dict[str, list[tuple[str, ...]]] = {"verdict": [], "small": list(small_rows(options.pairs // 5)), "ratio": []}
+    rows: dict[str, list[tuple[str, ...]]] = {"verdict": [], "small": list(small_rows(options.pairs)), "ratio": []}
     for model in options.models:
         rows["verdict"] += verdict_rows(model, options.pairs)
         rows["ratio"] += ratio_rows(model, options.pairs)
@@ -201,7 +201,7 @@ def main() -> None:
         *table(VERDICT, rows["verdict"]),
         "## A small change of white noise",
         "",
-        f"The likelihood ratio of {options.pairs // 5} pairs against an F test with {SAMPLES - 1} degrees of freedom "
+        f"The likelihood ratio of {options.pairs} pairs against an F test with {SAMPLES - 1} degrees of freedom "
         "each, the best there is if nothing but white noise could be there.",
         "",
         *table(SMALL_HEADINGS, rows["small"]),

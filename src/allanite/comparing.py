@@ -152,8 +152,13 @@ def _matched(
             "as many of each (channels, --channels; against, --against)"
         )
     pairs = list(zip(first, second, strict=True))
-    notes = [f"channel {a.name} is compared with {b.name}" for a, b in pairs if a.name != b.name]
-    return [(a.name if a.name == b.name else f"{a.name} / {b.name}", (a, b)) for a, b in pairs], notes
+    notes = [f"channel {a.name} is compared with {b.name}" for a, b in pairs if a.name != b.name and a.name and b.name]
+    return [(name_of(a, b), (a, b)) for a, b in pairs], notes
+
+
+def name_of(first: Record | Fit, second: Record | Fit) -> str:
+    """One name for both."""
+    return " / ".join(dict.fromkeys(name for name in (first.name, second.name) if name))
 
 
 def demand_fit(records: Sequence[Record]) -> list[str]:
@@ -255,7 +260,6 @@ def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
         Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, c.limits, alpha_of(recipe.level))
         for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
     )
-    name = before.name if before.name == after.name else f"{before.name} / {after.name}"
-    pair = Pair(name, changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
+    pair = Pair(name_of(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
     notes = ("compared by the intervals of the coefficients only: the records would tell more",)
     return Comparison((pair,), level=recipe.level, choices={}, notes=notes)

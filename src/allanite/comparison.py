@@ -169,6 +169,10 @@ class Pair:
         }
 
 
+def _coefficients(count: int) -> str:
+    return "coefficient" if count == 1 else "coefficients"
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Every channel of two recordings, compared.

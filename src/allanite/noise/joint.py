@@ -108,8 +108,10 @@ def joint(records: Sequence[Record], symbols: str, band: tuple[float, float] | N
     """
     signals = {record.signal.name: record.name for record in records}
     if len(signals) > 1:
-        kinds = ", ".join(f"{name or 'a record'} is of a {signal} signal" for signal, name in signals.items())
-        raise DataError(f"only sensors of one kind can be compared, but {kinds}; compare like with like")
+        kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
+        raise DataError(
+            f"only sensors of one kind can be compared, not {kinds}; name channels of one kind (--channels)"
+        )
     for record in records:
         if record.size < SHORTEST:
             raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")

@@ -72,7 +72,6 @@ def law(points: Points, models: Sequence[Model]) -> Law:
     It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
     noise alone are wide enough.
     """
-    models = [noise_of(model) for model in models]
 
     @cache
     def found() -> tuple[FloatArray, Mixture]:
@@ -87,6 +86,7 @@ def law(points: Points, models: Sequence[Model]) -> Law:
 
 def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
     """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
+    models = [noise_of(model) for model in models]
     made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
     edf = np.array([e for e, _ in made])
     weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
