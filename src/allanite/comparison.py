@@ -135,11 +135,8 @@ class Pair:
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
             return f"not compared: {self.refusal}"
-        how = (
-            ""
-            if self.test is None
-            else f" (likelihood ratio {self.test.statistic:.4g} for {self.test.dof} coefficients)"
-        )
+        test = self.test
+        how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {_coefficients(test.dof)})"
         p = words_of_p(self.p)
         first = f"the noise has changed, {p}{how}" if self.changed else f"no change of the noise is seen, {p}{how}"
         named = [told(change) for change in self.changes if change.significant]
@@ -170,7 +167,7 @@ class Pair:
 
 
 def _coefficients(count: int) -> str:
-    return "coefficient" if count == 1 else "coefficients"
+    return f"{count} coefficient{'' if count == 1 else 's'}"
 
 
 @dataclass(frozen=True, eq=False)
