@@ -93,8 +93,8 @@ def _units(before: dict[str, float]) -> list[str]:
     return [
         f"The paper gives Q in degrees. Then the deviation at 1 ms would be {high:.2g} deg/h, and quantization would "
         f"rule the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle random walk "
-        f"rules from {1e3 * early:.2g} ms on: so it is meant. The paper also divides B by 0.6648 to get the floor of the "
-        f"curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
+        f"rules from {1e3 * early:.2g} ms on: so it is meant. The paper also divides B by 0.6648 to get the floor of "
+        f"the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
     ]  # fmt: skip
 
 
@@ -158,8 +158,8 @@ def _reach(found: al.Comparison) -> list[str]:
     low, high = ratios.interval(found.level)
     longest = f", the longest of them {apart.max():.4g} s" if apart.size else ""
     return [
-        f"The curves differ at {apart.size} of {ratios.tau.size} averaging times{longest} (ratio of the variances, each "
-        f"time by itself). At {ratios.tau[last]:.4g} s the variance is known with "
+        f"The curves differ at {apart.size} of {ratios.tau.size} averaging times{longest} (ratio of the variances, "
+        f"each time by itself). At {ratios.tau[last]:.4g} s the variance is known with "
         f"{ratios.before.edf[last]:.2g} and {ratios.after.edf[last]:.2g} degrees of freedom; its ratio lies between "
         f"{low[last]:.2g} and {high[last]:.2g}.", "",
     ]  # fmt: skip

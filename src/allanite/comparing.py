@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -229,7 +230,9 @@ def _changes(both: Joint, symbols: str, fits: tuple[Fit, Fit], level: float) -> 
     kept = [s for s in symbols if s in found]
     p = [found[s].p for s in kept]
     return tuple(
-        Change(s, both.signal, first[s], second[s], found[s].ratio, q, adjusted, found[s].limits, alpha_of(level))
+        Change(
+            s, both.signal, first[s], second[s], found[s].ratio, q, adjusted, cache(found[s].limits), alpha_of(level)
+        )
         for s, q, adjusted in zip(kept, p, holm(p), strict=True)
     )
 
@@ -243,7 +246,7 @@ def ratios_of(records: tuple[Record, Record], fits: tuple[Fit, Fit], recipe: Rec
     )
     law = ratio_law(records, recipe.statistic, m, [fit.model for fit in fits])
     ratio = after.variance / before.variance
-    return Ratios(before, after, law.p(ratio), lambda level: law.limits(ratio, level))
+    return Ratios(before, after, law.p(ratio), cache(lambda level: law.limits(ratio, level)))
 
 
 def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
@@ -257,7 +260,7 @@ def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
     found = [IntervalContrast(before[s], after[s]) for s in common]
     p = [contrast.p for contrast in found]
     changes = tuple(
-        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, c.limits, alpha_of(recipe.level))
+        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, cache(c.limits), alpha_of(recipe.level))
         for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
     )
     pair = Pair(name_of(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))

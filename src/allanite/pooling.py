@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,7 +220,7 @@ def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
 
 
 def _limits(together: Joint, which: int) -> Limits:
-    return lambda level: together.limits(which, level)
+    return cache(lambda level: together.limits(which, level))
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:

@@ -28,6 +28,12 @@ from .table import statistic_named
 ALIKE = 0.005
 """Relative difference up to which two averaging times count as the same."""
 
+HALVINGS, STEPS = 45, 40
+"""Of the search for a saddlepoint, and at most of that for a quantile."""
+
+CONVERGED = 1e-5
+"""Of a quantile, as a normal deviate."""
+
 
 @dataclass(frozen=True, eq=False)
 class RatioLaw:
@@ -50,7 +56,7 @@ class RatioLaw:
 
         ratio = np.asarray(ratio, dtype=np.float64)
         low, high = -1 / (2 * ratio * _largest(self.first)), 1 / (2 * _largest(self.second))
-        for _ in range(60):
+        for _ in range(HALVINGS):
             t = (low + high) / 2
             rising = self._difference(t, ratio)[1] > 0
             low, high = np.where(rising, low, t), np.where(rising, t, high)
@@ -74,12 +80,25 @@ class RatioLaw:
 
     def quantile(self, p: float) -> FloatArray:
         """The ratio below which it lies with probability p, shape (k,)."""
-        low, high = (np.full(self.edf[0].shape, end) for end in (-30.0, 30.0))
-        for _ in range(45):
-            middle = (low + high) / 2
-            short = self.below(np.exp(middle)) < p
-            low, high = np.where(short, middle, low), np.where(short, high, middle)
-        return np.asarray(np.exp((low + high) / 2))
+        from scipy.special import ndtri
+
+        wanted, scale = float(ndtri(p)), np.sqrt(2 / self.edf[0] + 2 / self.edf[1])
+        low, high = np.full(scale.shape, -30.0), np.full(scale.shape, 30.0)
+        x, slope = wanted * scale, 1 / scale
+        before = deviate = np.zeros(scale.shape)
+        # as a normal deviate the probability is nearly straight in the logarithm: secants, kept within a bracket
+        for _ in range(STEPS):
+            last, deviate = deviate, ndtri(self.below(np.exp(x)))
+            far = np.abs(deviate - wanted) > CONVERGED
+            if not far.any():
+                break
+            low, high = np.where(deviate < wanted, x, low), np.where(deviate < wanted, high, x)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                slope = np.where(np.abs(x - before) > 0, (deviate - last) / (x - before), slope)
+                step = x + (wanted - deviate) / slope
+            middle = np.where((step > low) & (step < high), step, (low + high) / 2)
+            before, x = x, np.where(far, middle, x)
+        return np.asarray(np.exp(x))
 
     def limits(self, ratio: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
         """Limits of the ratio of the expectations, from a measured ratio."""
