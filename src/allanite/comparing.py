@@ -1,5 +1,6 @@
 """Before and after: it composes records, their fits and curves into a comparison, as `study` does into a study."""
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -15,7 +16,7 @@ from .fit import Fit
 from .noise import identify, symbols_of
 from .noise.contrast import Contrast, homogeneity
 from .noise.intervals import IntervalContrast
-from .noise.joint import Joint, joint
+from .noise.joint import Joint, common_band, joint
 from .noise.ramps import RampContrast, ramp_law
 from .prepare import inspect
 from .record import Record, Recording
@@ -182,12 +183,46 @@ def demand_fit(records: Sequence[Record]) -> list[str]:
     return alerts
 
 
-def fits_of(both: Joint, records: Sequence[Record], recipe: Recipe) -> tuple[Fit, ...]:
-    """The fit of each record, in the common band where that leaves out a part of it."""
-    low, high = both.band
-    cut = any(part.count.size < seen.count.size for part, seen in zip(both.parts, both.seen, strict=True))
-    band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else recipe.band
-    return tuple(identify(record, terms=recipe.terms, band=band) for record in records)
+def gathered(records: Sequence[Record], recipe: Recipe) -> tuple[Joint, tuple[Fit, ...], list[str]]:
+    """The joint likelihood of records, the fit of each, and what must stand beside the numbers.
+
+    Sinusoids are taken out as the fits found them. Where one record has Gauss-Markov noise it is asked of all, and
+    compared at one time constant.
+    """
+    symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
+    band = common_band(records, recipe.band)
+    fits = _fits(records, recipe.terms, band, recipe)
+    shown = dict.fromkeys((*symbols, *(e.symbol for fit in fits for e in fit)))
+    if len(shown) > len(symbols):
+        fits = _fits(records, ",".join(shown), band, recipe)
+    constants = [e.shape[0] for fit in fits for e in fit if e.shape]
+    constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
+    quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
+    notes = [
+        f"record {i + 1}: sinusoids were taken out, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
+        for i, fit in enumerate(fits)
+        if fit.lines
+    ]
+    if constant is not None:
+        notes.append(f"Gauss-Markov noise is compared at one time constant, {constant:.3g} s")
+    return joint(quiet, tuple(shown), recipe.band, constant=constant), fits, notes
+
+
+def _fits(records: Sequence[Record], terms: str, band: tuple[float, float], recipe: Recipe) -> tuple[Fit, ...]:
+    """The fit of each record, in the common band where that leaves out a part of one."""
+    low, high = band
+    cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
+    used = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else recipe.band
+    return tuple(identify(record, terms=terms, band=used) for record in records)
+
+
+def _without_lines(record: Record, fit: Fit) -> Record:
+    rates = record.rate_values
+    for line in fit.lines:
+        wave = line.term.sampled(record.rate).waveform
+        assert wave is not None  # noqa: S101 - a sinusoid has one
+        rates = rates - line.amplitude * wave(record.size)
+    return Record(rates, record.rate, record.signal.unit, name=record.name) if fit.lines else record
 
 
 def doubts(fits: Sequence[Fit]) -> list[str]:
@@ -201,9 +236,7 @@ def doubts(fits: Sequence[Fit]) -> list[str]:
 
 def _pair(name: str, records: tuple[Record, Record], recipe: Recipe, rng: "np.random.Generator") -> Pair:
     alerts = demand_fit(records)
-    symbols = symbols_of(recipe.terms)
-    both = joint(records, symbols, recipe.band)
-    first, second = fits_of(both, records, recipe)
+    both, (first, second), said = gathered(records, recipe)
     try:
         ratios = ratios_of(records, (first, second), recipe)
     except DataError as error:
@@ -211,23 +244,23 @@ def _pair(name: str, records: tuple[Record, Record], recipe: Recipe, rng: "np.ra
     return Pair(
         name,
         test=homogeneity(both, rng),
-        changes=_changes(both, symbols, (first, second), recipe.level),
+        changes=_changes(both, (first, second), recipe.level),
         ratios=ratios,
         band=both.band,
         fits=(first, second),
         records=records,
-        alerts=(*doubts((first, second)), *alerts),
+        alerts=(*doubts((first, second)), *said, *alerts),
         alpha=alpha_of(recipe.level),
     )
 
 
-def _changes(both: Joint, symbols: str, fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
+def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
     found: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
+    first, second = fits
     ramps = ramp_law(both, 0), ramp_law(both, 1)
     if ramps[0] is not None and ramps[1] is not None:
-        found |= {s: RampContrast(ramps[0], ramps[1]) for s in symbols if TERMS[s].waveform is not None}
-    first, second = fits
-    kept = [s for s in symbols if s in found]
+        found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in first if TERMS[e.symbol].waveform is not None}
+    kept = [e.symbol for e in first if e.symbol in found]
     p = [found[s].p for s in kept]
     return tuple(
         Change(

@@ -9,15 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .changes import Limits, alpha_of, holm
-from .comparing import Progress, Source, called, compare, demand_fit, doubts, fits_of, loaded, origin
+from .comparing import Progress, Source, called, compare, demand_fit, doubts, gathered, loaded, origin
 from .comparison import Comparison
 from .curve import Curve
 from .errors import DataError, UsageError
 from .fit import Fit
-from .noise import identify, symbols_of
+from .noise import identify
 from .noise.contrast import homogeneity, outlying, spread
 from .noise.joint import Joint, least
-from .noise.joint import joint as joined
 from .noise.selection import standard_error
 from .pooled import Pool, PooledChannel, PooledTerm
 from .prepare import trim
@@ -162,9 +161,7 @@ def _pooled(
     recipe, rng = made
     alpha = alpha_of(recipe.level)
     alerts = demand_fit(records)
-    symbols = symbols_of(recipe.terms)
-    together = joined(records, symbols, recipe.band)
-    fits = fits_of(together, records, recipe)
+    together, fits, said = gathered(records, recipe)
     curves, curve, p = _curves(records, fits, recipe)
     apart, left = _apart(together, names, alpha)
     test = homogeneity(together, rng)
@@ -180,7 +177,7 @@ def _pooled(
         fits=fits,
         records=records,
         band=together.band,
-        alerts=(*doubts(fits), *alerts),
+        alerts=(*doubts(fits), *said, *alerts),
         alpha=alpha,
     )
 
@@ -197,7 +194,8 @@ def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
         if theta > 0:
             column = int(free[:i].sum())
             values = np.sqrt([part[column] / theta for part in alone])
-            errors = [standard_error(part, together.chosen, i) / (2 * theta) for part in together.parts]
+            common = [replace(together.chosen, likelihood=part) for part in together.parts]
+            errors = [standard_error(subset, i) / (2 * theta) for subset in common]
             between, within = float(values.std(ddof=1)), float(np.sqrt(np.mean(np.square(errors))))
         statistic, p = found[i]
         runs, dof = tuple(fit[symbol] for fit in fits), len(fits) - 1

@@ -18,14 +18,15 @@ from functools import cached_property
 import numpy as np
 
 from allanite.errors import DataError
-from allanite.model import Model, Term
+from allanite.model import Term
 from allanite.record import SHORTEST, Record
 from allanite.terms import TERMS
 from allanite.units import Signal
 
+from .families import MARKOV
 from .likelihood import BoolArray, FloatArray, Likelihood
 from .selection import DOUBT, Profiles, Subset, select, subsets
-from .whittle import FEWEST, Spectrum, likelihood, spectrum
+from .whittle import FEWEST, Spectrum, column, likelihood, spectrum
 
 RANK = 1e-9
 """Share of a bin's largest direction below which another is none."""
@@ -37,7 +38,7 @@ class Joint:
 
     Attributes
     ----------
-    symbols : str
+    symbols : tuple of str
         The noise terms: the columns.
     parts : tuple of Likelihood
     seen : tuple of Spectrum
@@ -47,7 +48,7 @@ class Joint:
         The frequencies that every part has, Hz.
     """
 
-    symbols: str
+    symbols: tuple[str, ...]
     parts: tuple[Likelihood, ...]
     seen: tuple[Spectrum, ...]
     signal: Signal
@@ -68,20 +69,9 @@ class Joint:
         """What any part may hold: the common model, with the terms that gain `DOUBT` in 2 L."""
         return select(self.fitted, DOUBT)
 
-    @property
-    def terms(self) -> str:
-        """Symbols of the terms that are chosen."""
-        return "".join(s for s, there in zip(self.symbols, self.chosen.free, strict=True) if there)
-
-    @property
-    def model(self) -> Model:
-        """The common model."""
-        values = zip(self.symbols, np.sqrt(self.chosen.theta).tolist(), strict=True)
-        return Model(tuple(Term(s, value, self.signal) for s, value in values if value > 0))
-
     def limits(self, which: int, level: float) -> tuple[float, float]:
         """Limits of a common coefficient, SI."""
-        low, high = Profiles(self.whole, self.fitted).limits(which, level)
+        low, high = Profiles(self.fitted, select(self.fitted), self.fitted[-1]).limits(which, level)
         return math.sqrt(low), math.sqrt(high)
 
     def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
@@ -89,17 +79,25 @@ class Joint:
         return tuple(reduced(part, columns) for part in self.parts)
 
 
-def joint(records: Sequence[Record], symbols: str, band: tuple[float, float] | None = None) -> Joint:
+def joint(
+    records: Sequence[Record],
+    symbols: Sequence[str],
+    band: tuple[float, float] | None = None,
+    *,
+    constant: float | None = None,
+) -> Joint:
     """The likelihoods of records in the band of frequencies that all of them have.
 
     Parameters
     ----------
     records : sequence of Record
         At least two, of one kind of sensor; rates, units and lengths may differ.
-    symbols : str
+    symbols : sequence of str
         Keys of `TERMS`; a deterministic one is integrated out of each record.
     band : (low, high), optional
         Frequencies that count, Hz, within the common band.
+    constant : float, optional
+        Time constant of Gauss-Markov noise, s, in all records, where that is among the terms.
 
     Raises
     ------
@@ -115,13 +113,25 @@ def joint(records: Sequence[Record], symbols: str, band: tuple[float, float] | N
     for record in records:
         if record.size < SHORTEST:
             raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
-    noise = "".join(s for s in symbols if TERMS[s].waveform is None)
-    seen = tuple(spectrum(record, detrend=len(noise) < len(symbols)) for record in records)
+    plain = [s for s in symbols if not TERMS[s].parameters]
+    shaped = [] if constant is None else [s for s in symbols if s == MARKOV]
+    noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
+    seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
+    band = common_band(records, band)
+    parts = []
+    for record, found in zip(records, seen, strict=True):
+        whole = likelihood(found, plain)
+        for symbol in shaped:
+            row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
+            whole = whole.with_more(column(row, found))
+        parts.append(_in_si(_in_band(found, whole, band), found, noise))
+    return Joint(noise, tuple(parts), seen, records[0].signal, band)
+
+
+def common_band(records: Sequence[Record], band: tuple[float, float] | None = None) -> tuple[float, float]:
+    """The frequencies that all records have, Hz, within a band if one is given."""
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
-    low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
-    parts = tuple(_in_band(s, likelihood(s, symbols), (low, high)) for s in seen)
-    parts = tuple(_in_si(part, s, noise) for part, s in zip(parts, seen, strict=True))
-    return Joint(noise, parts, seen, records[0].signal, (low, high))
+    return (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
 
 
 def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
@@ -138,7 +148,7 @@ def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Li
     return whole if inside.all() else whole.only(inside)
 
 
-def _in_si(part: Likelihood, seen: Spectrum, noise: str) -> Likelihood:
+def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:
     """The same for squared coefficients in SI."""
     size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
     return replace(part, S=part.S * size, W=part.W * size)

@@ -9,7 +9,7 @@ from allanite.terms import TERMS
 
 from .joint import Joint
 from .likelihood import FloatArray
-from .selection import Profiles, subsets
+from .selection import Profiles, select, subsets
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,9 @@ def ramp_law(joint: Joint, i: int) -> RampLaw | None:
     part, seen = joint.parts[i], joint.seen[i]
     if not part.flat.any():
         return None
-    slowest = max(range(len(joint.symbols)), key=lambda j: TERMS[joint.symbols[j]].slope)
-    thetas, weight = Profiles(part, subsets(part)).weighted(slowest)
+    slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
+    fitted = subsets(part)
+    thetas, weight = Profiles(fitted, select(fitted), fitted[-1]).weighted(int(np.argmax(slope)))
     found = [part.directions(theta)[:2] for theta in thetas]
     size = seen.unit_factor * seen.rate
     centre = np.array([eta[-1] for eta, _ in found]) + seen.slope
