@@ -16,7 +16,7 @@ from .fit import Fit
 from .noise import identify, symbols_of
 from .noise.contrast import Contrast, homogeneity
 from .noise.intervals import IntervalContrast
-from .noise.joint import Joint, common_band, joint
+from .noise.joint import Joint, common_band, demand_one_kind, joint
 from .noise.ramps import RampContrast, ramp_law
 from .prepare import inspect
 from .record import Record, Recording
@@ -91,6 +91,7 @@ def compare(
     tell("reading", 0.0)
     first = loaded(before, recipe)
     second = loaded(after, recipe if against is None else replace(recipe, channels=tuple(against)))
+    said = remarks(first, second)
     matched, notes = _matched(first, second, ordered=against is not None)
     rng = rng or np.random.default_rng(1)
     pairs = []
@@ -108,7 +109,7 @@ def compare(
         names=called(before, after),
         level=recipe.level,
         choices=recipe.to_dict(),
-        notes=(*dict.fromkeys((*first.notes, *second.notes)), *notes),
+        notes=(*said, *notes),
         provenance=origin(first, second),
     )
 
@@ -124,11 +125,34 @@ def loaded(source: Any, recipe: Recipe) -> Recording:
 
 def called(*sources: Any) -> tuple[Any, ...]:
     """What the sources are called: the names of files or records where these differ."""
-    paths = (str, os.PathLike)
-    names = [os.path.basename(s) if isinstance(s, paths) else getattr(s, "name", "") for s in sources]
+    names = [_own_name(source) for source in sources]
     if all(names) and len(set(names)) == len(names):
         return tuple(names)
     return ("before", "after") if len(sources) == 2 else tuple(f"run {i + 1}" for i in range(len(sources)))
+
+
+def _own_name(source: Any) -> str:
+    if isinstance(source, (str, os.PathLike)):
+        return os.path.basename(source)
+    if isinstance(source, Recording):
+        return source[0].name if len(source) == 1 else ""
+    return str(getattr(source, "name", ""))
+
+
+def remarks(*recordings: Recording) -> tuple[str, ...]:
+    """What was assumed when reading, and what is wrong with the clocks.
+
+    Raises
+    ------
+    DataError
+        A clock does not support the job.
+    """
+    findings = [finding for recording in recordings for finding in recording.findings]
+    fatal = [str(finding) for finding in findings if finding.fatal]
+    if fatal:
+        raise DataError(". ".join(fatal))
+    notes = [note for recording in recordings for note in recording.notes]
+    return tuple(dict.fromkeys((*notes, *map(str, findings))))
 
 
 def origin(*recordings: Recording) -> dict[str, str]:
@@ -189,6 +213,7 @@ def gathered(records: Sequence[Record], recipe: Recipe) -> tuple[Joint, tuple[Fi
     Sinusoids are taken out as the fits found them. Where one record has Gauss-Markov noise it is asked of all, and
     compared at one time constant.
     """
+    demand_one_kind(records)
     symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
     band = common_band(records, recipe.band)
     fits = _fits(records, recipe.terms, band, recipe)

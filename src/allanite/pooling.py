@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .changes import Limits, alpha_of, holm
-from .comparing import Progress, Source, called, compare, demand_fit, doubts, gathered, loaded, origin
-from .comparison import Comparison
+from .comparing import Progress, Source, called, compare, demand_fit, doubts, gathered, loaded, origin, remarks
+from .comparison import Comparison, Pair
 from .curve import Curve
 from .errors import DataError, UsageError
 from .fit import Fit
@@ -78,7 +78,7 @@ def pool(
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     recordings = [loaded(run, recipe) for run in runs]
-    names = called(*runs)
+    names, said = called(*runs), remarks(*recordings)
     rng = rng or np.random.default_rng(1)
     channels = []
     matched = _channels(recordings)
@@ -91,8 +91,7 @@ def pool(
     if all(channel.refusal for channel in channels):
         raise DataError("; ".join(f"{c.name or 'the runs'}: {c.refusal}" for c in channels))
     tell("done", 1.0)
-    notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
-    return Pool(tuple(channels), names, recipe.level, recipe.to_dict(), notes, origin(*recordings))
+    return Pool(tuple(channels), names, recipe.level, recipe.to_dict(), said, origin(*recordings))
 
 
 def truncation(
@@ -133,13 +132,13 @@ def truncation(
     recording = loaded(source, recipe)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     found = compare(part, rest, recipe, rng=rng, progress=progress)
-    pairs = tuple(
-        replace(pair, whole=identify(recording[pair.name], terms=recipe.terms, band=recipe.band))
-        if not pair.refusal
-        else pair
-        for pair in found
-    )
+    pairs = tuple(pair if pair.refusal else replace(pair, whole=_whole(pair, recording, recipe)) for pair in found)
     return replace(found, pairs=pairs, names=(f"first {until:g} s", "rest"))
+
+
+def _whole(pair: Pair, recording: Recording, recipe: Recipe) -> Fit:
+    """The fit of the whole, of the terms that were compared."""
+    return identify(recording[pair.name], terms=",".join(c.symbol for c in pair.changes), band=recipe.band)
 
 
 def _channels(recordings: Sequence[Recording]) -> list[tuple[str, tuple[Record, ...]]]:

@@ -196,6 +196,25 @@ def test_a_ramp_keeps_its_sign():
     assert same.limits(0.95)[0] < 1 < same.limits(0.95)[1]
 
 
+def test_gauss_markov_noise_is_compared_at_one_time_constant():
+    model = al.N(0.3, "deg/sqrt(h)") + al.GM(60, "deg/h", time_constant=5.0)
+    found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 1.3))
+    assert found["GM"].outcome == "larger"
+    assert found["GM"].interval()[0] < 30 < found["GM"].interval()[1]
+    assert found["B"].outcome == "not resolvable"
+    assert any("one time constant" in alert for alert in found.pairs[0].alerts)
+
+
+def test_sinusoids_are_taken_out_of_the_comparison():
+    noise = [simulated(NK, seed, n=20_000) for seed in (1, 2)]
+    sines = [al.Sine(size, "deg/h", frequency=7.3) for size in (200.0, 80.0)]
+    with_lines = [simulated(NK + sine, seed, n=20_000) for sine, seed in zip(sines, (1, 2), strict=True)]
+    found, wanted = al.compare(*with_lines).pairs[0], al.compare(*noise).pairs[0]
+    assert found.test.statistic == pytest.approx(wanted.test.statistic, abs=0.1)
+    assert found["N"].interval() == pytest.approx(wanted["N"].interval(), abs=0.05)
+    assert sum("sinusoids were taken out, at 7.3" in alert for alert in found.alerts) == 2
+
+
 def test_fits_alone_say_nearly_the_same_of_strong_terms():
     records = [simulated(NK, 1, n=8192), scaled(simulated(NK, 2, n=8192), 1.1)]
     whole, fits = al.compare(*records), al.compare(*map(al.identify, records))

@@ -72,6 +72,8 @@ for _option in reversed(READING[1:]):  # all but the one file
 def _found(
     files: tuple[str, ...], recipe: "Recipe", how: "tuple[tuple[str, ...] | None, float | None]", progress: "Progress"
 ) -> "Comparison | Pool":
+    from dataclasses import replace
+
     from allanite.comparing import compare as compared
     from allanite.errors import UsageError
     from allanite.pooling import pool, truncation
@@ -88,10 +90,11 @@ def _found(
         return compared(files[0], files[1], recipe, against=against, progress=progress)
     if len(files) > 2:
         return pool(files, recipe, progress=progress)
-    channels = list(recording_of(files[0], recipe))
+    recording = recording_of(files[0], recipe)
+    channels = [replace(recording, records=(record,)) for record in recording]
     if len(channels) == 1:
         raise UsageError(
-            f"{files[0]!r} has one channel, {channels[0].name!r}, and nothing to compare it with; give a second file, "
+            f"{files[0]!r} has one channel, {recording[0].name!r}, and nothing to compare it with; give a second file, "
             "more channels, or --part to hold its beginning against the rest"
         )
     plain = Recipe(**{key: getattr(recipe, key) for key in ("statistic", "taus", "terms", "band", "level")})

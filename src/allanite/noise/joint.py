@@ -104,12 +104,7 @@ def joint(
     DataError
         The records are of different sensors, too short, constant, or have no band in common.
     """
-    signals = {record.signal.name: record.name for record in records}
-    if len(signals) > 1:
-        kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
-        raise DataError(
-            f"only sensors of one kind can be compared, not {kinds}; name channels of one kind (--channels)"
-        )
+    demand_one_kind(records)
     for record in records:
         if record.size < SHORTEST:
             raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
@@ -129,9 +124,39 @@ def joint(
 
 
 def common_band(records: Sequence[Record], band: tuple[float, float] | None = None) -> tuple[float, float]:
-    """The frequencies that all records have, Hz, within a band if one is given."""
+    """The frequencies that all records have, Hz, within a band if one is given.
+
+    Raises
+    ------
+    DataError
+        There are none.
+    """
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
-    return (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
+    low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
+    if not low < high:
+        spans = ", ".join(f"{1 / (2 * r.duration):.3g} to {r.rate / 2:.3g} Hz" for r in records)
+        within = "" if band is None else f" within {band[0]:g} to {band[1]:g} Hz"
+        raise DataError(
+            f"the records have no band of frequencies in common{within}: they reach from {spans}; record longer, or at "
+            "more alike rates"
+        )
+    return low, high
+
+
+def demand_one_kind(records: Sequence[Record]) -> None:
+    """Make sure that records are of one kind of sensor.
+
+    Raises
+    ------
+    DataError
+        They are not.
+    """
+    signals = {record.signal.name: record.name for record in records}
+    if len(signals) > 1:
+        kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
+        raise DataError(
+            f"only sensors of one kind can be compared, not {kinds}; name channels of one kind (--channels)"
+        )
 
 
 def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
@@ -142,8 +167,8 @@ def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Li
     inside = (first > low) & (last <= high * (1 + 1e-9))
     if inside.sum() < FEWEST:
         raise DataError(
-            f"the records have no band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them has "
-            f"{inside.sum()} bins of the spectrum, fewer than {FEWEST}; record longer, or at more alike rates"
+            f"the records have hardly a band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them "
+            f"has {inside.sum()} bins of the spectrum, fewer than {FEWEST}; record longer, or at more alike rates"
         )
     return whole if inside.all() else whole.only(inside)
 
