@@ -1,10 +1,9 @@
 """How often a comparison calls equal devices different, and how often it sees a change, against prediction.
 
-    python benchmarks/comparison.py [--models N NK QNBK] [--pairs 2000] [--write PATH]
+    python benchmarks/comparison.py verdict|ratio [--models N NK QNBK] [--pairs 2000] [--processes 1] [--write PATH]
 
-Pairs of records of one model are simulated with seeds 1, 2, 3, ... and compared as a user would compare them. A change
-of a device in which all is larger by one factor needs no new records: ratio and models scale with it exactly. Ends with
-exit code 1 if a share is out of bounds.
+Pairs of records of one model are simulated with seeds 1, 2, 3, ... and compared as `compare` does; where a device has
+changed, the second record of each pair is louder by a factor. Ends with exit code 1 if a share is out of bounds.
 """
 
 import argparse
@@ -13,20 +12,22 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import date
+from functools import partial
+from multiprocessing import Pool
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.special import fdtr, fdtri
 
 import allanite as al
-from allanite.model import Model, Term
-from allanite.noise.contrast import Contrast, chi_square, homogeneity
-from allanite.noise.joint import joint
-from allanite.noise.selection import select, subsets
-from allanite.noise.whittle import likelihood, spectrum
-from allanite.statistics.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.changes import holm
+from allanite.model import Model
+from allanite.noise.contrast import Contrast, chi_square, homogeneity, partly_common
+from allanite.noise.joint import Joint, joint
+from allanite.statistics.ratio import RatioLaw, ratio_law
 
 SAMPLES, RATE = 4096, 100.0
 MODELS = {
@@ -34,6 +35,9 @@ MODELS = {
     "NK": al.N(0.3, "deg/sqrt(h)") + al.K(200, "deg/h/sqrt(h)"),
     "QNBK": al.Q(2, "arcsec") + al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h") + al.K(500, "deg/h/sqrt(h)"),
 }
+FACTORS = 4 ** np.arange(6)
+"""Averaging factors."""
+
 CHANGES = (0.0, 0.1, 0.2, 0.5)
 """Relative changes of the deviation."""
 
@@ -56,13 +60,12 @@ def pair_of(model: str, seed: int) -> tuple[al.Record, al.Record]:
     return one, two
 
 
-def fitted(record: al.Record) -> Model:
-    """The model of ``identify(record, terms="QNBK")``, without the intervals."""
-    seen = spectrum(record, detrend=False)
-    theta = select(subsets(likelihood(seen, "QNBK"))).theta
-    size = [seen.unit_factor * RATE ** -al.TERMS[s].power for s in "QNBK"]
-    values = np.sqrt(theta) * size
-    return Model(tuple(Term(s, float(v), record.signal) for s, v in zip("QNBK", values, strict=True) if v > 0))
+def supposed(both: Joint) -> list[Model]:
+    """The models under which `compare` takes the law of the ratio."""
+    p = holm([Contrast(both, i).p for i in range(len(both.symbols))])
+    apart = [symbol for symbol, adjusted in zip(both.symbols, p, strict=True) if adjusted <= 0.05]
+    found = partly_common(both, apart)
+    return [Model(tuple(both.term(s, v) for s, v in values.items() if v > 0)) for values in found]
 
 
 def verdict(model: str, seed: int) -> dict[str, float]:
@@ -86,13 +89,17 @@ def small(seed: int) -> list[float]:
 def ratios(model: str, seed: int) -> np.ndarray:
     """P of the ratio of variances, shape (changes, taus)."""
     records = pair_of(model, seed)
-    m = shared_factors(records, "oadev", "octave")
-    law = ratio_law(records, "oadev", m, [fitted(record) for record in records])
+    m = [FACTORS, FACTORS]
     before, after = (
         al.deviation(record, "oadev", m=factors.tolist(), noise=None).variance
         for record, factors in zip(records, m, strict=True)
     )
-    return np.array([law.p(after / before * (1 + change) ** 2) for change in CHANGES])
+    found = []
+    for change in CHANGES:
+        changed = records[0], al.Record(records[1].values * (1 + change), RATE, records[1].unit, name="b")
+        law = ratio_law(changed, "oadev", m, supposed(joint(changed, "QNBKR")))
+        found.append(law.p(after / before * (1 + change) ** 2))
+    return np.array(found)
 
 
 def predicted(law: RatioLaw, change: float) -> np.ndarray:
@@ -113,30 +120,38 @@ def share(p: list[float]) -> float:
     return 100 * float(np.mean(np.array(p) <= 0.05))
 
 
-def verdict_rows(model: str, pairs: int) -> Iterator[tuple[str, ...]]:
-    found = [verdict(model, seed) for seed in range(1, pairs + 1)]
+def verdict_rows(model: str, pairs: int, processes: int = 1) -> Iterator[tuple[str, ...]]:
+    found = made(partial(verdict, model), pairs, processes)
     for what in found[0]:
         yield model, what, f"{share([row[what] for row in found]):.2f}"
 
 
-def small_rows(pairs: int) -> Iterator[tuple[str, ...]]:
-    found = np.array([small(seed) for seed in range(1, pairs + 1)])
+def small_rows(pairs: int, processes: int = 1) -> Iterator[tuple[str, ...]]:
+    found = np.array(made(small, pairs, processes))
     # one coefficient of n - 1 powers, all alike
     for change, p in zip(SMALL, found.T, strict=True):
         power = predicted_for_white(SAMPLES - 1.0, change)
         yield "N", f"{100 * change:g}", f"{share(p):.1f}", f"{power:.1f}"
 
 
-def ratio_rows(model: str, pairs: int) -> Iterator[tuple[str, ...]]:
-    found = np.array([ratios(model, seed) <= 0.05 for seed in range(1, pairs + 1)])
+def ratio_rows(model: str, pairs: int, processes: int = 1) -> Iterator[tuple[str, ...]]:
+    found = np.array(made(partial(ratios, model), pairs, processes)) <= 0.05
     measured = 100 * found.mean(axis=0)
     record = pair_of(model, 1)[0]
-    m = shared_factors([record, record], "oadev", "octave")
-    law = ratio_law((record, record), "oadev", m, [MODELS[model]] * 2)
+    law = ratio_law((record, record), "oadev", [FACTORS, FACTORS], [MODELS[model]] * 2)
     edf, powers = law.edf[0], [predicted(law, change) for change in CHANGES]
     for j in np.flatnonzero(edf >= FEWEST):
         cells = [f"{measured[i, j]:.1f} / {powers[i][j]:.1f}" for i, change in enumerate(CHANGES) if change]
-        yield model, f"{m[0][j] / RATE:g}", f"{edf[j]:.1f}", f"{measured[0, j]:.2f}", *cells
+        yield model, f"{FACTORS[j] / RATE:g}", f"{edf[j]:.1f}", f"{measured[0, j]:.2f}", *cells
+
+
+def made(one: Callable[[int], Any], pairs: int, processes: int) -> list[Any]:
+    """Of the pairs 1, 2, 3, ..."""
+    seeds = range(1, pairs + 1)
+    if processes == 1:
+        return [one(seed) for seed in seeds]
+    with Pool(processes) as pool:
+        return pool.map(one, seeds, chunksize=20)
 
 
 VERDICT = ("model", "test", "called different %")
@@ -144,11 +159,15 @@ SMALL_HEADINGS = ("model", "change of N %", "called different %", "predicted %")
 RATIO = ("model", "tau, s", "edf", "size %", *(f"power at {100 * c:g} %, measured / predicted" for c in CHANGES if c))
 
 
-def missed(rows: dict[str, list[tuple[str, ...]]]) -> list[str]:
+def missed_verdicts(rows: list[tuple[str, ...]]) -> list[str]:
     """What is out of bounds."""
-    out = [f"{r[0]} {r[1]} {r[2]}" for r in rows["verdict"] if r[1] == "verdict" and not _within(r[2])]
-    out += [f"{r[0]} tau {r[1]} size {r[3]}" for r in rows["ratio"] if not _within(r[3])]
-    for row in rows["ratio"]:
+    return [f"{r[0]} {r[1]} {r[2]}" for r in rows if r[1] == "verdict" and not _within(r[2])]
+
+
+def missed_ratios(rows: list[tuple[str, ...]]) -> list[str]:
+    """What is out of bounds."""
+    out = [f"{r[0]} tau {r[1]} size {r[3]}" for r in rows if not _within(r[3])]
+    for row in rows:
         for cell in row[4:]:
             measured, prediction = map(float, cell.split(" / "))
             out += [f"{row[0]} tau {row[1]} power {cell}"] if abs(measured - prediction) > NEAR else []
@@ -164,55 +183,71 @@ def table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
     return [*lines, *("| " + " | ".join(row) + " |" for row in rows), ""]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--models", nargs="+", default=list(MODELS), choices=list(MODELS))
-    parser.add_argument("--pairs", type=int, default=2000)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    rows: dict[str, list[tuple[str, ...]]] = {"verdict": [], "small": list(small_rows(options.pairs)), "ratio": []}
-    for model in options.models:
-        rows["verdict"] += verdict_rows(model, options.pairs)
-        rows["ratio"] += ratio_rows(model, options.pairs)
-        print(f"{model} done, {time.perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    out = missed(rows)
-    error = 100 * math.sqrt(0.05 * 0.95 / options.pairs)
-    lines = [
-        "# Comparison of two records: size and power",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/comparison.py --models {' '.join(options.models)} --pairs {options.pairs}`",
-        f"- seeds 1..{options.pairs}; records of {SAMPLES} samples at {RATE:g} Hz; all five terms asked for; "
-        f"level 5 %, standard error of a share of 5 %: {error:.2f} %",
-        *(f"- {name}: {model}" for name, model in MODELS.items()),
-        f"- out of bounds: {len(out)}" + (f" ({'; '.join(out)})" if out else ""),
-        "",
+def verdict_part(models: list[str], pairs: int, processes: int) -> tuple[list[str], list[str]]:
+    """Text, and what is out of bounds."""
+    rows = [row for model in models for row in verdict_rows(model, pairs, processes)]
+    return [
         "## Equal devices",
         "",
         "verdict: the likelihood ratio with its law drawn, as printed; chi-square: the same likelihood ratio by "
         "chi-square; symbols: one coefficient by its profile, not adjusted. Bounds of the verdict: "
         f"{SIZE[0]} to {SIZE[1]} %.",
         "",
-        *table(VERDICT, rows["verdict"]),
+        *table(VERDICT, rows),
         "## A small change of white noise",
         "",
-        f"The likelihood ratio of {options.pairs} pairs against an F test with {SAMPLES - 1} degrees of freedom "
-        "each, the best there is if nothing but white noise could be there.",
+        f"The likelihood ratio of {pairs} pairs against an F test with {SAMPLES - 1} degrees of freedom each, the best "
+        "there is if nothing but white noise could be there.",
         "",
-        *table(SMALL_HEADINGS, rows["small"]),
+        *table(SMALL_HEADINGS, list(small_rows(pairs, processes))),
+    ], missed_verdicts(rows)
+
+
+def ratio_part(models: list[str], pairs: int, processes: int) -> tuple[list[str], list[str]]:
+    """Text, and what is out of bounds."""
+    rows = [row for model in models for row in ratio_rows(model, pairs, processes)]
+    return [
         "## Ratio of variances by averaging time",
         "",
-        "Overlapped Allan variance at octaves, the law under the model fitted to each record. Predicted: the law of "
-        "the true model (an F with both degrees of freedom where these are many), scaled by the square of the change. "
+        "Overlapped Allan variance, the law under what is supposed of each pair. Predicted: the law of the true model "
+        "(an F with both degrees of freedom where these are many), scaled by the square of the change. "
         f"Bounds: size {SIZE[0]} to {SIZE[1]} %, power within {NEAR:g} points of the prediction; from {FEWEST} degrees "
         "of freedom on.",
         "",
-        *table(RATIO, rows["ratio"]),
+        *table(RATIO, rows),
+    ], missed_ratios(rows)
+
+
+PARTS = {"verdict": verdict_part, "ratio": ratio_part}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("part", choices=list(PARTS))
+    parser.add_argument("--models", nargs="+", default=list(MODELS), choices=list(MODELS))
+    parser.add_argument("--pairs", type=int, default=2000)
+    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    start = time.perf_counter()
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    body, out = PARTS[options.part](options.models, options.pairs, options.processes)
+    error = 100 * math.sqrt(0.05 * 0.95 / options.pairs)
+    lines = [
+        f"# Comparison of two records: {options.part}",
+        "",
+        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
+        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
+        f"- command: `python benchmarks/comparison.py {options.part} --models {' '.join(options.models)} "
+        f"--pairs {options.pairs} --processes {options.processes}`",
+        f"- seeds 1..{options.pairs}; records of {SAMPLES} samples at {RATE:g} Hz; all five terms asked for; "
+        f"level 5 %, standard error of a share of 5 %: {error:.2f} %",
+        *(f"- {name}: {model}" for name, model in MODELS.items()),
+        f"- out of bounds: {len(out)}" + (f" ({'; '.join(out)})" if out else ""),
+        "",
+        *body,
     ]
     text = "\n".join(lines)
     print(text)

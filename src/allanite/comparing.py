@@ -13,8 +13,9 @@ from .changes import Change, alpha_of, holm
 from .comparison import Comparison, Pair, Ratios
 from .errors import DataError, UsageError
 from .fit import Fit
+from .model import Model
 from .noise import identify, symbols_of
-from .noise.contrast import Contrast, homogeneity
+from .noise.contrast import Contrast, homogeneity, partly_common
 from .noise.intervals import IntervalContrast
 from .noise.joint import Joint, common_band, demand_one_kind, joint
 from .noise.ramps import RampContrast, ramp_law
@@ -262,14 +263,15 @@ def doubts(fits: Sequence[Fit]) -> list[str]:
 def _pair(name: str, records: tuple[Record, Record], recipe: Recipe, rng: "np.random.Generator") -> Pair:
     alerts = demand_fit(records)
     both, (first, second), said = gathered(records, recipe)
+    changes = _changes(both, (first, second), recipe.level)
     try:
-        ratios = ratios_of(records, (first, second), recipe)
+        ratios = ratios_of(records, (first, second), law_models(both, (first, second), changes), recipe)
     except DataError as error:
         ratios, alerts = None, [*alerts, str(error)]
     return Pair(
         name,
         test=homogeneity(both, rng),
-        changes=_changes(both, (first, second), recipe.level),
+        changes=changes,
         ratios=ratios,
         band=both.band,
         fits=(first, second),
@@ -295,14 +297,30 @@ def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, 
     )
 
 
-def ratios_of(records: tuple[Record, Record], fits: tuple[Fit, Fit], recipe: Recipe) -> Ratios:
+def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
+    """What is supposed of each record for the law of the ratio: coefficients that are not told apart are common.
+
+    What scatters at the longest averaging times is hardly seen by one record alone.
+    """
+    apart = [change.symbol for change in changes if change.significant]
+    found = []
+    for fit, values in zip(fits, partly_common(both, apart), strict=True):
+        noise = [both.term(symbol, value) for symbol, value in values.items() if value > 0]
+        ramps = [term for term in fit.model if term.row.waveform is not None and not term.row.periodic]
+        found.append(Model((*noise, *ramps)))
+    return found
+
+
+def ratios_of(
+    records: tuple[Record, Record], fits: tuple[Fit, Fit], supposed: Sequence[Model], recipe: Recipe
+) -> Ratios:
     """The curves of both at the same averaging times, and the law of their ratio."""
     m = shared_factors(records, recipe.statistic, recipe.taus)
     before, after = (
         deviation(record, recipe.statistic, m=factors.tolist(), noise=fit.model)
         for record, factors, fit in zip(records, m, fits, strict=True)
     )
-    law = ratio_law(records, recipe.statistic, m, [fit.model for fit in fits])
+    law = ratio_law(records, recipe.statistic, m, supposed)
     ratio = after.variance / before.variance
     return Ratios(before, after, law.p(ratio), cache(lambda level: law.limits(ratio, level)))
 

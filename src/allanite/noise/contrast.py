@@ -1,6 +1,7 @@
 """Tests between records: whether they are of one noise, and how far apart a coefficient of two can be."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ import numpy as np
 from allanite.changes import Homogeneity
 
 from .joint import Joint, drawn, least, tied
-from .likelihood import FloatArray, Likelihood
+from .likelihood import BoolArray, FloatArray, Likelihood
 
 DRAWS = 199
 """Draws of a bootstrap at most."""
@@ -165,16 +166,33 @@ def spread(joint: Joint, which: int) -> tuple[float, float]:
     columns = joint.chosen.free.copy()
     columns[which] = True
     parts, i = joint.only(columns), int(joint.chosen.free[:which].sum())
-    p, k = parts[0].S.shape[1], len(parts)
-    others = [j for j in range(p) if j != i]
-    maps = []
-    for j in range(k):
-        H = np.zeros((p, 1 + k * (p - 1)))
-        H[i, 0] = 1.0
-        H[others, 1 + j * (p - 1) + np.arange(p - 1)] = 1.0
-        maps.append(H)
+    apart = np.arange(parts[0].S.shape[1]) != i
+    maps = mixed(apart, len(parts))
     thetas, separate = least(parts)
-    start = np.concatenate(([np.mean([t[i] for t in thetas])], *(t[others] for t in thetas)))
+    start = np.concatenate(([np.mean([t[i] for t in thetas])], *(t[apart] for t in thetas)))
     _, value = tied(parts, maps).minimise(np.ones(start.size, dtype=bool), start)
     statistic = max(2 * (value - separate), 0.0)
-    return statistic, chi_square(statistic, k - 1)
+    return statistic, chi_square(statistic, len(parts) - 1)
+
+
+def mixed(apart: BoolArray, count: int) -> list[FloatArray]:
+    """Maps of `tied` for so many parts: columns that are `apart`, shape (p,), are of each part, the others common."""
+    p, own = apart.size, int(apart.sum())
+    maps = []
+    for j in range(count):
+        H = np.zeros((p, p - own + count * own))
+        H[~apart, np.arange(p - own)] = 1.0
+        H[apart, p - own + j * own + np.arange(own)] = 1.0
+        maps.append(H)
+    return maps
+
+
+def partly_common(joint: Joint, apart: Collection[str]) -> list[dict[str, float]]:
+    """Coefficients of each record, SI, every term let in: only those of the symbols `apart` differ between records.
+
+    A weak term is better known from all records together than from each.
+    """
+    maps = mixed(np.array([s in apart for s in joint.symbols]), len(joint.parts))
+    together = tied(joint.parts, maps)
+    theta, _ = together.minimise(np.ones(together.S.shape[1], dtype=bool))
+    return [dict(zip(joint.symbols, np.sqrt(H @ theta).tolist(), strict=True)) for H in maps]

@@ -46,6 +46,8 @@ class Joint:
     signal : Signal
     band : (low, high)
         The frequencies that every part has, Hz.
+    constant : float or None
+        Time constant of Gauss-Markov noise, s.
     """
 
     symbols: tuple[str, ...]
@@ -53,6 +55,12 @@ class Joint:
     seen: tuple[Spectrum, ...]
     signal: Signal
     band: tuple[float, float]
+    constant: float | None = None
+
+    def term(self, symbol: str, value: float) -> Term:
+        """A term of a model, with a coefficient in SI."""
+        shape = () if self.constant is None or not TERMS[symbol].parameters else (self.constant,)
+        return Term(symbol, value, self.signal, shape)
 
     @cached_property
     def whole(self) -> Likelihood:
@@ -120,7 +128,7 @@ def joint(
             row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
             whole = whole.with_more(column(row, found))
         parts.append(_in_si(_in_band(found, whole, band), found, noise))
-    return Joint(noise, tuple(parts), seen, records[0].signal, band)
+    return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
 
 
 def common_band(records: Sequence[Record], band: tuple[float, float] | None = None) -> tuple[float, float]:

@@ -125,12 +125,19 @@ def ratio_law(
         The noise of each.
     """
     row = statistic_named(statistic)
-    laws = []
-    for record, factors, model in zip(records, m, models, strict=True):
-        runs = integrated(record, row.order).runs
-        laws.append(mixtures(Points(row, factors, runs, record.size, record.rate, 0.2), [model]))
-    (edf_a, first), (edf_b, second) = laws
+    points = [
+        Points(row, factors, integrated(record, row.order).runs, record.size, record.rate, 0.2)
+        for record, factors in zip(records, m, strict=True)
+    ]
+    edf_a, first = mixtures(points[0], [models[0]])
+    twins = models[0] == models[1] and _of(points[0]) == _of(points[1])
+    edf_b, second = (edf_a, first) if twins else mixtures(points[1], [models[1]])
     return RatioLaw(first, second, (edf_a, edf_b))
+
+
+def _of(points: Points) -> tuple[object, ...]:
+    """What the law depends on beside the model."""
+    return points.m.tolist(), list(points.runs), points.size, points.rate
 
 
 def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:

@@ -26,10 +26,10 @@ COMPARED = (
     "The change of a coefficient is the ratio of the two, with profile limits: the ratios that the two records "
     "together do not contradict, whatever their other coefficients are. Its p is adjusted for the number of "
     "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's.",
-    "The ratio of the variances has the law of a ratio of two weighted sums of chi-squares under the two fitted "
-    "models, which is Fisher's F with both equivalent degrees of freedom where these are many. Neighbouring "
-    "averaging times share their data: of twenty that are equal one differs by chance, and where one does its "
-    "neighbours tend to.",
+    "The ratio of the variances has the law of a ratio of two weighted sums of chi-squares, which is Fisher's F with "
+    "both equivalent degrees of freedom where these are many. For it every term is let in, and coefficients that are "
+    "not told apart are supposed common. Neighbouring averaging times share their data: of twenty that are equal one "
+    "differs by chance, and where one does its neighbours tend to.",
 )
 POOLED = (
     "The runs are supposed to be independent. One noise for all is tested by the likelihood ratio against a model for "
