@@ -124,7 +124,7 @@ def identify(
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     robust.demand_choice(outliers)
     row = METHODS[name]
-    symbols = _symbols(terms)
+    symbols = symbols_of(terms)
     if row.takes is not Record and (band is not None or not lines):
         raise UsageError(
             f"a band, and whether lines are taken out, is for methods that work on the record, not for {name!r}"
@@ -163,8 +163,14 @@ def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
     return replace(fit, notes=(*fit.notes, note))
 
 
-def _symbols(terms: str) -> tuple[str, ...]:
-    """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between."""
+def symbols_of(terms: str) -> tuple[str, ...]:
+    """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between.
+
+    Raises
+    ------
+    UsageError
+        One is unknown or stands twice, or none is noise.
+    """
     rest = AUTOMATIC if terms == "auto" else terms
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)
