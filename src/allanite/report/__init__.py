@@ -22,7 +22,7 @@ def plot(
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, a sequence of one of them, Comparison, Pool
+    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, Comparison, Pool, or several of a kind
         Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
         panel. Density against frequency. Or the curves of all windows, and what changes with time.
     fit : Fit, optional
