@@ -8,6 +8,7 @@ from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
 from .errors import DataError as DataError
+from .errors import LongJobWarning as LongJobWarning
 from .errors import UnitError as UnitError
 from .errors import UsageError as UsageError
 from .fit import Estimate as Estimate
