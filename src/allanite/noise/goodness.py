@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from allanite.fit import EXPLAINED, Goodness, Line
 
 from .likelihood import Likelihood
+from .lines import surroundings
 from .whittle import Spectrum
 
 FloatArray = NDArray[np.float64]
@@ -55,7 +56,7 @@ def goodness(
     reasons = [*_lines(spectrum, used, m)]
     if p < EXPLAINED:
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
-        named = _where(bounds, ratio, z * moving) + _roll_off(spectrum, used, m)
+        named = _roll_off(spectrum, used, m) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)
     return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
 
@@ -90,7 +91,7 @@ def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[s
     from scipy.special import ndtri
 
     power, peak, count = spectrum.power[used], spectrum.peak[used], spectrum.count[used]
-    around = np.array([np.median(power[max(0, i - 4) : i + 5]) for i in range(power.size)])
+    around = np.median(surroundings(power), axis=1)
     threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
     found = peak > threshold * np.maximum(around, m)
     if not found.any():

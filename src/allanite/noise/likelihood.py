@@ -122,9 +122,9 @@ class Likelihood:
         m = self.S @ theta
         _, V, _ = self.directions(theta)
         X = self.S / m[:, None]
-        A = np.einsum("bij,bp->pij", self.UU / m[:, None, None], X)
-        loss = np.einsum("bij,bp,bq,ij->pq", self.UU / m[:, None, None], X, X, V)
-        return np.asarray(0.5 * (X.T * self.count) @ X - loss + 0.5 * np.einsum("pij,jk,qkl,li->pq", A, V, A, V))
+        A = ((X / m[:, None]).T @ self.UU.reshape(m.size, -1)).reshape(-1, *V.shape)
+        loss = self.UU.reshape(m.size, -1) @ V.ravel() / m
+        return np.asarray((X.T * (0.5 * self.count - loss)) @ X + 0.5 * np.einsum("pij,jk,qkl,li->pq", A, V, A, V))
 
     def minimise(
         self, free: BoolArray, start: FloatArray | None = None, fixed: tuple[int, float] | None = None

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .likelihood import FloatArray
+from .likelihood import BoolArray, FloatArray
 from .whittle import IntArray, Spectrum
 
 FALSE_LINE = 0.01
@@ -19,13 +20,17 @@ LOWEST = 4
 """Periods in the record that a sinusoid must have to be told from a slow noise."""
 
 MOST = 12
-"""Sinusoids that are taken out."""
+"""Peaks that are no sinusoids any more, but a hump of the spectrum: none of so many is taken out."""
 
 ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""
 
 BLOCKS = 2048
 """Pieces of the record in which a sinusoid near the peak of a line hardly turns."""
+
+COMPANY, NEIGHBOURS = 50.0, 2
+"""A sinusoid has no more others within so many periods of the record than one: what has, is a resonance or an unsteady
+line, and no sum of a few sinusoids takes it out."""
 
 TRUST = 3.0
 """The model's power is believed up to so many times that of the surroundings: a strong line lifts the model itself."""
@@ -46,25 +51,30 @@ class Wave(NamedTuple):
         """At the middles of n sample intervals."""
         inner, outer = _turns(self.frequency, n)
         turned = np.outer(outer * np.exp(1j * self.phase), inner).ravel()[:n]
-        return np.array(self.amplitude * turned.imag, dtype=np.float64)
+        return np.asarray(self.amplitude * turned.imag)
 
 
-def _turns(frequency: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """exp(2 pi i f (k + 1/2)) as a product of a part within a block and one of the block."""
     length = -(-n // BLOCKS)
     inner = np.exp(2j * np.pi * frequency * (np.arange(length) + 0.5))
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
 
 
+def surroundings(values: NDArray[Any]) -> NDArray[Any]:
+    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
+    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
+    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
+
+
 def levels(seen: Spectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
-    near = [slice(max(0, i - 4), i + 5) for i in range(m.size)]
-    around = np.array([np.median(seen.power[part]) for part in near])
-    many = np.array([seen.count[part].sum() for part in near])
-    return np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around))
+    around = np.median(surroundings(seen.power), axis=1)
+    many = surroundings(seen.count).sum(axis=1)
+    return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
 
 
-def suspected(seen: Spectrum, level: FloatArray, used: np.ndarray) -> bool:
+def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
     from scipy.special import ndtri
 
@@ -93,7 +103,7 @@ class Periodogram:
     square: float
     level: FloatArray
 
-    def peaks(self, used: np.ndarray) -> IntArray:
+    def peaks(self, used: BoolArray) -> IntArray:
         """Where lines stand, the strongest first; of neighbours, the higher one."""
         threshold = -math.log(FALSE_LINE / max(int(used.sum()), 1))
         above = np.flatnonzero(used & (self.power > threshold))
@@ -166,4 +176,8 @@ def waves_of(
         for wave in new:
             y -= wave.values(n)
         found += new
-    return found, y
+    f = np.array([wave.frequency for wave in found])
+    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
+    for wave in (wave for wave, alone in zip(found, steady, strict=True) if not alone):
+        y += wave.values(n)
+    return [wave for wave, alone in zip(found, steady, strict=True) if alone], y
