@@ -81,7 +81,7 @@ def rows(folder: Path, case: Case) -> list[tuple[str, ...]]:
     try:
         study = al.analyze(folder / case.file, recipe)
     except al.AllaniteError as error:
-        return [(name, ", ".join(case.channels), "", "", "", "", "", brief(str(error)))]
+        return [(name, ", ".join(case.channels), "", "", "", "", "", brief(str(error).replace(f"{folder}/", "")))]
     return [(name, *row(channel, wanted, case)) for channel, wanted in zip(study.channels, case.channels, strict=True)]
 
 
