@@ -22,7 +22,8 @@ def script():
 
 def rows_of(section):
     part = TEXT.split(f"\n## {section}")[1].split("\n## ")[0]
-    headings, *rows = [[c.strip() for c in line.strip("|").split("|")] for line in part.splitlines() if line[:2] == "| "]
+    lines = [line for line in part.splitlines() if line.startswith("| ")]
+    headings, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     return [dict(zip(headings, row, strict=True)) for row in rows]
 
 
@@ -64,9 +65,7 @@ def test_the_right_reason_is_named_in_nine_of_ten(row):
 def test_every_case_is_there():
     made = script()
     assert {(r["sensor"], int(r["n"])) for r in CLEAN} == {(s, n) for s in made.SENSORS for n in made.SIZES}
-    assert {(r["damage"], r["sensor"], r["kind"]) for r in DAMAGE} == {
-        (d.name, d.sensor, d.kind) for d in made.DAMAGED
-    }
+    assert {(r["damage"], r["sensor"], r["kind"]) for r in DAMAGE} == {(d.name, d.sensor, d.kind) for d in made.DAMAGED}
     assert {(r["fault"], r["sensor"]) for r in FAULTS} == {(f, s) for f in made.FAULTS for s in made.SENSORS}
 
 
