@@ -1,6 +1,7 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import faults as faults
 from . import rate as rate
 from .correction import Correction as Correction
 from .curve import Curve as Curve
@@ -21,6 +22,7 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .notation import parse_model as parse_model
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates
 from .readers import read as read
@@ -32,6 +34,8 @@ from .report import report as report
 from .ring_laser import GL1 as GL1
 from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
+from .sensors import SENSORS as SENSORS
+from .sensors import sensor as sensor
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation

@@ -10,6 +10,7 @@ from .analyze import analyze, info
 from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .reading import reading
+from .simulate import simulate
 
 VERBS: dict[str, click.Command] = {
     "info": info,
@@ -19,6 +20,7 @@ VERBS: dict[str, click.Command] = {
     "dynamic": dynamic,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
+    "simulate": simulate,
 }
 
 

@@ -1,0 +1,65 @@
+"""The options of verbs that need a model: written out, a typical sensor, or what a recording shows."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .reading import READING
+
+if TYPE_CHECKING:
+    from allanite.model import Model
+
+MODEL = (
+    click.option("--model", metavar="TERMS", help="The noise, as 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
+    click.option("--sensor", metavar="NAME", help="Or a typical gyro: mems, fog or rlg."),
+)
+
+OPTIONAL_READING = (click.argument("file", required=False, type=click.Path()), *READING[1:])
+"""A file instead of a model, and what is in it."""
+
+
+def options(*groups: tuple[Callable[..., Any], ...]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Give a command these options, in this order."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed([option for group in groups for option in group]):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def model_of(model: str | None, sensor: str | None) -> "Model | None":
+    """The model that is written out, or the sensor's; None where there is neither."""
+    from allanite.errors import UsageError
+    from allanite.notation import parse_model
+    from allanite.sensors import sensor as typical
+
+    if model is not None and sensor is not None:
+        raise UsageError("the noise is given twice: by --model and by --sensor")
+    if model is not None:
+        return parse_model(model)
+    return None if sensor is None else typical(sensor)
+
+
+def seconds(_: click.Context, __: click.Parameter, text: str | None) -> float | None:
+    """A duration: a number of seconds, or with a unit of time."""
+    return None if text is None else seconds_of(text)
+
+
+def durations(_: click.Context, __: click.Parameter, text: str | None) -> tuple[float, ...] | None:
+    """Durations between commas."""
+    return None if text is None else tuple(seconds_of(part) for part in text.split(","))
+
+
+def seconds_of(text: str) -> float:
+    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
+    from allanite.notation import split_quantities
+    from allanite.units import convert
+
+    found = split_quantities(text.split())
+    if len(found) != 1 or not found[0][0] > 0:
+        raise click.BadParameter(f"a duration is wanted, as 3600, '10 min' or 24h, not {text!r}")
+    value, unit = found[0]
+    return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
