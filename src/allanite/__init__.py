@@ -22,6 +22,10 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .noise.bound import Bound as Bound
+from .noise.bound import bound as bound
+from .noise.plan import RecordingPlan as RecordingPlan
+from .noise.plan import plan as plan
 from .notation import parse_model as parse_model
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates

@@ -9,6 +9,7 @@ from allanite.verbs.rate import rate
 from .analyze import analyze, info
 from .curves import deviation, dynamic, spectrum
 from .front import Front
+from .plan import plan
 from .reading import reading
 from .simulate import simulate
 
@@ -21,6 +22,7 @@ VERBS: dict[str, click.Command] = {
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
     "simulate": simulate,
+    "plan": plan,
 }
 
 
