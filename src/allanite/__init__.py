@@ -26,6 +26,8 @@ from .noise.bound import Bound as Bound
 from .noise.bound import bound as bound
 from .noise.plan import RecordingPlan as RecordingPlan
 from .noise.plan import plan as plan
+from .noise.selfcheck import SelfCheck as SelfCheck
+from .noise.selfcheck import selfcheck as selfcheck
 from .notation import parse_model as parse_model
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates

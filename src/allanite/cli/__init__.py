@@ -11,6 +11,7 @@ from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .plan import plan
 from .reading import reading
+from .selfcheck import selfcheck
 from .simulate import simulate
 
 VERBS: dict[str, click.Command] = {
@@ -23,6 +24,7 @@ VERBS: dict[str, click.Command] = {
     "angle": angle,
     "simulate": simulate,
     "plan": plan,
+    "selfcheck": selfcheck,
 }
 
 

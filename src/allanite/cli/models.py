@@ -116,3 +116,18 @@ def seconds_of(text: str) -> float:
         raise click.BadParameter(f"a duration is wanted, as 3600, '10 min' or 24h, not {text!r}")
     value, unit = found[0]
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+
+
+LENGTH = (
+    click.option("--duration", callback=seconds, metavar="TIME", help="Length: 3600, '10 min', 24h."),
+    click.option("--samples", type=int, metavar="N", help="Or the number of readings."),
+)
+
+
+def size_of(rate: float, duration: float | None, samples: int | None) -> int:
+    """Number of readings, by one of the options of `LENGTH`."""
+    from allanite.errors import UsageError
+
+    if (duration is None) == (samples is None):
+        raise UsageError("give the length either by --duration or by --samples")
+    return samples if samples is not None else round((duration or 0.0) * rate)

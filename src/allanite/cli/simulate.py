@@ -10,7 +10,7 @@ import click
 from allanite.report.outputs import STDOUT, demand_outputs
 
 from .faults import FAULTS, quantizer_unit
-from .models import MODEL, model_of, options, seconds
+from .models import LENGTH, MODEL, model_of, options, size_of
 from .output import put
 
 if TYPE_CHECKING:
@@ -25,8 +25,7 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 @click.argument("out", type=click.Path())
 @options(MODEL)
 @click.option("--rate", type=float, required=True, metavar="HZ", help="Sampling rate.")
-@click.option("--duration", callback=seconds, metavar="TIME", help="Length: 3600, '10 min', 24h.")
-@click.option("--samples", type=int, metavar="N", help="Or the number of readings.")
+@options(LENGTH)
 @click.option("--channels", type=int, default=1, metavar="N", help="Independent channels of this model.  [1]")
 @click.option("--seed", type=int, default=1, help="Of the random numbers; the same seed gives the same file.  [1]")
 @click.option("--unit", help="Of the readings.  [deg/h, ug]")
@@ -59,7 +58,7 @@ def simulate(out: str, *, json: str | None, force: bool, quiet: bool, **choices:
     model = model_of(choices["model"], choices["sensor"])
     if model is None:
         raise UsageError("give the noise by --model or --sensor")
-    size = _size(choices)
+    size = size_of(choices["rate"], choices["duration"], choices["samples"])
     with bar(shown=sys.stderr.isatty() and not quiet) as progress:
         recording = _recording(model, size, choices, progress)
         progress(f"writing {out}", 0.8)
@@ -68,15 +67,6 @@ def simulate(out: str, *, json: str | None, force: bool, quiet: bool, **choices:
         put(json, to_json(_Truth(model, recording, choices["seed"])).encode(), force=force)
     if not quiet:
         _print(recording, out, silent=json == STDOUT)
-
-
-def _size(choices: dict[str, Any]) -> int:
-    from allanite.errors import UsageError
-
-    duration, samples = choices["duration"], choices["samples"]
-    if (duration is None) == (samples is None):
-        raise UsageError("give the length either by --duration or by --samples")
-    return int(samples) if samples is not None else round(duration * choices["rate"])
 
 
 def _recording(

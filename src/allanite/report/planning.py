@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from allanite.model import Model
 from allanite.noise.bound import name_of
 from allanite.noise.plan import RecordingPlan
+from allanite.noise.selfcheck import SelfCheck
 from allanite.study import Channel
 
 from . import words
@@ -78,3 +79,38 @@ def _length(seconds: float) -> str:
     if not math.isfinite(seconds):
         return "never"
     return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else "> 100 years"
+
+
+CHECKED = (
+    "bound: least relative standard error (Cramer-Rao); bias and spread of the coefficient, relative to the truth; "
+    "coverage: share of the printed intervals that hold the truth; found: share of records in which the term is said "
+    "to be there. +- is the Monte-Carlo standard error."
+)
+
+
+def check_text(check: SelfCheck, name: str = "", *, width: int = 120) -> str:
+    """The table of a check."""
+    headings = ["", "truth", "bound", "bias", "spread", "coverage", "found"]
+    values = expected_values(check.model)
+    rows = [
+        [c.symbol, values.get(c.symbol, "") if c.truth else "absent", _percent(c.bound)]
+        + [_with_error(m) for m in (c.bias, c.spread, c.coverage, c.found)]
+        for c in check.terms
+    ]
+    length = words.duration(check.size / check.rate)
+    first = (
+        f"{words.printable(name) or 'check'}  {check.records} records of {check.size} readings at {check.rate:.8g} Hz "
+        f"({length}), intervals at {words.percent(check.level)}"
+    )
+    doubt = f"said of no model to explain the record: {_with_error(check.unexplained)} of records"
+    notes = [part for note in (doubt, *check.notes) for part in wrapped(note, width)]
+    return "".join(f"{line}\n" for line in (first, *aligned([headings, *rows], left=2), *notes))
+
+
+def _with_error(measured: tuple[float, float]) -> str:
+    """A share with its error in percent, to the digits that the error leaves."""
+    value, error = measured
+    if math.isnan(value):
+        return "-"
+    places = max(0, min(3, 1 - math.floor(math.log10(100 * error)))) if error > 0 else 1
+    return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
