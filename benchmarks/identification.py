@@ -42,6 +42,12 @@ HEADINGS = (
 )
 
 
+def bounds(model: al.Model, n: int) -> dict[str, float]:
+    """Relative Cramer-Rao bounds of the coefficients."""
+    found = al.bound(model, n, RATE)
+    return dict(zip(found.names, found.errors.tolist(), strict=True))
+
+
 @dataclass(frozen=True)
 class Job:
     """One record."""
@@ -93,7 +99,7 @@ def summary(job: Job, symbol: str, found: list[tuple]) -> tuple[str, ...]:
     sensor, n = job.sensor, job.n
     present = {t.symbol: t.value for t in SENSORS[sensor]}
     truth = present.get(symbol, 0.0)
-    bound = al.bound(SENSORS[sensor], n, RATE)[symbol] if symbol in present else math.nan
+    bound = bounds(SENSORS[sensor], n).get(symbol, math.nan)
     status = np.array([row[0] for row in found])
     value, low, high, profile_low, profile_high = np.array([row[1:] for row in found], dtype=float).T
     claimed = np.isin(status, ("identified", "weak")).mean()

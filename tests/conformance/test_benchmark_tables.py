@@ -89,7 +89,7 @@ def test_a_part_made_again_agrees(sensor, terms):
         for column, heading in ((5, "claimed %"), (7, "cover %"), (8, "profile %")):
             share = min(max(float(row[heading]) / 100, 0.002), 0.998)
             assert binomial_tail(round(float(made[column]) * records / 100), records, share) > 1e-5
-        assert made[4] == row["bound %"]
+        assert made[4] == row["bound %"] or float(made[4]) == pytest.approx(float(row["bound %"]), rel=0.03)
 
 
 def test_speed_meets_its_demands():

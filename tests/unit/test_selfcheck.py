@@ -71,13 +71,25 @@ def test_limits_are_exceeded_beyond_chance_only():
 
 
 def test_terms_that_cannot_be_compared_are_named():
-    model = al.N(1.0, "deg/sqrt(h)") + al.GM(1.0, "deg/h", time_constant=3.0) + al.Sine(1.0, "deg/h", frequency=1.0)
-    check = al.selfcheck(model, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
-    assert any("(GM) is in the model, but was not looked for" in note for note in check.notes)
+    pair = al.parse_model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
+    check = al.selfcheck(pair, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
+    assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not found in any record",)
     with pytest.raises(al.UsageError, match="'GM' was not looked for"):
         _ = check["GM"]
     with pytest.raises(al.UsageError, match="at least 2 records"):
-        al.selfcheck(model, 400, 10.0, records=1, rng=np.random.default_rng(1))
+        al.selfcheck(pair, 400, 10.0, records=1, rng=np.random.default_rng(1))
+
+
+def test_time_constants_and_sinusoids():
+    """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
+    model = al.parse_model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
+    check = al.selfcheck(model, 12_000, 10.0, records=10, rng=np.random.default_rng(1))
+    for symbol in ("N", "GM", "Sine"):
+        found = check[symbol]
+        assert found.found[0] == 1.0
+        assert abs(found.bias[0]) < 5 * found.bias[1] + 0.2 * found.bound
+        assert found.bound == al.bound(model, 12_000, 10.0)[symbol]
+    assert check["Sine"].spread[0] == pytest.approx(check["Sine"].bound, rel=1)
 
 
 def run(*arguments):

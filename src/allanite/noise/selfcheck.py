@@ -16,12 +16,17 @@ from allanite.terms import TERMS
 from allanite.units import Signal
 
 from . import identify
-from .bound import bound
+from .bound import Bound, bound
+from .selection import quantile
 
 FloatArray = NDArray[np.float64]
 
 Measured = tuple[float, float]
 """A number and its Monte-Carlo standard error."""
+
+Interval = Callable[[float], tuple[float, float]]
+
+LINE = next(symbol for symbol, row in TERMS.items() if row.periodic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +44,7 @@ class TermCheck:
     value : array, shape (records,)
         The coefficient in the model that describes each record best, SI; 0 where it is not in it.
     low, high : arrays, shape (records,)
-        The interval as printed.
+        The interval as printed; NaN where there is none.
     claimed : bool array, shape (records,)
         Whether the term was said to be there.
     """
@@ -68,8 +73,9 @@ class TermCheck:
 
     @property
     def coverage(self) -> Measured:
-        """Share of the intervals that hold the truth."""
-        return _share((self.low <= self.truth) & (self.truth <= self.high))
+        """Share of the intervals that hold the truth; NaN where none was given."""
+        given = np.isfinite(self.low)
+        return _share(((self.low <= self.truth) & (self.truth <= self.high))[given])
 
     @property
     def found(self) -> Measured:
@@ -82,6 +88,8 @@ class TermCheck:
 
 
 def _share(hit: NDArray[np.bool_]) -> Measured:
+    if not hit.size:
+        return math.nan, math.nan
     # the error is that of one more hit and one more miss, so that it is not zero where all or none hit
     smooth = (hit.sum() + 1) / (hit.size + 2)
     return float(hit.mean()), math.sqrt(smooth * (1 - smooth) / hit.size)
@@ -245,24 +253,59 @@ def selfcheck(
         fits.append(identify(simulate(truth, n, rate, rng=child), terms=terms))
     least = bound(truth, n, rate)
     present = {t.symbol: t for t in truth if sum(other.symbol == t.symbol for other in truth) == 1}
-    symbols = [e.symbol for e in fits[0]]
+    sought = dict.fromkeys(
+        [*(e.symbol for fit in fits for e in fit), *([LINE] if any(fit.lines for fit in fits) else [])]
+    )
+    seen = {symbol: [_seen(symbol, fit, present.get(symbol), n / rate) for fit in fits] for symbol in sought}
     checks = tuple(
-        _checked(symbol, present, fits, level, least[symbol] if symbol in present else math.nan) for symbol in symbols
+        _checked(present.get(symbol) or Term(symbol, 0.0, truth.signal), rows, level, least)
+        for symbol, rows in seen.items()
     )
     doubted = np.array([fit.goodness is not None and not fit.goodness.explained for fit in fits])
     notes = tuple(
         f"{TERMS[s].title} ({s}) is in the model, but "
-        + ("stands in it several times" if s in symbols else "was not looked for")
+        + ("stands in it several times" if s in sought else "was not found in any record")
         for s in dict.fromkeys(t.symbol for t in truth)
-        if s not in symbols or s not in present
+        if s not in sought or s not in present
     )
     return SelfCheck(truth, n, rate, records, level, checks, _share(doubted), notes)
 
 
-def _checked(symbol: str, present: dict[str, Term], fits: list[Fit], level: float, least: float) -> TermCheck:
-    estimates = [fit[symbol] for fit in fits]
-    limits = np.array([e.interval(level) for e in estimates])
-    value = [next((t.value for t in fit.model if t.symbol == symbol), 0.0) for fit in fits]
-    claimed = np.array([e.claimed for e in estimates])
-    truth = present[symbol].value if symbol in present else 0.0
-    return TermCheck(symbol, estimates[0].signal, truth, least, np.array(value), limits[:, 0], limits[:, 1], claimed)
+def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
+    """The coefficient in the model, its interval if one was given, and whether the term was said to be there."""
+    if symbol == LINE:
+        return _line_seen(fit, true, duration)
+    estimate = next((e for e in fit if e.symbol == symbol), None)
+    value = next((t.value for t in fit.model if t.symbol == symbol), 0.0)
+    return (value, None, False) if estimate is None else (value, estimate.interval, estimate.claimed)
+
+
+def _line_seen(fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
+    """The sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one any."""
+    if not fit.lines:
+        return 0.0, None, False
+    if true is None:
+        return fit.lines[0].amplitude, None, True
+    line = min(fit.lines, key=lambda line: abs(line.frequency - true.shape[0]))
+    if abs(line.frequency - true.shape[0]) > 2 / duration:
+        return 0.0, None, False
+
+    def interval(level: float) -> tuple[float, float]:
+        half = quantile((1 + level) / 2) * line.standard_error
+        return line.amplitude - half, line.amplitude + half
+
+    return line.amplitude, interval, True
+
+
+def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:
+    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for _, interval, _ in seen])
+    return TermCheck(
+        true.symbol,
+        true.signal,
+        true.value,
+        least[true.symbol] if true.value else math.nan,
+        np.array([value for value, _, _ in seen]),
+        limits[:, 0],
+        limits[:, 1],
+        np.array([claimed for _, _, claimed in seen]),
+    )
