@@ -43,6 +43,8 @@ from .ring_laser import simulate_ring_laser as simulate_ring_laser
 from .sensors import SENSORS as SENSORS
 from .sensors import sensor as sensor
 from .simulate import simulate as simulate
+from .statespace import StateSpace as StateSpace
+from .statespace import state_space as state_space
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation
 from .statistics import expected as expected

@@ -13,6 +13,7 @@ from .plan import plan
 from .reading import reading
 from .selfcheck import selfcheck
 from .simulate import simulate
+from .statespace import statespace
 
 VERBS: dict[str, click.Command] = {
     "info": info,
@@ -25,6 +26,7 @@ VERBS: dict[str, click.Command] = {
     "simulate": simulate,
     "plan": plan,
     "selfcheck": selfcheck,
+    "statespace": statespace,
 }
 
 

@@ -20,9 +20,10 @@ def plot(
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Fit, Channel, Study, Survey, or a sequence of one of them
+    value : Curve, Spectrum, Surface, Fit, Channel, Study, Survey, StateSpace, or a sequence of one of them
         Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
-        panel. Density against frequency. Or the curves of all windows, and what changes with time.
+        panel. Density against frequency. Or the curves of all windows, and what changes with time. Of a state space,
+        its curve beside the model's; a measured curve behind it in a sequence is drawn too.
     fit : Fit, optional
         What is drawn over a curve or spectrum, or over several statistics of one channel.
     path : path, optional

@@ -8,9 +8,11 @@ from matplotlib.figure import Figure
 from allanite.curve import Curve
 from allanite.fit import Fit
 from allanite.psd import Spectrum
+from allanite.statespace import StateSpace
 from allanite.surface import Surface
 from allanite.survey import Survey
 
+from .equivalent import plot_state_space
 from .figures import plot_panels
 from .overlay import plot_overlay
 from .panels import Panel, panels_of
@@ -26,6 +28,8 @@ def draw(value: Any, fit: Fit | None, level: float) -> Figure:
         return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
     if items and all(isinstance(item, Surface) for item in items):
         return plot_surfaces(items)
+    if items and isinstance(items[0], StateSpace):
+        return plot_state_space(items[0], [item for item in items[1:] if isinstance(item, Curve)], level=level)
     if len(items) > 1 and all(isinstance(item, Curve) for item in items):
         return plot_overlay([Panel(item.name, item, fit) for item in items], level=level)
     return plot_panels(panels_of(items[0] if len(items) == 1 else value, fit), level=level)
