@@ -3,10 +3,13 @@
 from . import angle as angle
 from . import faults as faults
 from . import rate as rate
+from .comparing import compare as compare
+from .comparison import Comparison as Comparison
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
 from .errors import DataError as DataError
+from .errors import LongJobWarning as LongJobWarning
 from .errors import UnitError as UnitError
 from .errors import UsageError as UsageError
 from .fit import Estimate as Estimate
@@ -26,9 +29,15 @@ from .noise.bound import Bound as Bound
 from .noise.bound import bound as bound
 from .noise.plan import RecordingPlan as RecordingPlan
 from .noise.plan import plan as plan
+from .noise.residuals import residuals as residuals
 from .noise.selfcheck import SelfCheck as SelfCheck
 from .noise.selfcheck import selfcheck as selfcheck
+from .noise.shared import shared as shared
+from .noise.whitening import whitened as whitened
 from .notation import parse_model as parse_model
+from .pooled import Pool as Pool
+from .pooling import pool as pool
+from .pooling import truncation as truncation
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates
 from .readers import read as read
@@ -60,3 +69,5 @@ from .study import analyze as analyze
 from .surface import Surface as Surface
 from .terms import TERMS as TERMS
 from .version import __version__ as __version__
+from .whiteness import Residuals as Residuals
+from .whiteness import Shared as Shared

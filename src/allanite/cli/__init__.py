@@ -7,6 +7,7 @@ from allanite.verbs.angle import angle
 from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
+from .compare import compare
 from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .plan import plan
@@ -21,6 +22,7 @@ VERBS: dict[str, click.Command] = {
     "deviation": deviation,
     "spectrum": spectrum,
     "dynamic": dynamic,
+    "compare": compare,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
     "simulate": simulate,

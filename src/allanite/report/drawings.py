@@ -5,31 +5,44 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from allanite.comparison import Comparison
 from allanite.curve import Curve
 from allanite.fit import Fit
+from allanite.pooled import Pool
 from allanite.psd import Spectrum
 from allanite.statespace import StateSpace
 from allanite.surface import Surface
 from allanite.survey import Survey
+from allanite.whiteness import Residuals
 
+from .comparison.figures import plot_comparison
 from .equivalent import plot_state_space
 from .figures import plot_panels
 from .overlay import plot_overlay
 from .panels import Panel, panels_of
+from .residuals import plot_residuals
 from .spectra import plot_spectra
 from .surfaces import plot_surfaces
 
 
 def draw(value: Any, fit: Fit | None, level: float) -> Figure:
     """The figure of a value; see `allanite.plot`."""
-    fits = value.fits if isinstance(value, Survey) else {}
+    if isinstance(value, (Comparison, Pool)):
+        return plot_comparison(value)
     items = _items(value)
+    if items and isinstance(items[0], StateSpace):
+        return plot_state_space(items[0], [item for item in items[1:] if isinstance(item, Curve)], level=level)
+    if len(items) == 1 and isinstance(items[0], Residuals):
+        return plot_residuals(items[0])
+    return _of_a_kind(value, items, fit, level)
+
+
+def _of_a_kind(value: Any, items: list[Any], fit: Fit | None, level: float) -> Figure:
+    fits = value.fits if isinstance(value, Survey) else {}
     if items and all(isinstance(item, Spectrum) for item in items):
         return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
     if items and all(isinstance(item, Surface) for item in items):
         return plot_surfaces(items)
-    if items and isinstance(items[0], StateSpace):
-        return plot_state_space(items[0], [item for item in items[1:] if isinstance(item, Curve)], level=level)
     if len(items) > 1 and all(isinstance(item, Curve) for item in items):
         return plot_overlay([Panel(item.name, item, fit) for item in items], level=level)
     return plot_panels(panels_of(items[0] if len(items) == 1 else value, fit), level=level)
