@@ -1,6 +1,7 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import faults as faults
 from . import rate as rate
 from .comparing import compare as compare
 from .comparison import Comparison as Comparison
@@ -24,9 +25,16 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .noise.bound import Bound as Bound
+from .noise.bound import bound as bound
+from .noise.plan import RecordingPlan as RecordingPlan
+from .noise.plan import plan as plan
 from .noise.residuals import residuals as residuals
+from .noise.selfcheck import SelfCheck as SelfCheck
+from .noise.selfcheck import selfcheck as selfcheck
 from .noise.shared import shared as shared
 from .noise.whitening import whitened as whitened
+from .notation import parse_model as parse_model
 from .pooled import Pool as Pool
 from .pooling import pool as pool
 from .pooling import truncation as truncation
@@ -41,7 +49,11 @@ from .report import report as report
 from .ring_laser import GL1 as GL1
 from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
+from .sensors import SENSORS as SENSORS
+from .sensors import sensor as sensor
 from .simulate import simulate as simulate
+from .statespace import StateSpace as StateSpace
+from .statespace import state_space as state_space
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation
 from .statistics import expected as expected

@@ -10,7 +10,11 @@ from .analyze import analyze, info
 from .compare import compare
 from .curves import deviation, dynamic, spectrum
 from .front import Front
+from .plan import plan
 from .reading import reading
+from .selfcheck import selfcheck
+from .simulate import simulate
+from .statespace import statespace
 
 VERBS: dict[str, click.Command] = {
     "info": info,
@@ -21,6 +25,10 @@ VERBS: dict[str, click.Command] = {
     "compare": compare,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
+    "simulate": simulate,
+    "plan": plan,
+    "selfcheck": selfcheck,
+    "statespace": statespace,
 }
 
 
