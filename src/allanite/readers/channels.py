@@ -103,7 +103,8 @@ def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
     # a file that says what the readings of a column are needs no reading of names
-    why = "" if column.kind else _no_signal(column, options) or _rises(column, options, pool)
+    said = bool(column.kind) or _asked_for(column, options)
+    why = "" if said else _no_signal(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, _applies(column, options))
 
 
@@ -116,8 +117,6 @@ def _no_signal(column: Column, options: Options) -> str:
     """Why a column, by its header, is no inertial signal; empty if it may be one."""
     if column.text:
         return "text and not numbers"
-    if _asked_for(column, options):
-        return ""
     if headers.is_other(column.name, column.unit):
         return "no inertial signal by its name"
     if headers.is_time(column.unit) or (not column.unit and headers.clock_rank(column.name) < 2):
@@ -133,7 +132,8 @@ def _no_signal(column: Column, options: Options) -> str:
 def _asked_for(column: Column, options: Options) -> bool:
     """Whether the header's unit is that of a signal which the user's unit asks for: a current, by unit="A"."""
     signal = headers.signal_of(column.unit)
-    return signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
+    wanted = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
+    return wanted and not column.text
 
 
 def _rises(column: Column, options: Options, pool: list[Column]) -> str:
