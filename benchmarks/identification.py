@@ -2,11 +2,14 @@
 
     python benchmarks/identification.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 300] [--write PATH]
 
-Records of three sensors are simulated with seeds 1, 2, 3, ... and identified as a user would, all five terms asked for.
-The bound is that of the coefficients with the true terms known (and the ramp unknown where there is one).
+Records of three sensors are simulated with seeds 1, 2, 3, ... and identified twice: "auto" as a user would, who does
+not know which terms there are (Gauss-Markov noise and sinusoids are looked for too), and "known" with the true terms
+asked for and no others. The bound is that of the coefficients with the true terms known (and the ramp unknown where
+there is one).
 """
 
 import argparse
+import itertools
 import math
 import platform
 import subprocess
@@ -34,6 +37,7 @@ SENSORS = {
     "RLG": al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
 }
 HEADINGS = (
+    "terms",
     "sensor",
     "n",
     "term",
@@ -79,44 +83,57 @@ def bounds(model: al.Model, n: int) -> dict[str, float]:
 class Job:
     """One record."""
 
+    terms: str
     sensor: str
     n: int
     seed: int
 
 
+def asked(terms: str, sensor: str) -> str:
+    """What is asked of `identify`."""
+    return "auto" if terms == "auto" else "".join(t.symbol for t in SENSORS[sensor])
+
+
 def identified(job: Job) -> list[tuple[str, float, float, float, float, float]]:
-    """(status, value, low, high, profile low, profile high) of Q, N, B, K, R."""
+    """(status, value, low, high, profile low, profile high) of the terms asked for; "auto" asks for Q, N, B, K, R."""
     record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng(job.seed))
-    fit = al.identify(record)
+    fit = al.identify(record, terms=asked(job.terms, job.sensor))
     rows = []
-    for e in fit:
+    for e in (fit[s] for s in symbols(job.terms, job.sensor)):
         low, high = e.interval(0.95)
-        value = fit.model[e.symbol].value if e.symbol in [t.symbol for t in fit.model] else 0.0
+        value = sum(t.value for t in fit.model if t.symbol == e.symbol)
         rows.append((e.status, value, low, high, *(e.profile(0.95) if e.profile else (low, high))))
     return rows
+
+
+def symbols(terms: str, sensor: str) -> str:
+    """The terms that are looked at."""
+    return "QNBKR" if terms == "auto" else asked(terms, sensor)
 
 
 def table(sensors: list[str], sizes: list[int], records: int, first: int) -> list[tuple[str, ...]]:
     """Rows of the table, one a sensor, length and term."""
     rows = []
     with Pool() as pool:
-        for n in sizes:
-            for sensor in sensors:
-                jobs = [Job(sensor, n, seed) for seed in range(first, first + records)]
-                found = pool.map(identified, jobs, chunksize=5)
-                rows += [summary(sensor, n, i, [record[i] for record in found]) for i in range(5)]
-                print(f"{sensor} {n} done", file=sys.stderr, flush=True)
+        for terms, n, sensor in itertools.product(("auto", "known"), sizes, sensors):
+            jobs = [Job(terms, sensor, n, seed) for seed in range(first, first + records)]
+            found = pool.map(identified, jobs, chunksize=5)
+            rows += [
+                summary(jobs[0], symbol, [record[i] for record in found])
+                for i, symbol in enumerate(symbols(terms, sensor))
+            ]
+            print(f"{terms} {sensor} {n} done", file=sys.stderr, flush=True)
     return rows
 
 
-def summary(sensor: str, n: int, which: int, found: list[tuple]) -> tuple[str, ...]:
-    symbol = "QNBKR"[which]
+def summary(job: Job, symbol: str, found: list[tuple]) -> tuple[str, ...]:
+    sensor, n = job.sensor, job.n
     present = {t.symbol: t.value for t in SENSORS[sensor]}
     truth, bound = present.get(symbol, 0.0), bounds(SENSORS[sensor], n).get(symbol, math.nan)
     status = np.array([row[0] for row in found])
     value, low, high, profile_low, profile_high = np.array([row[1:] for row in found], dtype=float).T
     claimed = np.isin(status, ("identified", "weak")).mean()
-    cells = [sensor, str(n), symbol + ("" if symbol in present else " (absent)")]
+    cells = [job.terms, sensor, str(n), symbol + ("" if symbol in present else " (absent)")]
     cells += [f"{100 * bound:.2f}" if symbol in present else "-", f"{100 * claimed:.1f}"]
     cells += [f"{100 * (status == 'identified').mean():.1f}"]
     cells += [f"{100 * ((low <= truth) & (truth <= high)).mean():.1f}"]
@@ -131,8 +148,8 @@ def summary(sensor: str, n: int, which: int, found: list[tuple]) -> tuple[str, .
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
-    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
-    parser.add_argument("--records", type=int, default=300)
+    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18, 2**20])
+    parser.add_argument("--records", type=int, default=1000)
     parser.add_argument("--first", type=int, default=1, help="first seed")
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()

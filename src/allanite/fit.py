@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .curve import Curve
 from .errors import UsageError
-from .model import Model, coefficient_factor
+from .model import Model, Term, coefficient_factor
 from .terms import TERMS
 from .units import Signal
 
@@ -53,6 +53,10 @@ class Estimate:
     method: str
     limits: Callable[[float], tuple[float, float]] | None = None
     profile: Callable[[float], tuple[float, float]] | None = None
+    shape: tuple[float, ...] = ()
+    """Values of the `parameters` of the term's row: the time constant of GM, s."""
+    shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
+    """level -> (low, high) of each of them."""
 
     @property
     def unit(self) -> str:
@@ -114,6 +118,13 @@ class Estimate:
             "standard_error": self.standard_error,
             "level": level,
             "shown": {**shown, "unit": self.sheet_unit},
+        } | self._shape_dict(level)
+
+    def _shape_dict(self, level: float) -> dict[str, Any]:
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        return {
+            p.name: {"value": value, "low": _finite(low), "high": _finite(high), "unit": p.unit}
+            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
         }
 
 
@@ -126,7 +137,8 @@ class Goodness:
     """Does the model explain the data? By cells of frequency.
 
     `frequency` (Hz, shape (cells + 1,)) bounds the cells, `ratio` is observed over expected power in each, `z` the same
-    as a standard normal deviate; `p` is the probability of worse by chance; `reasons` say in words what is wrong.
+    as a standard normal deviate; `p` is the probability of worse by chance; `reasons` say in words what is wrong, and
+    `remarks` what is not noise but could be dealt with.
     """
 
     frequency: FloatArray
@@ -134,6 +146,7 @@ class Goodness:
     z: FloatArray
     p: float
     reasons: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def explained(self) -> bool:
@@ -144,16 +157,72 @@ class Goodness:
     def verdict(self) -> str:
         """One sentence."""
         p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
+        also = "".join(f"; {remark}" for remark in self.remarks)
         if self.explained:
-            return f"the model explains the record (goodness of fit {p})"
+            return f"the model explains the record (goodness of fit {p}){also}"
         why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record (goodness of fit {p}){why}"
+        return f"no model of these terms explains the record (goodness of fit {p}){why}{also}"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A sinusoid that was found in a record and taken out before its noise was identified.
+
+    Attributes
+    ----------
+    frequency, amplitude, standard_error, phase : float
+        Hz; SI, of the rate itself and not of its mean over a sample interval; the amplitude's; rad at the start.
+    signal : Signal
+    """
+
+    frequency: float
+    amplitude: float
+    standard_error: float
+    phase: float
+    signal: Signal
+
+    @property
+    def term(self) -> Term:
+        """As a term of a model."""
+        return Term("Sine", self.amplitude, self.signal, (self.frequency, self.phase))
+
+    def words(self) -> str:
+        """Frequency and amplitude: ``12 Hz (amplitude 0.31 ± 0.02 deg/h)``."""
+        unit = self.signal.sheet[0]
+        size = coefficient_factor("Sine", unit, self.signal)
+        return (
+            f"{self.frequency:.6g} Hz (amplitude {self.amplitude / size:.3g} ± {self.standard_error / size:.2g} {unit})"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI."""
+        return {
+            "frequency": self.frequency,
+            "amplitude": self.amplitude,
+            "standard_error": self.standard_error,
+            "phase": self.phase,
+            "unit": self.signal.si[0],
+        }
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another model of the same record: `aic` is its Akaike criterion less that of the fit's own model."""
+
+    model: Model
+    aic: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"model": self.model.to_dict(), "aic": self.aic}
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
     """Coefficients of a record or curve.
 
+    `lines` are sinusoids that were taken out first; they stand in the model. `alternatives` are other families of terms
+    for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
     """
@@ -167,6 +236,13 @@ class Fit:
     correlation: FloatArray | None = None
     curve: Curve | None = None
     notes: tuple[str, ...] = field(default=())
+    lines: tuple[Line, ...] = ()
+    rivals: Callable[[], tuple[Alternative, ...]] | None = None
+
+    @property
+    def alternatives(self) -> tuple[Alternative, ...]:
+        """Other models of the record; empty where the method knows none."""
+        return self.rivals() if self.rivals else ()
 
     def __getitem__(self, symbol: str) -> Estimate:
         for estimate in self.estimates:
@@ -203,6 +279,8 @@ class Fit:
             "terms": [e.to_dict(level) for e in self.estimates],
             "gof_p": None if good is None else good.p,
             "gof_reasons": [] if good is None else list(good.reasons),
-            "lines": [],
+            "gof_remarks": [] if good is None else list(good.remarks),
+            "lines": [line.to_dict() for line in self.lines],
+            "alternatives": [other.to_dict() for other in self.alternatives],
             "notes": list(self.notes),
         }

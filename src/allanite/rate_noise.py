@@ -3,7 +3,7 @@
 from .errors import DataError
 from .fit import Fit
 from .model import Model, Term
-from .noise import identify
+from .noise import AUTOMATIC, identify
 from .prepare import block_means
 from .rate import rank
 from .record import SHORTEST, Record
@@ -24,8 +24,10 @@ def identified(record: Record, recipe: Recipe) -> tuple[Fit | None, tuple[str, .
     Dither and coarse counts make lines that no term describes. Taken every second, they fold onto white noise of the
     angle, which is what they are to a rate.
     """
+    # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
+    terms = AUTOMATIC if recipe.terms == "auto" else recipe.terms
     try:
-        fit = identify(record, terms=recipe.terms, band=recipe.band)
+        fit = identify(record, terms=terms, band=recipe.band, lines=False)
     except DataError as error:
         return None, (f"no noise model: {error}",)
     if fit.goodness is None or fit.goodness.explained:
@@ -34,7 +36,7 @@ def identified(record: Record, recipe: Recipe) -> tuple[Fit | None, tuple[str, .
         m = round(seconds * record.rate)
         if m < 2 or record.size // m < SHORTEST:
             continue
-        coarse = identify(block_means(record, m), terms=recipe.terms)
+        coarse = identify(block_means(record, m), terms=terms, lines=False)
         if coarse.goodness is not None and coarse.goodness.explained:
             note = (
                 f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "

@@ -7,6 +7,7 @@ so that every spelling of the field works: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``, 
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from .errors import UnitError
@@ -219,6 +220,10 @@ class Signal:
     def dimension(self) -> Dimension:
         """Powers of `BASES` of the signal."""
         return unit_of(self.unit).dimension
+
+    def __reduce__(self) -> "tuple[Callable[[str], Signal], tuple[str]]":
+        """By its name: what comes back from another process is the row of `SIGNALS` itself."""
+        return signal_named, (self.name,)
 
 
 def _plain(name: str, unit: str) -> Signal:

@@ -211,7 +211,7 @@ def test_a_spectrum_with_its_terms(record, fit):
     assert any(text.get_text().startswith("N = ") for text in ax.texts)
     assert ax.get_title("right") == "welch, hann window"
     swaying = record.with_values(record.values + 1e-5 * np.sin(np.arange(record.size)), "")
-    doubtful = plot(al.spectrum(swaying), al.identify(swaying))
+    doubtful = plot(al.spectrum(swaying), al.identify(swaying, lines=False))
     assert doubtful.axes[0].get_title("right") == "the model does not explain the record"
     assert plot([spectrum, spectrum]).axes[1].get_xlabel() == "frequency (Hz)"
 

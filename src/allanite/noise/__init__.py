@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from allanite.curve import Curve
 from allanite.errors import UsageError
@@ -39,6 +38,7 @@ def identify(
     *,
     terms: str = "auto",
     band: tuple[float, float] | None = None,
+    lines: bool = True,
 ) -> Fit:
     """Find the noise coefficients of a record, or of an Allan curve.
 
@@ -50,9 +50,12 @@ def identify(
         Allan curve (that of the record, at octaves, if a record is given) and give numbers only; "ls" is the default
         for a curve.
     terms : str
-        "auto" for Q, N, B, K and R, or their symbols, for example "QNK".
+        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) takes the place of flicker if the record clearly says
+        so; or symbols, for example "QNK" or "N,GM,K", which are obeyed.
     band : (low, high), optional
         Frequencies that count, Hz ("whittle" only).
+    lines : bool
+        Whether sinusoids are found, taken out and reported before the noise is identified ("whittle" only).
 
     Returns
     -------
@@ -82,21 +85,29 @@ def identify(
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     row = METHODS[name]
     symbols = _symbols(terms)
-    options: dict[str, Any] = {} if band is None else {"band": band}
-    if options and row.takes is not Record:
-        raise UsageError(f"a band is for methods that work on the record, not for {name!r}")
+    if row.takes is not Record and (band is not None or not lines):
+        raise UsageError(
+            f"a band, and whether lines are taken out, is for methods that work on the record, not for {name!r}"
+        )
     if isinstance(source, Curve) and row.takes is Record:
         raise UsageError(f"method {name!r} needs the record, not a curve of it")
     if isinstance(source, Record) and row.takes is Curve:
         source = deviation(source, "oadev")
-    return row.fit(source, symbols, **options)
+    if row.takes is Record:
+        return row.fit(source, symbols, band, lines=lines, rival=terms == "auto")
+    return row.fit(source, symbols)
 
 
-def _symbols(terms: str) -> str:
-    symbols = AUTOMATIC if terms == "auto" else terms
-    for symbol in symbols:
-        if symbol not in TERMS:
-            raise UsageError(f"unknown term {symbol!r} in {terms!r}; known are {', '.join(TERMS)}")
+def _symbols(terms: str) -> tuple[str, ...]:
+    """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between."""
+    rest = AUTOMATIC if terms == "auto" else terms
+    symbols: tuple[str, ...] = ()
+    known = sorted(TERMS, key=len, reverse=True)
+    while rest := rest.lstrip(", "):
+        symbol = next(filter(rest.startswith, known), None)
+        if symbol is None:
+            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known are {', '.join(TERMS)}")
+        symbols, rest = (*symbols, symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
         raise UsageError(f"terms name each symbol once, and at least one is noise, unlike {terms!r}")
     return symbols

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.fit import EXPLAINED, Goodness
+from allanite.fit import EXPLAINED, Goodness, Line
 
 from .likelihood import Likelihood
+from .lines import surroundings
 from .whittle import Spectrum
 
 FloatArray = NDArray[np.float64]
@@ -19,7 +20,13 @@ FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
 
 
-def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used: NDArray[np.bool_]) -> Goodness:
+def goodness(
+    spectrum: Spectrum,
+    likelihood: Likelihood,
+    theta: FloatArray,
+    used: NDArray[np.bool_],
+    taken: tuple[Line, ...] = (),
+) -> Goodness:
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
@@ -31,6 +38,8 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
         The spectrum, its likelihood in the band that was used, and the model.
     used : bool array, shape (bins of the spectrum,)
         The band.
+    taken : tuple of Line
+        Sinusoids that were taken out before.
     """
     from scipy.special import chdtrc
 
@@ -49,7 +58,15 @@ def goodness(spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
         named = _where(bounds, ratio, z * moving) + _roll_off(spectrum, used, m)
         reasons += named or _where(bounds, ratio, z)
-    return Goodness(bounds, ratio, z, p, tuple(reasons))
+    return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
+
+
+def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
+    if not taken:
+        return ()
+    where = ", ".join(line.words() for line in taken)
+    many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
+    return (f"{many} taken out first, at {where}: vibration, sway or interference",)
 
 
 def _cells(first: NDArray[np.int64], spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
@@ -74,7 +91,7 @@ def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[s
     from scipy.special import ndtri
 
     power, peak, count = spectrum.power[used], spectrum.peak[used], spectrum.count[used]
-    around = np.array([np.median(power[max(0, i - 4) : i + 5]) for i in range(power.size)])
+    around = np.median(surroundings(power), axis=1)
     threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
     found = peak > threshold * np.maximum(around, m)
     if not found.any():

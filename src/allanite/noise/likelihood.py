@@ -12,7 +12,7 @@ replaced by its expectation given the data, (c - U eta)^2 + U V U', while each d
 more.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -63,6 +63,16 @@ class Likelihood:
             flat=self.flat[held],
         )
 
+    def with_column(self, which: int, S: FloatArray) -> "Likelihood":
+        """The likelihood with another column of the bins for one of the terms."""
+        columns = self.S.copy()
+        columns[:, which] = S
+        return replace(self, S=columns)
+
+    def with_more(self, S: FloatArray) -> "Likelihood":
+        """The likelihood with one more column, of a term that does not know the edges of the record."""
+        return replace(self, S=np.column_stack((self.S, S)), W=np.column_stack((self.W, np.zeros(self.W.shape[0]))))
+
     def expectation(self, theta: FloatArray) -> FloatArray:
         """Expected power m of the bins, without the directions."""
         return np.asarray(self.S @ theta)
@@ -112,9 +122,9 @@ class Likelihood:
         m = self.S @ theta
         _, V, _ = self.directions(theta)
         X = self.S / m[:, None]
-        A = np.einsum("bij,bp->pij", self.UU / m[:, None, None], X)
-        loss = np.einsum("bij,bp,bq,ij->pq", self.UU / m[:, None, None], X, X, V)
-        return np.asarray(0.5 * (X.T * self.count) @ X - loss + 0.5 * np.einsum("pij,jk,qkl,li->pq", A, V, A, V))
+        A = ((X / m[:, None]).T @ self.UU.reshape(m.size, -1)).reshape(-1, *V.shape)
+        loss = self.UU.reshape(m.size, -1) @ V.ravel() / m
+        return np.asarray((X.T * (0.5 * self.count - loss)) @ X + 0.5 * np.einsum("pij,jk,qkl,li->pq", A, V, A, V))
 
     def minimise(
         self, free: BoolArray, start: FloatArray | None = None, fixed: tuple[int, float] | None = None

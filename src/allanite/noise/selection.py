@@ -17,25 +17,47 @@ DOUBT = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Subset:
-    """The likelihood's minimum with some of the terms free."""
+    """The likelihood's minimum with some of the terms free.
 
+    `constants` are the time constants, in samples, of the Gauss-Markov terms among them.
+    """
+
+    likelihood: Likelihood
     free: BoolArray
     theta: FloatArray
     value: float
+    constants: tuple[float, ...] = ()
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion: 2 L and two for each number that was fitted."""
+        return 2 * self.value + 2 * (int((self.theta > 0).sum()) + len(self.constants))
 
     def score(self, penalty: float | FloatArray) -> float:
         """2 L + the penalties of the terms."""
         return 2 * self.value + float((penalty * self.free).sum())
 
 
-def subsets(likelihood: Likelihood) -> list[Subset]:
-    """Every non-empty subset of the terms, fitted."""
+def subsets(
+    likelihood: Likelihood,
+    *,
+    must: BoolArray | None = None,
+    may: BoolArray | None = None,
+    constants: tuple[float, ...] = (),
+) -> list[Subset]:
+    """Every non-empty subset of the terms, fitted, that holds all that it `must` and no other than it `may`.
+
+    The last one holds all that it may.
+    """
     p = likelihood.S.shape[1]
-    masks = [np.array([bool(code >> i & 1) for i in range(p)]) for code in range(1, 2**p)]
-    return [Subset(free, *likelihood.minimise(free)) for free in masks]
+    must = np.zeros(p, dtype=bool) if must is None else must
+    may = np.ones(p, dtype=bool) if may is None else may
+    masks = (np.array([bool(code >> i & 1) for i in range(p)]) for code in range(1, 2**p))
+    wanted = [mask for mask in masks if not (must & ~mask).any() and not (mask & ~may).any()]
+    return [Subset(likelihood, free, *likelihood.minimise(free), constants) for free in wanted]
 
 
-def select(fitted: list[Subset], penalty: float = PENALTY) -> Subset:
+def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subset:
     """The subset with the least 2 L + penalty x (number of terms)."""
     return min(fitted, key=lambda subset: subset.score(penalty))
 
@@ -47,9 +69,13 @@ class Profile:
     `excess` is 2 (L - L at the subset's minimum).
     """
 
-    likelihood: Likelihood
     subset: Subset
     which: int
+
+    @property
+    def likelihood(self) -> Likelihood:
+        """That of the subset."""
+        return self.subset.likelihood
 
     @property
     def best(self) -> float:
@@ -77,7 +103,7 @@ class Profile:
     @cached_property
     def _width(self) -> float:
         """Standard error from the curvature: where to start looking."""
-        return standard_error(self.likelihood, self.subset, self.which)
+        return standard_error(self.subset, self.which)
 
     def at(self, value: float, start: FloatArray) -> tuple[float, float, FloatArray]:
         """The excess at theta[which] = value, its derivative, and where the other terms went."""
@@ -110,39 +136,43 @@ class Profiles:
     it could hardly have seen nothing: a term that could dominate n_j coefficients must gain ln n_j, at most `DOUBT`.
     """
 
-    likelihood: Likelihood
     fitted: list[Subset]
+    chosen: Subset
+    everything: Subset
+    """The subset in which no term is left out that could take another's place."""
 
     @cached_property
     def doubt(self) -> FloatArray:
         """What each term must gain in 2 L before it widens the limits of others, shape (p,)."""
-        m = self.likelihood.expectation(select(self.fitted).theta)
-        share = self.likelihood.S / m[:, None]
-        dominated = self.likelihood.count @ (share / share.max(axis=0)) ** 2
+        likelihood = self.chosen.likelihood
+        m = likelihood.expectation(self.chosen.theta)
+        share = likelihood.S / m[:, None]
+        dominated = likelihood.count @ (share / share.max(axis=0)) ** 2
         return np.asarray(np.clip(np.log(dominated), 0.0, DOUBT), dtype=np.float64)
 
     def limits(self, which: int, level: float) -> tuple[float, float]:
-        """Two-sided limits of theta; the lower one is 0 where theta = 0 is within."""
-        within = self._within(which, _quantile((1 + level) / 2) ** 2)
-        return min(p.lower(drop) for p, drop in within), max(p.upper(drop) for p, drop in within)
+        """Two-sided limits of theta; the lower one is 0 where theta = 0 is within; 0 and inf where nothing is known."""
+        within = self._within(which, quantile((1 + level) / 2) ** 2)
+        low = min((p.lower(drop) for p, drop in within), default=0.0)
+        return low, max((p.upper(drop) for p, drop in within), default=math.inf)
 
     def upper(self, which: int, level: float = 0.95) -> float:
         """One-sided upper limit of theta; the estimate itself for levels up to 0.5."""
-        return max(p.upper(drop) for p, drop in self._within(which, max(0.0, _quantile(level)) ** 2))
+        within = self._within(which, max(0.0, quantile(level)) ** 2)
+        return max((p.upper(drop) for p, drop in within), default=math.inf)
 
     def excludes_zero(self, which: int, level: float = 0.95) -> bool:
         """Whether theta = 0 lies below the limits even if every other term is let in without doubt."""
-        everything = self.fitted[-1]
-        return Profile(self.likelihood, everything, which).lower(_quantile((1 + level) / 2) ** 2) > 0
+        return Profile(self.everything, which).lower(quantile((1 + level) / 2) ** 2) > 0
 
     def weighted(self, which: int, nodes: int = 32) -> tuple[list[FloatArray], FloatArray]:
         """All thetas along the profile of one, with weights of its likelihood times a flat prior of theta.
 
         Every term is free; the nodes are evenly spaced in sqrt(theta), from 0 to where nothing is left.
         """
-        profile = Profile(self.likelihood, self.fitted[-1], which)
+        profile = Profile(self.everything, which)
         roots = np.linspace(0.0, math.sqrt(profile.upper(16.0)), nodes)
-        start, thetas, excess = self.fitted[-1].theta, [], []
+        start, thetas, excess = self.everything.theta, [], []
         for root in roots[::-1]:
             value, _, start = profile.at(root**2, start)
             thetas.append(start)
@@ -153,20 +183,27 @@ class Profiles:
     def _within(self, which: int, drop: float) -> list[tuple[Profile, float]]:
         """Subsets whose minimum lies within `drop` of the best one's, and what each has left of it."""
         having = [subset for subset in self.fitted if subset.free[which]]
-        best = min(subset.score(self.doubt) for subset in having)
+        best = min((subset.score(self.doubt) for subset in having), default=math.inf)
         left = [(subset, drop - (subset.score(self.doubt) - best)) for subset in having]
-        return [(Profile(self.likelihood, subset, which), rest) for subset, rest in left if rest >= 0]
+        return [(Profile(subset, which), rest) for subset, rest in left if rest >= 0]
 
 
-def standard_error(likelihood: Likelihood, subset: Subset, which: int) -> float:
-    """Of theta[which], from the expected information of the subset's terms."""
-    information = likelihood.information(subset.theta)[np.ix_(subset.free, subset.free)]
-    at = int(subset.free[:which].sum())
+def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) -> float:
+    """Of theta[which], from the expected information of the subset's terms.
+
+    `slope` is how the expected power of the bins changes with something else that is unknown too, shape (bins,).
+    """
+    likelihood, theta, free = subset.likelihood, subset.theta, subset.free
+    if slope is not None:
+        likelihood = likelihood.with_more(slope)
+        theta, free = np.append(theta, 0.0), np.append(free, True)
+    information = likelihood.information(theta)[np.ix_(free, free)]
+    at = int(free[:which].sum())
     size = np.sqrt(np.diag(information))
     return float(np.sqrt(np.linalg.pinv(information / np.outer(size, size), hermitian=True)[at, at]) / size[at])
 
 
-def _quantile(p: float) -> float:
+def quantile(p: float) -> float:
     """Quantile of the standard normal distribution."""
     from scipy.special import ndtri
 

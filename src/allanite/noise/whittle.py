@@ -4,7 +4,9 @@ DCT-II diagonalises white noise and a random walk with unknown start exactly: no
 What is left of flicker's correlation is a factor of k alone, and quantization has a closed edge term (`terms.py`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 from allanite.errors import DataError, UsageError
 from allanite.record import Record
 from allanite.statistics.lags import sum_nodes
-from allanite.terms import TERMS, ramp_coefficients
+from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 
 from .likelihood import Likelihood
 
@@ -66,6 +68,13 @@ class Spectrum:
         """Frequency of coefficient k, Hz."""
         return np.asarray(k * (self.rate / (2 * self.size)))
 
+    @cached_property
+    def nodes(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Nodes and weights whose weighted sums are sums over each bin, and where each bin's begin."""
+        rules = [sum_nodes(float(a), int(b)) for a, b in zip(self.first, self.count, strict=True)]
+        starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
+        return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
+
     def within(self, band: tuple[float, float]) -> NDArray[np.bool_]:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
         low, high = band
@@ -107,14 +116,14 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, slope, factor)
 
 
-def likelihood(spectrum: Spectrum, symbols: str) -> Likelihood:
+def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
     noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
     with_ramp = len(noise) < len(symbols)
     UU, Uc = _directions(spectrum, with_ramp)
     edge = np.array([TERMS[symbol].edge for symbol in noise])
     return Likelihood(
-        S=np.column_stack([_binned(symbol, spectrum) for symbol in noise]),
+        S=np.column_stack([column(TERMS[symbol], spectrum) for symbol in noise]),
         power=spectrum.power,
         count=spectrum.count.astype(np.float64),
         UU=UU,
@@ -176,11 +185,7 @@ def _edges(n: int) -> IntArray:
     return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
 
 
-def _binned(symbol: str, spectrum: Spectrum) -> FloatArray:
+def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
-    rules = [sum_nodes(float(a), int(b)) for a, b in zip(spectrum.first, spectrum.count, strict=True)]
-    starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
-    nodes = np.concatenate([x for x, _ in rules])
-    weights = np.concatenate([w for _, w in rules])
-    values = TERMS[symbol].dct(nodes, spectrum.size)
-    return np.asarray(np.add.reduceat(weights * values, starts) / spectrum.count)
+    nodes, weights, starts = spectrum.nodes
+    return np.asarray(np.add.reduceat(weights * row.dct(nodes, spectrum.size), starts) / spectrum.count)

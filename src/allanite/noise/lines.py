@@ -1,0 +1,175 @@
+"""Sinusoids in a record: found in its periodogram, estimated, and taken out before the noise is identified."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .likelihood import BoolArray, FloatArray
+from .whittle import IntArray, Spectrum
+
+FALSE_LINE = 0.01
+"""Probability that a record of noise alone shows a line."""
+
+SCREEN = 0.1
+"""The same for the look at the cosine transform, which only decides whether the periodogram is worth its time."""
+
+LOWEST = 4
+"""Periods in the record that a sinusoid must have to be told from a slow noise."""
+
+MOST = 12
+"""Sinusoids that are taken out."""
+
+ROUNDS = 4
+"""Periodograms: the sides of a strong line hide weak ones."""
+
+BLOCKS = 2048
+"""Pieces of the record in which a sinusoid near the peak of a line hardly turns."""
+
+TRUST = 3.0
+"""The model's power is believed up to so many times that of the surroundings: a strong line lifts the model itself."""
+
+SCATTERED = 30.0
+"""Coefficients in the surroundings below which their power is not well known, and the model's believed the more."""
+
+
+class Wave(NamedTuple):
+    """A sinusoid of the mean rates in the unit of the readings; `frequency` in periods a sample, phase at the start."""
+
+    frequency: float
+    amplitude: float
+    phase: float
+    error: float
+
+    def values(self, n: int) -> FloatArray:
+        """At the middles of n sample intervals."""
+        inner, outer = _turns(self.frequency, n)
+        turned = np.outer(outer * np.exp(1j * self.phase), inner).ravel()[:n]
+        return np.asarray(self.amplitude * turned.imag)
+
+
+def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """exp(2 pi i f (k + 1/2)) as a product of a part within a block and one of the block."""
+    length = -(-n // BLOCKS)
+    inner = np.exp(2j * np.pi * frequency * (np.arange(length) + 0.5))
+    return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
+
+
+def surroundings(values: NDArray[Any]) -> NDArray[Any]:
+    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
+    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
+    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
+
+
+def levels(seen: Spectrum, m: FloatArray) -> FloatArray:
+    """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
+    around = np.median(surroundings(seen.power), axis=1)
+    many = surroundings(seen.count).sum(axis=1)
+    return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
+
+
+def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
+    """Whether a coefficient of the cosine transform stands out."""
+    from scipy.special import ndtri
+
+    threshold = float(ndtri(0.5 * SCREEN / seen.count.sum())) ** 2
+    return bool((used & (seen.first >= 2 * LOWEST) & (seen.peak > threshold * level)).any())
+
+
+@dataclass(frozen=True, eq=False)
+class Periodogram:
+    """Of the readings under a Hann window, over the noise's power; lost readings are zero.
+
+    Attributes
+    ----------
+    power : array, shape (n // 2 + 1,)
+        Of noise alone exponentially distributed with mean 1, at k / n periods a sample.
+    weighted : array, shape (n,)
+        The readings times the window.
+    total, square : float
+        Sums of the window and of its square over the readings that are there.
+    level : array, shape (n // 2 + 1,)
+    """
+
+    power: FloatArray
+    weighted: FloatArray
+    total: float
+    square: float
+    level: FloatArray
+
+    def peaks(self, used: BoolArray) -> IntArray:
+        """Where lines stand, the strongest first; of neighbours, the higher one."""
+        threshold = -math.log(FALSE_LINE / max(int(used.sum()), 1))
+        above = np.flatnonzero(used & (self.power > threshold))
+        kept: list[int] = []
+        for k in above[np.argsort(self.power[above])[::-1]].tolist():
+            if all(abs(k - other) > 3 for other in kept):
+                kept.append(k)
+            if len(kept) == MOST:
+                break
+        return np.array(kept, dtype=np.int64)
+
+    def wave(self, k: int) -> Wave:
+        """The sinusoid at the peak k: where the periodogram is highest between its frequencies."""
+        from scipy.optimize import minimize_scalar
+
+        n = self.weighted.size
+        inner, outer = _turns(k / n, n)
+        padded = np.zeros(inner.size * outer.size)
+        padded[:n] = self.weighted
+        blocks = padded.reshape(outer.size, inner.size) @ inner.conj() * outer.conj()
+        centre = (np.arange(outer.size) + 0.5) * inner.size
+
+        def height(x: float) -> float:
+            return -float(abs(blocks @ np.exp(-2j * np.pi * x / n * centre)))
+
+        best = float(minimize_scalar(height, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-5}).x)
+        turned = complex(blocks @ np.exp(-2j * np.pi * best / n * centre)) * 2j / self.total
+        error = math.sqrt(2 * float(self.level[k]) * self.square) / self.total
+        return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)
+
+
+def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram:
+    """Of readings without their mean, NaN where they are lost, and the level of noise in the bins of their spectrum."""
+    from scipy.fft import rfft
+
+    n = y.size
+    window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
+    window[~np.isfinite(y)] = 0.0
+    weighted = np.where(window > 0, y, 0.0) * window
+    square = float(window @ window)
+    # coefficient k of the cosine transform of `seen.size` readings is at k / (2 size) periods a sample
+    at = np.arange(n // 2 + 1) * (2.0 * seen.size / n)
+    everywhere = level[np.clip(np.searchsorted(seen.first, at, side="right") - 1, 0, level.size - 1)]
+    power = np.abs(rfft(weighted)) ** 2 / (square * everywhere)
+    return Periodogram(power, weighted, float(window.sum()), square, everywhere)
+
+
+def waves_of(
+    y: FloatArray, seen: Spectrum, level: FloatArray, band: tuple[float, float]
+) -> tuple[list[Wave], FloatArray]:
+    """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten.
+
+    Parameters
+    ----------
+    y : array, shape (n,)
+        Readings without their mean; NaN where they are lost.
+    seen, level
+        The spectrum of the readings that are there, and the power of the noise in its bins.
+    """
+    found: list[Wave] = []
+    n = y.size
+    f = np.arange(n // 2 + 1) / n
+    used = (f * n >= LOWEST) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
+    for _ in range(ROUNDS):
+        power = periodogram(y, seen, level)
+        peaks = power.peaks(used)[: MOST - len(found)]
+        if not peaks.size:
+            break
+        new = [power.wave(int(k)) for k in peaks]
+        for wave in new:
+            y -= wave.values(n)
+        found += new
+    return found, y
