@@ -1,7 +1,10 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import compensation as compensation
 from . import rate as rate
+from .compensation import Regression as Regression
+from .compensation import compensate as compensate
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
