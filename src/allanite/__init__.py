@@ -35,6 +35,11 @@ from .report import report as report
 from .ring_laser import GL1 as GL1
 from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
+from .signals import Budget as Budget
+from .signals import Stage as Stage
+from .signals import TorqueScale as TorqueScale
+from .signals import budget as budget
+from .signals import rate_from_current as rate_from_current
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation

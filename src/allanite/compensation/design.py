@@ -95,12 +95,11 @@ class Design:
     notes: tuple[str, ...] = field(default=())
 
     def only(self, kept: Sequence[int]) -> "Design":
-        """The design with some of the columns."""
+        """The design with some of the columns, at all readings where these have values."""
         some = list(kept)
-        return Design(
-            self.y, self.X[:, some], tuple(self.regressors[i] for i in some), self.size[some], self.stretches,
-            self.rate, self.optional[some], self.notes,
-        )  # fmt: skip
+        X, regressors = self.X[:, some], tuple(self.regressors[i] for i in some)
+        stretches, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
+        return Design(self.y, X, regressors, self.size[some], stretches, self.rate, self.optional[some], notes)
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -185,7 +185,7 @@ def _regression(
         effective=effective,
         inside=inside,
         held=held,
-        notes=(*whole.notes, *notes, *_warnings(part, seen_by_noise)),
+        notes=(*part.notes, *notes, *_warnings(part, seen_by_noise)),
     )
 
 

@@ -82,7 +82,7 @@ def quantised(view: View) -> Finding | None:
     size = step * (view.record.scale or 1.0)
     counted = f"{codes} distinct values, " if codes <= FEW_CODES else ""
     what = f"{counted}quantised to {size:.4g} {view.record.unit}, fast noise {view.fast / step:.2g} step"
-    if view.fast < NO_DITHER * step or _codes_nearby(view) <= 2:
+    if undithered(view, step):
         return Finding(
             "no dither",
             what,
@@ -95,6 +95,11 @@ def quantised(view: View) -> Finding | None:
         "rounding a rate adds white noise of step/sqrt(12) to N, rounding an angle is Q",
         "use a finer output of the sensor if N matters",
     )
+
+
+def undithered(view: View, step: float) -> bool:
+    """Whether there is too little fast noise to make rounding errors of readings on a grid of `step` random."""
+    return view.fast < NO_DITHER * step or _codes_nearby(view) <= 2
 
 
 def _codes_nearby(view: View) -> float:
