@@ -51,8 +51,6 @@ class Choices:
     trend: bool = False
 
     def __post_init__(self) -> None:
-        if isinstance(self.regressors, str) or isinstance(self.rate_of, str):
-            raise UsageError("regressors and rate_of are sequences of names, for example ('temp',)")
         if not (self.regressors or self.rate_of):
             raise UsageError("name at least one regressor, for example regressors=('temp',) (--regressors temp)")
         for names in (self.regressors, self.rate_of):

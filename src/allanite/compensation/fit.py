@@ -131,6 +131,8 @@ def compensate(
     >>> found.apply(gyro, al.Recording((temp,))).history[-1]
     'corrected: regression on temp'
     """
+    if isinstance(regressors, str) or isinstance(rate_of, str):
+        raise UsageError("regressors and rate_of are sequences of names, for example ['temp']")
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
         raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")

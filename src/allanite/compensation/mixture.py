@@ -17,7 +17,7 @@ NODES = 16
 REACH = 14.0
 """Excess in 2 L at which nothing is left to be tried."""
 
-PRIOR = -1 / 3
+PRIOR = -0.5
 """Power of a slow noise coefficient by which its likelihood is weighted. Flat weights (0) let the trend of a warming
 sensor pass as noise too often where there is little slow noise, 1/c lets false effects pass where there is much of it:
 see benchmarks/compensation.py."""

@@ -43,9 +43,11 @@ class Fold:
     held: Products
 
     def coefficients(self, kept: Sequence[int]) -> FloatArray:
-        """Generalised least squares of the rest."""
+        """Generalised least squares of the rest; the shortest ones where columns are alike there."""
         some = list(kept)
-        return np.asarray(np.linalg.solve(self.rest.A[np.ix_(some, some)], self.rest.b[some]))
+        A, b = self.rest.A[np.ix_(some, some)], self.rest.b[some]
+        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        return np.asarray(np.linalg.lstsq(A / np.outer(size, size), b / size, rcond=1e-10)[0] / size)
 
     def misfit(self, kept: Sequence[int]) -> float:
         """Whitened sum of squares of the held block less what the rest predicts of it."""

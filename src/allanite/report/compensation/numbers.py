@@ -85,7 +85,8 @@ def verdict(channel: Compensated) -> str:
     if not regression.significant:
         named = ", ".join(e.label for e in regression if not e.regressor.is_trend)
         return f"{name} shows no dependence on {named}: taking it off would be taking off noise."
-    held, rest = regression.held, [e.label for e in regression if not e.significant and not e.regressor.is_trend]
+    held, own = regression.held, [e for e in regression if not (e.chosen or e.regressor.is_trend)]
+    rest = [e.label for e in own if not e.significant]
     words = (
         f"{name} depends on {', '.join(found)}. Taking it off takes {percent_of(gain)} off the variance ({expected})"
     )
