@@ -114,13 +114,12 @@ def curve_rows(channel: Compensated, level: float) -> tuple[str, list[list[str]]
     if channel.before is None or channel.after is None:
         return unit, []
     before, after = channel.before.to(unit), channel.after.to(unit)
+    limited = [(curve.deviation, *curve.interval(level)) for curve in (before, after)]
     rows = []
     for i, tau in enumerate(before.tau):
         cells = [f"{tau:.6g}"]
-        for curve in (before, after):
-            low, high = (v[i] for v in curve.interval(level))
-            value, interval = digits(float(curve.deviation[i]), float(low), float(high)).plain()
-            cells += [value, interval]
+        for numbers in limited:
+            cells += digits(*(float(v[i]) for v in numbers)).plain()
         ratio = _ratio(before, after, i)
         edf = float(after.edf[i])
         rows.append(
