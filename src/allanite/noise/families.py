@@ -11,10 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.fit import EXPLAINED
 from allanite.record import Record
 from allanite.terms import TERMS
 from allanite.terms.markov import gauss_markov
 
+from .goodness import goodness
 from .likelihood import BoolArray, FloatArray, Likelihood
 from .selection import PENALTY, Profiles, Subset, select, subsets
 from .whittle import Spectrum, column, likelihood, spectrum
@@ -23,6 +25,9 @@ MARKOV, FLICKER = "GM", "B"
 
 SHORTEST, LONGEST = 3.0, 0.1
 """Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
+
+SLOW = 30.0
+"""Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
 
 PER_DECADE = 4
 """Time constants a decade in the first search."""
@@ -37,6 +42,9 @@ CLOSE = 2.0
 OPEN = 6.6
 """Time constants that lose less than this in 2 L take part in the limits of the terms (the 99 % point)."""
 
+STARTS = 3
+"""Pairs of time constants from which the best pair is sought."""
+
 NEAR = 3
 """Time constants on either side of the best that take part."""
 
@@ -45,13 +53,14 @@ NEAR = 3
 class Search:
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
-    `may` says which terms may stand beside it, shape (p,).
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant.
     """
 
     likelihood: Likelihood
     seen: Spectrum
     used: BoolArray
     may: BoolArray
+    shortest: float = SHORTEST
 
     def column(self, T: float) -> FloatArray:
         """Expected power of the term in the bins that are used."""
@@ -66,10 +75,15 @@ class Search:
         likelihood, free = self.at(T), self.may if free is None else free
         return Subset(likelihood, free, *likelihood.minimise(free), (T,))
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """The least and the greatest time constant."""
+        return self.shortest, max(LONGEST * self.seen.size, 2 * self.shortest)
+
     @cached_property
     def grid(self) -> FloatArray:
         """Time constants of the first search."""
-        low, high = SHORTEST, max(LONGEST * self.seen.size, 2 * SHORTEST)
+        low, high = self.span
         return np.geomspace(low, high, max(2, round(PER_DECADE * math.log10(high / low))))
 
     @cached_property
@@ -81,10 +95,10 @@ class Search:
         """The best near a value of the grid."""
         from scipy.optimize import minimize_scalar
 
-        step = math.log(10) / PER_DECADE
+        step, (low, high) = 10 ** (1 / PER_DECADE), self.span
         best = minimize_scalar(
             lambda x: self.least(math.exp(x), free).value,
-            bounds=(math.log(around) - step, math.log(around) + step),
+            bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
             method="bounded",
             options={"xatol": 0.01},
         )
@@ -146,11 +160,19 @@ class Search:
             both = self.at(float(first)).with_more(self.column(float(second)))
             return Subset(both, free, *both.minimise(free), (float(first), float(second)))
 
-        grid = np.log(self.grid[::2])
-        pairs = (np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :])
-        start = min(pairs, key=lambda x: least(x).value)
-        found = minimize(lambda x: least(x).value, start, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 0.01})
-        return least(found.x)
+        grid = np.log(self.grid)
+        pairs = [np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :]]
+        corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])
+        tries = [
+            minimize(
+                lambda x: least(x).value,
+                start,
+                method="Nelder-Mead",
+                options={"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01},
+            )
+            for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]
+        ]
+        return least(min(tries, key=lambda found: float(found.fun)).x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,27 +262,37 @@ def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | Non
     return _with_markov(whole.only(used), (seen, used), noise, asked=asked)
 
 
-def _taken(plain: Subset, markov: Subset, noise: list[str], penalty: FloatArray) -> bool:
-    """Whether Gauss-Markov noise would take more than the place of flicker, without as much more evidence.
+def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spectrum, BoolArray]) -> bool:
+    """Whether Gauss-Markov noise that nobody asked for describes the record, and takes no more than flicker's place.
 
-    At a short time constant it stands in for angle random walk too, which is there in any sensor.
+    What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
+    At a short time constant it stands in for angle random walk too, which is there in any sensor: that needs as much
+    evidence once more.
     """
+    penalty = penalties(len(noise))
     fast = np.array([TERMS[symbol].slope < 0 for symbol in noise])
     lost = int((fast & (plain.theta > 0) & (markov.theta == 0)).sum())
-    return lost > 0 and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty)
+    if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
+        return False
+    return goodness(where[0], markov.likelihood, markov.theta, where[1]).p >= EXPLAINED
 
 
 def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: list[str], *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
     penalty = penalties(len(noise))
     may = np.array([asked or symbol != FLICKER for symbol in noise])
-    search = Search(part, *where, may)
+    search = Search(part, *where, may, SHORTEST if asked else SLOW)
     fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
-    if plain is not None and markov is not None and not asked and _taken(plain, markov, noise, penalty):
-        markov = None
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
+    if (
+        plain is not None
+        and markov is not None
+        and best is markov
+        and not (asked or _believed(plain, markov, noise, where))
+    ):
+        best = plain
     if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
         best = search.coarse
     everything = fitted[-1] if fitted else best

@@ -130,7 +130,8 @@ def _with_constant(estimate: Estimate, found: Found) -> Estimate:
 
     @cache
     def limits(level: float) -> tuple[tuple[float, float], ...]:
-        low, high = search.limits(chosen, quantile((1 + level) / 2) ** 2)
+        # with every other term free: one that was not selected could make another time constant possible
+        low, high = search.limits(search.refined(chosen.constants[0]), quantile((1 + level) / 2) ** 2)
         return ((low / rate, high / rate),)
 
     return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.model import Term
+from allanite.model import Model, Term
 from allanite.statistics import STATISTICS
 from allanite.units import unit_of
 
@@ -22,6 +22,9 @@ FEW = 2.0
 """Equivalent degrees of freedom below which a point is drawn open."""
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
+
+
+SINE = "Sine"
 
 
 def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
@@ -100,12 +103,15 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
     whole = panel.expected(fit.model, tau)
     inside = (tau >= drawn.tau[0] / 1.01) & (tau <= drawn.tau[-1] * 1.01)
     ax.plot(tau[inside], whole[inside], color=style.INK, lw=1.3, zorder=3, label="model")
-    lines = {term.symbol: panel.expected(term, tau) for term in fit.model}
+    terms = {s: Model(tuple(t for t in fit.model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in fit.model)}
+    lines = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
     for symbol, line in lines.items():
         ax.plot(tau, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
     curves = fractions(ax, np.concatenate([pairs(drawn.tau, drawn.deviation), pairs(tau[inside], whole[inside])]))
     paths = {symbol: fractions(ax, pairs(tau, line)) for symbol, line in lines.items()}
     placed: list[Box] = []
+    if SINE in lines:
+        _lines_label(ax, lines[SINE], paths[SINE], curves, placed)
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         mark = _draw_mark(ax, panel, fit.model[e.symbol], e.sheet_unit)
         anchors = paths[e.symbol][by_share(lines[e.symbol], whole)] if mark is None else mark
@@ -113,6 +119,13 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
         avoid = np.concatenate([curves, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
         if len(seen):
             placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+
+
+def _lines_label(ax: Axes, line: FloatArray, path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
+    """The word at the highest hump of the sinusoids."""
+    top = path[int(np.nanargmax(line[np.isfinite(line)]))]
+    if ((top > 0.01) & (top < 0.99)).all():
+        placed.append(draw_label(ax, (SINE, "sinusoids taken out"), top[None, :], curves, placed))
 
 
 def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | None:
@@ -125,6 +138,8 @@ def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | No
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many hours, or else seconds."""
+    if not math.isfinite(term.row.read_at):
+        return None
     for seconds in (3600.0, 1.0) if re.search(r"\bh\b", unit) else (1.0,):
         tau = term.row.read_at * seconds
         deviation = float(panel.expected(term, np.array([tau]))[0])

@@ -107,7 +107,7 @@ def _row(estimate: Estimate, level: float) -> dict[str, Any]:
     return {
         "symbol": estimate.symbol,
         "color": style.COLORS.get(estimate.symbol, style.OTHER),
-        "title": words.title(estimate.symbol, estimate.signal),
+        "title": words.named(estimate, level),
         "status": estimate.status,
         "absent": estimate.value is None,
         "cells": [_cell(estimate, unit, level) for unit in (estimate.sheet_unit, estimate.unit)],

@@ -133,6 +133,7 @@ def _table(fit: Fit, level: float, *, wide: bool) -> Iterator[Text]:
             yield row
             same = in_si.unit == cell.unit  # the data sheet is in SI already
             yield Text("     ") + status + Text(" " * (first - 1 - len(e.status))) + (Text() if same else second)
+        yield from (Text(f"     {shape}") for shape in words.shapes(e, level))
 
 
 def _width(fit: Fit, level: float) -> int:

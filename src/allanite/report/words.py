@@ -27,6 +27,9 @@ RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "sign
     name: name for name in ("current", "voltage", "temperature", "displacement", "flux density")
 }
 
+LETTERS = {"time_constant": "T", "frequency": "f", "phase": "phase"}
+"""Of what a term has beside its coefficient."""
+
 STATUS = {
     "identified": "found, relative standard error at most 25 %",
     "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
@@ -58,6 +61,21 @@ def title(symbol: str, signal: Signal) -> str:
     """The name of a term in the words of its sensor: an accelerometer has a velocity random walk."""
     words = TERMS[symbol].title.replace("rate", RATES[signal.name])
     return words.replace("angle", signal.integral)
+
+
+def named(estimate: Estimate, level: float) -> str:
+    """The name of an estimate's term, and its shape if it has one."""
+    return ", ".join((title(estimate.symbol, estimate.signal), *shapes(estimate, level)))
+
+
+def shapes(estimate: Estimate, level: float) -> list[str]:
+    """What an estimate has beside its coefficient: ``T = 20 (15 .. 28) s``."""
+    limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
+    parts = []
+    for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
+        number, interval = digits(value, low, high).plain()
+        parts.append(f"{LETTERS[parameter.name]} = {number}{f' ({interval})' if interval else ''} {parameter.unit}")
+    return parts
 
 
 def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
@@ -137,8 +155,10 @@ def fitness(channel: Channel) -> str:
 
 def alerts(channel: Channel) -> list[str]:
     """What must stand above the numbers of a channel: its warnings, and that the model does not explain it."""
-    found = [str(finding) for finding in channel.quality.warnings]
     good = None if channel.fit is None else channel.fit.goodness
+    # sinusoids that were taken out are said with the goodness of fit, and stand in the model
+    settled = {"lines"} if channel.fit and channel.fit.lines and good is not None and good.explained else set()
+    found = [str(finding) for finding in channel.quality.warnings if finding.name not in settled]
     if good is not None and not good.explained:
         found.insert(0, good.verdict)
     return found
@@ -170,7 +190,7 @@ def _found(estimate: Estimate, level: float) -> str:
     assert number is not None  # noqa: S101 - asked for values only
     weak = " (weak)" if estimate.status == "weak" else ""
     value = number.value.replace("-", "−") + number.power
-    return f"{title(estimate.symbol, estimate.signal)} {value} {printed_unit(estimate.sheet_unit)}{weak}"
+    return f"{named(estimate, level)} {value} {printed_unit(estimate.sheet_unit)}{weak}"
 
 
 def _join(parts: list[str]) -> str:
