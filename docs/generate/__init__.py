@@ -9,6 +9,7 @@ from sphinx.application import Sphinx
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
+from .compensation import compensation_page
 from .reference import api_page, help_pages, units_page
 from .statistics import statistic_index, statistic_page
 from .terms import term_index, term_page
@@ -36,6 +37,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "units.md", units_page())
     _write(root / "help.md", help_pages())
     _write(root / "api.md", api_page())
+    _write(root / "compensation_paper.md", compensation_page(root))
     run_tutorial(docs, root / "tutorial")
 
 

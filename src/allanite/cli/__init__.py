@@ -9,6 +9,7 @@ from allanite.verbs.compensate import compensate
 from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
+from .compare import compare
 from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .reading import reading
@@ -19,6 +20,7 @@ VERBS: dict[str, click.Command] = {
     "deviation": deviation,
     "spectrum": spectrum,
     "dynamic": dynamic,
+    "compare": compare,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
     "budget": click.command("budget")(reading(budget)),
