@@ -124,7 +124,7 @@ def made(cell: Cell, results: list[np.ndarray]) -> list[tuple[str, ...]]:
     """The two rows of a cell."""
     every = np.array(results)
     mean, total = every.mean(axis=0), every[:, 6].sum(axis=0)
-    spread = np.diff(every[:, 6], axis=1).std() * np.sqrt(len(results)) / total[1]
+    spread = np.diff(every[:, 6], axis=1).std() * np.sqrt(len(results)) / abs(total[1])
     lines = []
     for i, label in enumerate(EFFECTS):
         shares = [f"{100 * mean[row, i]:.1f}" for row in (0, 1, 2, 3)]

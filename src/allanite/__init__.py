@@ -3,10 +3,12 @@
 from . import angle as angle
 from . import compensation as compensation
 from . import rate as rate
-from .compensation import Regression as Regression
-from .compensation import compensate as compensate
 from .comparing import compare as compare
 from .comparison import Comparison as Comparison
+from .compensation import Regression as Regression
+from .compensation import compensate as compensate
+from .compensation_study import CompensationChoices as CompensationChoices
+from .compensation_study import compensate_file as compensate_file
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
@@ -49,6 +51,8 @@ from .signals import Stage as Stage
 from .signals import TorqueScale as TorqueScale
 from .signals import budget as budget
 from .signals import rate_from_current as rate_from_current
+from .signals_study import SignalPath as SignalPath
+from .signals_study import budget_file as budget_file
 from .simulate import simulate as simulate
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation

@@ -13,7 +13,7 @@ from .study import Recipe, provenance_of, recording_of
 
 
 @dataclass(frozen=True)
-class Path:
+class SignalPath:
     """How a rate came into the file: the stages that rounded it, the torquer, the sensor of its current."""
 
     stages: tuple[Stage, ...]
@@ -46,7 +46,7 @@ class BudgetStudy:
     """Budgets of the channels of a file."""
 
     channels: tuple[BudgetChannel, ...]
-    path: Path
+    path: SignalPath
     recipe: Recipe
     notes: tuple[str, ...]
     provenance: dict[str, str]
@@ -69,7 +69,7 @@ class BudgetStudy:
 def budget_file(
     source: str | os.PathLike[str],
     recipe: Recipe,
-    path: Path,
+    path: SignalPath,
     *,
     progress: Callable[[str, float], None] | None = None,
 ) -> BudgetStudy:
@@ -105,7 +105,7 @@ def budget_file(
     return BudgetStudy(tuple(channels), path, recipe, recording.notes, provenance_of(recording))
 
 
-def _channel(record: Record, path: Path) -> BudgetChannel:
+def _channel(record: Record, path: SignalPath) -> BudgetChannel:
     quality = inspect(record)
     if quality.refusal:
         return BudgetChannel(record, refusal=quality.refusal)

@@ -277,6 +277,8 @@ def test_records_that_are_no_use_are_said_to_be():
         compensate(gyro(1, n=100), channel(cycles(100)), ["temp"])
     with pytest.raises(al.DataError, match="never changes"):
         compensate(channel(np.zeros(3600), "deg/s", "z"), TEMP, ["temp"])
+    with pytest.raises(al.DataError, match="'z' explain 'z' wholly"):
+        compensate(gyro(1), gyro(1), ["z"])
     with pytest.raises(al.UsageError, match="no channels came along"):
         compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))
     with pytest.raises(al.UsageError, match="of a gyro"):

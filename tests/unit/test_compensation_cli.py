@@ -125,6 +125,7 @@ REFUSED = [
     (("--rate-of", "temp", "--smooth", "5"), 2, "60 s or more"),
     (("--regressors", "temp", "--terms", "R"), 2, "noise terms"),
     (("--regressors", "temp", "--least", "1e6"), 3, "effective samples"),
+    (("--regressors", "temp", "--corrected", "c.xyz"), 2, ".xyz"),
 ]
 
 

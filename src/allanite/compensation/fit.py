@@ -21,6 +21,9 @@ from .selection import choose, folds
 
 GAPS = ("error", "split")
 
+WHOLLY = 1e-11
+"""What is left, over the record, at which only rounding is left."""
+
 
 @dataclass(frozen=True)
 class Handling:
@@ -138,7 +141,7 @@ def compensate(
         raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
     wanted = Choices(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
     whole = design(record, beside, wanted, smooth=handling.smooth, gaps=handling.gaps)
-    _demand_change(whole, record)
+    _demand_noise(whole, record)
     theta, _ = _noise(whole, handling.terms)
     blocks = folds(whole, theta, handling.terms, handling.blocks)
     validated = len(blocks) > 2
@@ -191,9 +194,16 @@ def _regression(
     )
 
 
-def _demand_change(part: Design, record: Record) -> None:
+def _demand_noise(part: Design, record: Record) -> None:
     if all(np.ptp(part.y[a:b]) == 0 for a, b in part.stretches):
         raise DataError(f"{record.name!r} never changes (always {part.y[part.stretches[0][0]]:g} SI): check the sensor")
+    left = part.y - part.X @ _plain(part)
+    rest, whole = (np.array([np.ptp(y[a:b]) for a, b in part.stretches]).max() for y in (left, part.y))
+    if rest < WHOLLY * whole:
+        raise DataError(
+            f"{', '.join(map(repr, part.labels))} explain {record.name!r} wholly: no noise is left. Is the record, or "
+            "what was made of it, among the regressors?"
+        )
 
 
 def _plain(part: Design) -> FloatArray:

@@ -10,9 +10,9 @@ from allanite.finding import Finding
 from allanite.fit import Fit
 from allanite.model import coefficient_factor
 from allanite.noise import identify
-from allanite.prepare.readings import NO_DITHER, undithered
 from allanite.prepare.view import View
 from allanite.record import Record
+from allanite.statistics.rounding import NO_DITHER, rounding
 from allanite.terms import TERMS
 from allanite.units import Signal, unit_of
 
@@ -255,7 +255,7 @@ def _findings(row: StageNoise, rate: Record) -> list[Finding]:
     found = []
     name = row.stage.name
     worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
-    if row.codes is not None and undithered(View(_in_rate(rate)), worth):
+    if row.codes is not None and _undithered(rate, worth):
         found.append(Finding(
             "no dither", f"the signal's noise is below {NO_DITHER:g} of the step of {name}",
             "its rounding errors are no noise: they depend on the signal, and this budget does not hold",
@@ -274,6 +274,7 @@ def _findings(row: StageNoise, rate: Record) -> list[Finding]:
     return found
 
 
-def _in_rate(rate: Record) -> Record:
-    """The record as rates in SI, so that its steps are those of the budget."""
-    return Record(rate.rate_values, rate.rate, rate.signal.unit, name=rate.name)
+def _undithered(rate: Record, step: float) -> bool:
+    """Whether there is too little fast noise to make rounding errors of a rate on a grid of `step` random."""
+    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit))
+    return view.fast < NO_DITHER * step or rounding(view.steps, view.fast).nearby <= 2

@@ -9,7 +9,7 @@ import click
 
 from allanite.report.outputs import demand_outputs
 
-from .results import deliver
+from .results import deliver, demand_recording
 
 if TYPE_CHECKING:
     from allanite.signals import TorqueScale
@@ -61,11 +61,11 @@ def budget(file: str, *, stages: tuple[str, ...], force: bool, quiet: bool, **ch
     """
     paths = {name: path for name in OUTPUTS if (path := choices.pop(name)) is not None}
     demand_outputs(paths, inputs=[file], force=force)
+    demand_recording(paths.get("rates"))
     from allanite.report.budget import render
     from allanite.report.progress import bar
     from allanite.signals import Stage
-    from allanite.signals_study import Path as SignalPath
-    from allanite.signals_study import budget_file
+    from allanite.signals_study import SignalPath, budget_file
     from allanite.study import Recipe
 
     recipe = Recipe.from_dict({key: choices[key] for key in READ if choices.get(key) is not None})

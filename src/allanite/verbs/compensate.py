@@ -9,7 +9,7 @@ import click
 
 from allanite.report.outputs import demand_outputs
 
-from .results import deliver
+from .results import deliver, demand_recording
 
 if TYPE_CHECKING:
     from allanite.compensation_study import CompensationStudy
@@ -80,6 +80,7 @@ def compensate(file: str, *, force: bool, quiet: bool, **choices: Any) -> None:
     paths = {name: path for name in OUTPUTS if (path := choices.pop(name)) is not None}
     read = [path for path in (file, choices["beside"], choices["use"], choices["apply_to"]) if path is not None]
     demand_outputs(paths, inputs=read, force=force)
+    demand_recording(paths.get("corrected"))
     from allanite.compensation_study import compensate_file
     from allanite.report.compensation.text import render
     from allanite.report.progress import bar

@@ -1,5 +1,6 @@
 """What verbs share that write a result in several forms: the terminal, standard output, files."""
 
+import os
 import shutil
 import sys
 from collections.abc import Callable, Mapping
@@ -11,6 +12,14 @@ from allanite.report.outputs import STDOUT
 
 WIDTH = 120
 """Columns of text that no terminal bounds."""
+
+
+def demand_recording(path: str | None) -> None:
+    """Refuse before the work begins a recording that no format is written for."""
+    from allanite.readers.formats import writer_for
+
+    if path is not None:
+        writer_for(os.path.splitext(path)[1].lower())
 
 
 def deliver(
