@@ -142,7 +142,7 @@ def main() -> None:
         f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
         f"- command: `python benchmarks/identification.py --sensors {' '.join(options.sensors)} "
         f"--sizes {' '.join(map(str, options.sizes))} --records {options.records} --first {options.first}`",
-        f"- seeds {options.first}..{options.first + options.records - 1}, above {LONG} samples at most {FEW} of them; 100 Hz; "
+        f"- seeds {options.first}..{options.first + options.records - 1}, above {LONG} samples at most {FEW}; 100 Hz; "
         "Monte-Carlo standard error of a coverage of 95 %: "
         f"{100 * math.sqrt(0.05 * 0.95 / options.records):.1f} %",
         "- cover: the interval as printed holds the truth (from 0 to the one-sided limit for a term not found); "
