@@ -1,10 +1,15 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import compensation as compensation
 from . import faults as faults
 from . import rate as rate
 from .comparing import compare as compare
 from .comparison import Comparison as Comparison
+from .compensation import Regression as Regression
+from .compensation import compensate as compensate
+from .compensation_study import CompensationChoices as CompensationChoices
+from .compensation_study import compensate_file as compensate_file
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
@@ -51,6 +56,13 @@ from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
 from .sensors import SENSORS as SENSORS
 from .sensors import sensor as sensor
+from .signals import Budget as Budget
+from .signals import Stage as Stage
+from .signals import TorqueScale as TorqueScale
+from .signals import budget as budget
+from .signals import rate_from_current as rate_from_current
+from .signals_study import SignalPath as SignalPath
+from .signals_study import budget_file as budget_file
 from .simulate import simulate as simulate
 from .statespace import StateSpace as StateSpace
 from .statespace import state_space as state_space

@@ -29,6 +29,7 @@ def rows_of(name):
         "speed.md",
         "angle.md",
         "coverage.md",
+        "compensation.md",
     ],
 )
 def test_tables_say_how_they_were_made(name):
@@ -243,3 +244,48 @@ def test_the_bound_is_that_of_full_matrices():
     assert {row["model"] for row in rows} >= set(al.SENSORS)
     assert {row["ramp"] for row in rows} == {"none", "unknown"}
     assert all(abs(float(row["ratio"]) - 1) < 0.002 for row in rows)
+
+
+def compensation_script():
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        import compensation as script
+    finally:
+        sys.path.pop(0)
+    return script
+
+
+@pytest.mark.parametrize(
+    "row", rows_of("compensation.md"), ids=lambda r: f"{r['noise']}-{r['temperature']}-{r['regressor']}"
+)
+def test_compensation_meets_its_demands(row):
+    """Of 400 records: false effects, limits and promises under the noise of table 2; never too bold under any."""
+    demanded = row["noise"] == "table 2"
+    assert (3 if demanded else 0) <= float(row["false %"]) <= 8
+    assert 92 <= float(row["within 95 % limits"]) <= (98 if demanded else 100)
+    if row["gain met %"]:
+        assert 92 <= float(row["gain met %"]) <= (98 if demanded else 100)
+        gain, error = map(float, row["gain / expected"].split(" +- "))
+        assert gain > 0.9 - 3 * error
+        assert not demanded or gain < 1.15 + 3 * error
+
+
+def test_ordinary_least_squares_sees_what_is_not_there():
+    slow = [r for r in rows_of("compensation.md") if r["noise"] != "white" and r["regressor"] == "temp"]
+    assert len(slow) == 9
+    assert all(float(row["ordinary %"]) > 20 for row in slow)
+    assert all(3 <= float(row["noise known %"]) <= 8 for row in slow)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_part_of_the_compensation_made_again_agrees(which):
+    """The first 10 of the same seeds; each count within the table's share at an error probability of 1e-4."""
+    script, records = compensation_script(), 10
+    cell = script.CELLS[which]
+    lines = script.made(cell, [script.run((cell, seed)) for seed in range(1, records + 1)])
+    table = [r for r in rows_of("compensation.md") if (r["noise"], r["temperature"]) == (cell.noise, cell.drift)]
+    for line, row in zip(lines, table, strict=True):
+        made = dict(zip(script.HEADINGS, line, strict=True))
+        for heading in ("false %", "ordinary %", "within 95 % limits"):
+            share = min(max(float(row[heading]) / 100, 0.005), 0.995)
+            assert binomial_tail(round(float(made[heading]) * records / 100), records, share) > 1e-4

@@ -4,6 +4,8 @@ import click
 
 from allanite import __version__
 from allanite.verbs.angle import angle
+from allanite.verbs.budget import budget
+from allanite.verbs.compensate import compensate
 from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
@@ -29,6 +31,8 @@ VERBS: dict[str, click.Command] = {
     "plan": plan,
     "selfcheck": selfcheck,
     "statespace": statespace,
+    "budget": click.command("budget")(reading(budget)),
+    "compensate": click.command("compensate")(reading(compensate)),
 }
 
 
