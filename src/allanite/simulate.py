@@ -54,6 +54,8 @@ def simulate(
     model = model if isinstance(model, Model) else Model((model,))
     if n < 2:
         raise UsageError(f"a record has at least 2 samples, not {n}")
+    if not (np.isfinite(rate) and rate > 0):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     y = np.zeros(n)
     parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value]
     if parts:

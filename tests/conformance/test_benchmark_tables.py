@@ -24,6 +24,7 @@ def rows_of(name):
     [
         "identification.md",
         "simulation.md",
+        "bound.md",
         "noise_identification.md",
         "speed.md",
         "angle.md",
@@ -236,6 +237,13 @@ def test_a_part_of_the_simulation_made_again_agrees(name):
         assert made["of"] == row["of"]
         for heading in script.HEADINGS[2:]:
             assert float(made[heading]) == pytest.approx(float(row[heading]), abs=0.02)
+
+
+def test_the_bound_is_that_of_full_matrices():
+    rows = rows_of("bound.md")
+    assert {row["model"] for row in rows} >= set(al.SENSORS)
+    assert {row["ramp"] for row in rows} == {"none", "unknown"}
+    assert all(abs(float(row["ratio"]) - 1) < 0.002 for row in rows)
 
 
 def compensation_script():

@@ -152,6 +152,8 @@ RNG = np.random.default_rng(1)
         (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "take arcsec"),
         (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
         (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
+        (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "take a larger step"),
+        (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "none to lose"),
         (lambda: faults.Dither(0.0), "above 0"),
         (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
         (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),

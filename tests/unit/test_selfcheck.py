@@ -84,7 +84,7 @@ def test_time_constants_and_sinusoids():
     """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
     model = al.parse_model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
     check = al.selfcheck(model, 12_000, 10.0, records=10, rng=np.random.default_rng(1))
-    for symbol in ("N", "GM", "Sine"):
+    for symbol in ("N", "GM", "Sine", "GM time constant"):
         found = check[symbol]
         assert found.found[0] == 1.0
         assert abs(found.bias[0]) < 5 * found.bias[1] + 0.2 * found.bound

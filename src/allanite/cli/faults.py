@@ -34,8 +34,11 @@ def _constant(record: "Record", text: str, _: Any, __: Any) -> "Record":
 
 def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
     from allanite import faults
+    from allanite.errors import UsageError
 
     (cutoff, _unit), (order, _unit) = _quantities(text, "low-pass", "20 Hz 4", defaults=(1.0,))
+    if not order.is_integer():
+        raise UsageError(f"the order of a filter is an integer, not {order:g}")
     return faults.low_pass(record, cutoff, order=int(order))
 
 

@@ -130,4 +130,6 @@ def size_of(rate: float, duration: float | None, samples: int | None) -> int:
 
     if (duration is None) == (samples is None):
         raise UsageError("give the length either by --duration or by --samples")
+    if not 0 < rate < float("inf"):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     return samples if samples is not None else round((duration or 0.0) * rate)

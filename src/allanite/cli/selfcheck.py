@@ -27,7 +27,7 @@ def _told(tell: Callable[[str, float], None], name: str, what: str, share: float
 @click.command()
 @options(OPTIONAL_READING, MODEL, LENGTH)
 @click.option("--records", type=int, default=100, metavar="N", help="Records that are simulated.  [100]")
-@click.option("--seed", type=int, default=1, help="Of the random numbers.  [1]")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, help="Of the random numbers.  [1]")
 @click.option("--terms", metavar="QNBKR", default="auto", help="Terms to look for.  [auto]")
 @click.option("--level", type=float, default=0.95, help="Confidence level of intervals.  [0.95]")
 @click.option("--max-bias", "bias", type=float, callback=_percent, metavar="PERCENT", help="Of the coefficients.")

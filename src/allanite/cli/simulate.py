@@ -27,7 +27,13 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 @click.option("--rate", type=float, required=True, metavar="HZ", help="Sampling rate.")
 @options(LENGTH)
 @click.option("--channels", type=int, default=1, metavar="N", help="Independent channels of this model.  [1]")
-@click.option("--seed", type=int, default=1, help="Of the random numbers; the same seed gives the same file.  [1]")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    metavar="N",
+    default=1,
+    help="Of the random numbers; the same seed gives the same file.  [1]",
+)
 @click.option("--unit", help="Of the readings.  [deg/h, ug]")
 @click.option("--constant", metavar="RATE", help="A bias or the earth's rate, as '10 deg/h'.")
 @click.option("--low-pass", metavar="HZ", help="A first-order filter; '20 Hz 4' has order 4.")

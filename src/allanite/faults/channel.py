@@ -137,6 +137,8 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
     if not 0 <= share < 1 or not length > 0:
         raise UsageError(f"gaps have a share from 0 to 1 and a mean length above 0 s, not {share!r} and {length!r} s")
     values = _floats(record)
+    if values.size < 3:
+        raise UsageError(f"between the first and the last of {values.size} readings there is none to lose")
     mean = max(1.0, length * record.rate)
     count = rng.poisson(share * values.size / mean)
     first = rng.integers(1, values.size - 1, count)

@@ -13,6 +13,10 @@ from allanite.units import signal_with, unit_of
 FloatArray = NDArray[np.float64]
 
 
+EXACT = 2.0**52
+"""Steps beyond which a double cannot tell one from the next."""
+
+
 @dataclass(frozen=True)
 class Dither:
     """What is added before rounding.
@@ -149,6 +153,8 @@ def quantize_angle(
 def _rounded(values: FloatArray, added: FloatArray | None) -> FloatArray:
     if not np.isfinite(values).all():
         raise UsageError("some readings are not finite; round the record before readings are lost")
+    if values.size and np.abs(values).max() > EXACT:
+        raise UsageError(f"the readings are up to {np.abs(values).max():.3g} steps: take a larger step")
     return np.rint(values if added is None else values + added)
 
 

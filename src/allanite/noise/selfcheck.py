@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.errors import UsageError
-from allanite.fit import Fit
+from allanite.fit import Estimate, Fit
 from allanite.model import Model, Term
 from allanite.simulate import simulate
 from allanite.terms import TERMS
@@ -36,13 +36,14 @@ class TermCheck:
     Attributes
     ----------
     symbol, signal
-        The term.
+        The term; for a time constant with its name behind it.
     truth : float
-        Its coefficient, SI; 0 where it is absent.
+        Its coefficient, SI; 0 where it is absent. Or the time constant, s.
     bound : float
         Least relative standard error (Cramer-Rao); NaN where it is absent.
     value : array, shape (records,)
-        The coefficient in the model that describes each record best, SI; 0 where it is not in it.
+        The coefficient in the model that describes each record best, SI; 0 where it is not in it. Or the time constant,
+        NaN where there is none.
     low, high : arrays, shape (records,)
         The interval as printed; NaN where there is none.
     claimed : bool array, shape (records,)
@@ -84,7 +85,8 @@ class TermCheck:
 
     @property
     def _relative(self) -> FloatArray:
-        return np.asarray(self.value / self.truth - 1) if self.truth else np.full(self.value.size, math.nan)
+        given = self.value[np.isfinite(self.value)]
+        return np.asarray(given / self.truth - 1) if self.truth and given.size > 1 else np.full(2, math.nan)
 
 
 def _share(hit: NDArray[np.bool_]) -> Measured:
@@ -262,6 +264,7 @@ def selfcheck(
         for symbol, rows in seen.items()
     )
     doubted = np.array([fit.goodness is not None and not fit.goodness.explained for fit in fits])
+    checks += tuple(_shape_check(t, i, fits, level, least) for t in present.values() for i in _found_shapes(t, fits))
     notes = tuple(
         f"{TERMS[s].title} ({s}) is in the model, but "
         + ("stands in it several times" if s in sought else "was not found in any record")
@@ -269,6 +272,26 @@ def selfcheck(
         if s not in sought or s not in present
     )
     return SelfCheck(truth, n, rate, records, level, checks, _share(doubted), notes)
+
+
+def _found_shapes(true: Term, fits: list[Fit]) -> range:
+    """Which parameters of a term's shape are estimated."""
+    return range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, true)), default=0))
+
+
+def _shaped(e: Estimate, true: Term) -> bool:
+    return e.symbol == true.symbol and e.value is not None and e.shape_limits is not None
+
+
+def _shape_check(true: Term, which: int, fits: list[Fit], level: float, least: Bound) -> TermCheck:
+    """A time constant: of the records in which its term was found."""
+    name = f"{true.symbol} {true.row.parameters[which].name.replace('_', ' ')}"
+    found = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
+    nothing = (math.nan, math.nan)
+    limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in found])
+    value = np.array([e.shape[which] if e else math.nan for e in found])
+    claimed = np.array([e is not None for e in found])
+    return TermCheck(name, true.signal, true.shape[which], least[name], value, limits[:, 0], limits[:, 1], claimed)
 
 
 def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
