@@ -9,7 +9,7 @@ from .curve import Curve
 from .errors import DataError, UsageError
 from .finding import Quality
 from .fit import Fit
-from .noise import identify
+from .noise import METHODS, identify
 from .prepare import inspect, quiet_window, trim
 from .readers import read
 from .record import Record, Recording
@@ -234,11 +234,28 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
         return seen
     record = seen.record
     try:
-        fit = identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band)
+        fit = identified(record, recipe)
         curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=fit.model)
     except DataError as error:
         return replace(seen, refusal=str(error))
     return replace(seen, curve=curve, fit=replace(fit, curve=curve))
+
+
+def identified(record: Record, recipe: Recipe) -> Fit:
+    """The fit that the recipe wants; a method that reads a curve reads the recipe's statistic, or says that it cannot."""
+    row = METHODS.get(recipe.method)
+    readable = row is not None and recipe.statistic in row.allowed
+    fit = identify(
+        record,
+        method=recipe.method,
+        terms=recipe.terms,
+        statistic=recipe.statistic if readable else None,
+        band=recipe.band,
+    )
+    if row is None or readable or not row.allowed:
+        return fit
+    note = f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
+    return replace(fit, notes=(*fit.notes, note))
 
 
 def provenance_of(recording: Recording) -> dict[str, str]:

@@ -8,11 +8,10 @@ from typing import Any
 from .curve import Curve
 from .errors import DataError
 from .fit import Fit
-from .noise import identify
 from .prepare import inspect
 from .psd import Spectrum
 from .record import Record, Recording
-from .study import Recipe, provenance_of, recording_of
+from .study import Recipe, identified, provenance_of, recording_of
 from .surface import Surface
 
 Value = Curve | Spectrum | Surface
@@ -111,7 +110,7 @@ def survey(
         alerts[record.name] = tuple(str(finding) for finding in inspect(record).warnings)
         if fitted:
             try:
-                fits[record.name] = identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band)
+                fits[record.name] = identified(record, recipe)
             except DataError as error:
                 alerts[record.name] += (
                     f"the noise is not identified, and there are no limits or lines of it: {error}",

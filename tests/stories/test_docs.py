@@ -16,6 +16,7 @@ from allanite.cli import VERBS
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
+RESULTS = Path("benchmarks", "results", "methods.md")
 
 
 def blocks(page, language):
@@ -39,6 +40,8 @@ def site(tmp_path_factory):
     shutil.copytree(DOCS, place / "docs", ignore=shutil.ignore_patterns("generated"))
     (place / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, place / SAMPLE)
+    (place / RESULTS).parent.mkdir(parents=True)
+    shutil.copy(ROOT / RESULTS, place / RESULTS)
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
     done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -79,6 +82,14 @@ def test_every_verb_and_public_name_is_there(site):
         thing = getattr(al, name)
         if not name.startswith("_") and callable(thing):
             assert f'id="allanite.{name}"' in names, name
+
+
+def test_every_method_has_its_values_and_its_efficiency(site):
+    page = text(site, "methods.html")
+    for name, row in al.METHODS.items():
+        assert page.count(f" {name} ") >= 5
+        assert row.efficiency in page
+    assert (site / "_images" / "methods.svg").stat().st_size > 5000
 
 
 def test_units_are_those_of_the_table(site):

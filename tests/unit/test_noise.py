@@ -215,7 +215,7 @@ def test_wrong_methods_and_bands():
     for source, options, words in [
         (record, {"method": "magic"}, "known are whittle, gls, joint, nnls, piecewise, ls, slopes"),
         (curve, {"method": "whittle"}, "needs the record"),
-        (curve, {"method": "ls", "band": (0, 1)}, "work on the record"),
+        (curve, {"method": "ls", "band": (0, 1)}, "band is for method 'whittle'"),
         (record, {"band": (5, 1)}, "low < high"),
         (curve.to("deg/h"), {"method": "ls"}, "curve in SI"),
     ]:

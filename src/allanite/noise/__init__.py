@@ -36,7 +36,7 @@ class Method:
         Root mean square error over the Cramer-Rao bound of the coefficients, smallest and largest where that bound is
         at most 12 %, measured with the true terms known (benchmarks/methods.py).
     statistic, taus : str
-        The curve that is made of a record.
+        The curve that is made of a record; empty where none is read.
     allowed : tuple of str
         Statistics that it can read; none for a method that takes the record.
     options : tuple of str
@@ -67,7 +67,7 @@ METHODS: dict[str, Method] = {
     ),
     "joint": Method(
         "non-negative fit of Allan and Hadamard variance together, weights by degrees of freedom", Record, joint,
-        efficiency="@joint",
+        efficiency="@joint", statistic="oadev and ohdev", taus="octave",
     ),
     "nnls": Method(
         "non-negative least squares with equal relative weights up to T/10 (for comparison with programs)", Curve, nnls,
@@ -161,22 +161,14 @@ def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> Non
     for key in options:
         if key not in row.options:
             have = ", ".join(repr(other) for other, one in METHODS.items() if key in one.options)
-            raise UsageError(f"{OPTIONS[key]}: that is for {have}, not for {name!r}")
+            raise UsageError(f"{key} is for method {have}, not for {name!r}")
     shaped = [s for s in symbols if TERMS[s].parameters]
     if shaped and not row.shapes:
         able = ", ".join(repr(other) for other, one in METHODS.items() if one.shapes)
         raise UsageError(
-            f"method {name!r} fits coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has a shape beside its "
-            f"coefficient; method {able} finds it"
+            f"method {name!r} finds coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has a shape as well: "
+            f"use method {able}"
         )
-
-
-OPTIONS = {
-    "band": "a band needs a method that works on the record",
-    "lines": "taking lines out, or not, needs a method that works on the record",
-    "ranges": "ranges of averaging times need a method that draws lines through them",
-}
-"""Words for an option that a method does not have."""
 
 
 def _source(source: Record | Curve, name: str, statistic: str | None) -> Record | Curve:

@@ -123,7 +123,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
     notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
     if curve.statistic not in CORRELATED:
-        estimates = reported(symbols, theta, moments.columns.any(axis=0), signal=signal, method="gls")
+        estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
         notes += [
             f"the covariance between points of {curve.statistic} is not known: each has the weight of its own degrees "
             "of freedom, and there are no standard errors"

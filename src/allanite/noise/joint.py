@@ -22,7 +22,7 @@ WALK = 0.5
 
 
 def joint(record: Record, symbols: Sequence[str]) -> Fit:
-    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to a quarter of the record.
+    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4.
 
     Each point has the weight of its own degrees of freedom under the fit, as if all were independent, which they are
     not: so there are no standard errors.
@@ -48,9 +48,8 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     theta, _ = iterated(Moments(X, products), variance)
     ramp = any(TERMS[s].waveform is not None and v > 0 for s, v in zip(symbols, theta.tolist(), strict=True))
     notes = [f"read from {variance.size} points of {' and '.join(PAIR)}", *drift(*curves, fitted=ramp)]
-    return result(
-        curves[0], reported(symbols, theta, X.any(axis=0), signal=signal, method="joint"), "joint", notes=notes
-    )
+    estimates = reported(symbols, theta, X, signal=signal, method="joint")
+    return result(curves[0], estimates, "joint", notes=notes)
 
 
 def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:

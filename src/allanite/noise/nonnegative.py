@@ -43,7 +43,7 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
         f"read from {used} points of {curve.statistic} up to {curve.tau[which][-1]:g} s, a tenth of the record",
         *blind(curve.statistic, symbols, X),
     ]
-    return result(curve, reported(symbols, squares, X.any(axis=0), signal=signal, method="nnls"), "nnls", notes=notes)
+    return result(curve, reported(symbols, squares, X, signal=signal, method="nnls"), "nnls", notes=notes)
 
 
 def plain(curve: Curve) -> FloatArray:
@@ -52,12 +52,12 @@ def plain(curve: Curve) -> FloatArray:
 
 
 def columns(statistic: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 where only rounding is left of it."""
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 where only rounding is left."""
     row = STATISTICS[statistic]
     X = np.array([by_term(row, unit_model(symbols), k, size, rate) for k in m])
     tau = np.array(m) * row.tau_factor / rate
     lines = np.column_stack([TERMS[s].level * tau ** (2 * TERMS[s].slope) for s in symbols])
-    return np.where(X < 1e-9 * lines, 0.0, X)
+    return X * (X / lines > 1e-9)
 
 
 def unit_model(symbols: Sequence[str]) -> Model:

@@ -41,10 +41,10 @@ def early(curve: Curve, share: float) -> BoolArray:
 
 
 def reported(
-    symbols: Sequence[str], squares: FloatArray, seen: BoolArray, *, signal: Signal, method: str
+    symbols: Sequence[str], squares: FloatArray, columns: FloatArray, *, signal: Signal, method: str
 ) -> list[Estimate]:
-    """Roots of squares that are not negative, without evidence for any term; one that was not seen is absent."""
-    found = zip(symbols, np.sqrt(squares).tolist(), seen.tolist(), strict=True)
+    """Roots of squares that are not negative, without evidence for any term; one whose column is empty is absent."""
+    found = zip(symbols, np.sqrt(squares).tolist(), np.abs(columns).max(axis=0) > 0, strict=True)
     return [
         Estimate(s, signal, v, None, "reported", None, method)
         if visible
