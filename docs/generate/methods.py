@@ -7,7 +7,7 @@ import numpy as np
 
 import allanite as al
 
-from .markdown import figure, table
+from .markdown import table
 
 RATE, SIZE, SEED = 100.0, 2**18, 1
 
@@ -34,7 +34,8 @@ def methods_page(folder: Path) -> list[str]:
     ]  # fmt: skip
     for name, found in fits.items():
         lines += [f"### {name}", "", *_values(SENSORS[name], found)]
-    return [*lines, *figure(_figure(fits, folder), "Coefficients of every method over their true values")]
+    path = _figure(fits, folder)
+    return [*lines, f"![Coefficients of every method over their true values](generated/{path.name})", ""]
 
 
 def _fits(model: al.Model) -> dict[str, al.Fit]:
@@ -49,14 +50,11 @@ def _about() -> Iterable[tuple[str, ...]]:
 
 
 def _values(model: al.Model, fits: dict[str, al.Fit]) -> list[str]:
-    units = [model.signal.sheet[t.row.power] for t in model]
-    headings = ["", *(f"{t.symbol}, {unit}" for t, unit in zip(model, units, strict=True))]
-    truth = ["**true**", *(f"**{t.to(unit):.4g}**" for t, unit in zip(model, units, strict=True))]
+    units = {t.symbol: model.signal.sheet[t.row.power] for t in model}
+    headings = ["", *(f"{symbol}, {unit}" for symbol, unit in units.items())]
+    truth = ["**true**", *(f"**{t.to(units[t.symbol]):.4g}**" for t in model)]
     rows = [
-        [
-            f"`{name}`",
-            *(fit[t.symbol].words(unit).replace(f" {unit}", "") for t, unit in zip(model, units, strict=True)),
-        ]
+        [f"`{name}`", *(fit[s].words(unit).replace(f" {unit}", "") for s, unit in units.items())]
         for name, fit in fits.items()
     ]
     return table(headings, [truth, *rows])

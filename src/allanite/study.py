@@ -242,7 +242,7 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
 
 
 def identified(record: Record, recipe: Recipe) -> Fit:
-    """The fit that the recipe wants; a method that reads a curve reads the recipe's statistic, or says that it cannot."""
+    """The fit that the recipe wants; a method that reads a curve reads that of the recipe, or says that it cannot."""
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
     fit = identify(

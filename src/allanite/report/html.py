@@ -36,10 +36,10 @@ EXPLAINED = {
         "found has a one-sided 95 % upper limit instead of a value.",
     ),
     "gls": (
-        "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the averaging "
-        "time up to a quarter of the record, with the covariance that the fitted model itself gives the points "
-        "(generalised least squares, iterated). A term is called found where the quadratic form rises by more than 4 "
-        "without it. Standard errors come from the same covariance and suppose Gaussian errors.",
+        "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
+        "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
+        "points (generalised least squares, iterated). A term is called found where the quadratic form rises by more "
+        "than 4 without it. Standard errors come from the same covariance and suppose Gaussian errors.",
     ),
 }
 """How a method works, in a few sentences; without them its title is enough."""
@@ -47,8 +47,8 @@ EXPLAINED = {
 CURVE = "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it."
 READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
 LIMITS = (
-    "The limits of the curve are chi-square limits with the exact equivalent degrees of freedom under the model that was "
-    "found."
+    "The limits of the curve are chi-square limits with the exact equivalent degrees of freedom under the model that "
+    "was found."
 )
 
 _LATEX = (
