@@ -75,10 +75,10 @@ def main() -> None:
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()
     start = time.perf_counter()
-    rows = table(options.sensors, options.sizes, range(1, options.records + 1))
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
     ).stdout.strip()
+    rows = table(options.sensors, options.sizes, range(1, options.records + 1))
     lines = [
         "# Methods of identification against the Cramer-Rao bound",
         "",

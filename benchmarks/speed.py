@@ -85,6 +85,7 @@ def main() -> int:
     allan = best(lambda: al.deviation(record, "oadev", m=curve.m.tolist()))
     u = min(u, best(lambda: one_difference(x, 1000, rounds), 3) / (rounds * INCORE))
     analysis = best(lambda: al.analyze(record), 5)
+    identified = best(lambda: al.identify(record))
     peer = best(lambda: peer_oadev(record, curve.m), 3)
     numpy_alone = startup([sys.executable, "-c", "import numpy"])
     importing = startup([sys.executable, "-c", "import allanite"])
@@ -95,6 +96,7 @@ def main() -> int:
     rows = [
         ("overlapped Allan with integration, per sample and tau, over u", allan / terms / u, 2.2, "<="),
         ("allantools' oadev over ours, same 100 tau", peer / allan, 8.0, ">="),
+        ("identification with selection and limits over the overlapped Allan", identified / allan, 1.5, "<="),
         ("whole analysis of one channel over the overlapped Allan", analysis / allan, 6.0, "<="),
         ("reading a CSV of 1000000 rows with stamps over pyarrow's own", reading / parsing, 2.0, "<="),
         ("`import allanite` over `import numpy`", importing / numpy_alone, 1.8, "<="),

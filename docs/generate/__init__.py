@@ -9,6 +9,7 @@ from sphinx.application import Sphinx
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
+from .compensation import compensation_page
 from .methods import efficiencies, methods_page
 from .reference import api_page, help_pages, units_page
 from .statistics import statistic_index, statistic_page
@@ -39,6 +40,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "units.md", units_page())
     _write(root / "help.md", help_pages())
     _write(root / "api.md", api_page())
+    _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
     _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
     run_tutorial(docs, root / "tutorial")

@@ -2,10 +2,13 @@
 
 from . import angle as angle
 from . import rate as rate
+from .comparing import compare as compare
+from .comparison import Comparison as Comparison
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
 from .errors import DataError as DataError
+from .errors import LongJobWarning as LongJobWarning
 from .errors import UnitError as UnitError
 from .errors import UsageError as UsageError
 from .fit import Estimate as Estimate
@@ -21,6 +24,12 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .noise.residuals import residuals as residuals
+from .noise.shared import shared as shared
+from .noise.whitening import whitened as whitened
+from .pooled import Pool as Pool
+from .pooling import pool as pool
+from .pooling import truncation as truncation
 from .psd import Spectrum as Spectrum
 from .rate_study import measure_rates as measure_rates
 from .readers import read as read
@@ -48,3 +57,5 @@ from .study import analyze as analyze
 from .surface import Surface as Surface
 from .terms import TERMS as TERMS
 from .version import __version__ as __version__
+from .whiteness import Residuals as Residuals
+from .whiteness import Shared as Shared

@@ -17,5 +17,9 @@ class UnitError(UsageError):
     """A unit is unknown, or measures something else than is wanted here."""
 
 
+class LongJobWarning(UserWarning):
+    """What was asked takes minutes or more; the message says how long, and what takes less."""
+
+
 class DataError(AllaniteError):
     """The data cannot be read, or cannot support the job."""

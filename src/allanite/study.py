@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property, partial
 from typing import Any
 
 from .curve import Curve
@@ -10,11 +11,15 @@ from .errors import DataError, UsageError
 from .finding import Quality
 from .fit import Fit
 from .noise import METHODS, identify
-from .prepare import inspect, quiet_window, trim
+from .noise.residuals import residuals
+from .noise.shared import shared
+from .prepare import inspect, mark_outliers, quiet_window, trim
 from .readers import read
 from .record import Record, Recording
 from .statistics import deviation
+from .statistics.robust import demand_choice
 from .version import __version__
+from .whiteness import Residuals, Shared
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
 """Choices of a recipe that say what the file holds."""
@@ -24,7 +29,8 @@ READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "column
 class Recipe:
     """Every choice of an analysis as plain data.
 
-    The first group says what the file holds (None: taken from the file), the second what is done with it.
+    The first group says what the file holds (None: taken from the file), the second what is done with it. `outliers`:
+    "mark" leaves them out of everything, "keep" out of nothing; None leaves them out of the fit, and not of curves.
     """
 
     rate: float | None = None
@@ -39,6 +45,7 @@ class Recipe:
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
+    outliers: str | None = None
     statistic: str = "oadev"
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
@@ -52,10 +59,12 @@ class Recipe:
             fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
             if value is not None and (isinstance(value, bool) or not fine):
                 raise UsageError(f"{key} is a number, not {value!r}")
-        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method"):
+        for key in ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers"):
             value = getattr(self, key)
             if value is not None and not isinstance(value, str):
                 raise UsageError(f"{key} is a word, not {value!r}")
+        if self.outliers is not None:
+            demand_choice(self.outliers)
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
         if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
@@ -95,13 +104,34 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """What was found of one channel; `refusal` says why nothing was, if nothing was."""
+    """What was found of one channel; `refusal` says why nothing was, if nothing was.
+
+    `leftover` makes `residuals`, when they are first asked for.
+    """
 
     record: Record
     quality: Quality
     curve: Curve | None = None
     fit: Fit | None = None
     refusal: str = ""
+    leftover: Callable[[], Residuals] | None = None
+
+    @cached_property
+    def residuals(self) -> Residuals | None:
+        """What the model leaves of the record; None without a model of all frequencies, or by a method without one."""
+        return None if self.leftover is None else self.leftover()
+
+    @property
+    def explained(self) -> bool:
+        """Whether there is a model, and nothing says that it does not explain the record."""
+        good = self.residuals or (self.fit.goodness if self.fit else None)
+        return self.fit is not None and (good is None or good.explained)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model explains the record, in a sentence; empty where the method does not say."""
+        good = self.residuals or (self.fit.goodness if self.fit else None)
+        return "" if good is None else good.verdict
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
@@ -116,6 +146,7 @@ class Channel:
             "refusal": self.refusal,
             "curves": [] if self.curve is None else [self.curve.to_dict(level)],
             "fit": None if self.fit is None else self.fit.to_dict(level),
+            "residuals": None if self.residuals is None else self.residuals.to_dict(),
         }
 
 
@@ -128,12 +159,22 @@ class Study:
     notes: tuple[str, ...]
     provenance: dict[str, str]
 
+    @cached_property
+    def shared(self) -> Shared | None:
+        """What the channels have in common beyond their models; None where fewer than two can be compared."""
+        fits = {c.record.name: c.fit for c in self.channels if c.fit is not None and c.leftover is not None}
+        records = tuple(c.record for c in self.channels if c.record.name in fits)
+        if len(records) < 2 or len({record.size for record in records}) > 1:
+            return None
+        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark")
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""
         return {
             "allanite": 1,
             "type": "Study",
             "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],
+            "shared": None if self.shared is None else self.shared.to_dict(),
             "recipe": self.recipe.to_dict(),
             "notes": list(self.notes),
             "provenance": self.provenance,
@@ -217,7 +258,31 @@ def _looked_at(record: Record, recording: Recording) -> Channel:
 def recording_of(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
     """The part of the recording that the recipe wants."""
     whole = trim(_whole(source, recipe), recipe.start, recipe.until)
-    return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+    part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+    if recipe.outliers != "mark":
+        return part
+    return replace(part, records=tuple(mark_outliers(record) for record in part))
+
+
+def fitted(record: Record, recipe: Recipe) -> Fit:
+    """The noise of a channel as the recipe wants it identified.
+
+    A method that reads a curve reads that of the recipe's statistic, or the fit says that it cannot.
+    """
+    row = METHODS.get(recipe.method)
+    readable = row is not None and recipe.statistic in row.allowed
+    fit = identify(
+        record,
+        method=recipe.method,
+        terms=recipe.terms,
+        statistic=recipe.statistic if readable else None,
+        band=recipe.band,
+        outliers=recipe.outliers or "mark",
+    )
+    if row is None or readable or not row.allowed:
+        return fit
+    note = f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
+    return replace(fit, notes=(*fit.notes, note))
 
 
 def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:
@@ -234,28 +299,14 @@ def _analyze_channel(seen: Channel, recipe: Recipe) -> Channel:
         return seen
     record = seen.record
     try:
-        fit = identified(record, recipe)
+        fit = fitted(record, recipe)
         curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=fit.model)
     except DataError as error:
         return replace(seen, refusal=str(error))
-    return replace(seen, curve=curve, fit=replace(fit, curve=curve))
-
-
-def identified(record: Record, recipe: Recipe) -> Fit:
-    """The fit that the recipe wants; a method that reads a curve reads that of the recipe, or says that it cannot."""
-    row = METHODS.get(recipe.method)
-    readable = row is not None and recipe.statistic in row.allowed
-    fit = identify(
-        record,
-        method=recipe.method,
-        terms=recipe.terms,
-        statistic=recipe.statistic if readable else None,
-        band=recipe.band,
-    )
-    if row is None or readable or not row.allowed:
-        return fit
-    note = f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
-    return replace(fit, notes=(*fit.notes, note))
+    leftover = None
+    if fit.goodness is not None and recipe.band is None:
+        leftover = partial(residuals, record, fit, outliers=recipe.outliers or "mark")
+    return replace(seen, curve=curve, fit=replace(fit, curve=curve), leftover=leftover)
 
 
 def provenance_of(recording: Recording) -> dict[str, str]:

@@ -11,7 +11,8 @@ from .fit import Fit
 from .prepare import inspect
 from .psd import Spectrum
 from .record import Record, Recording
-from .study import Recipe, identified, provenance_of, recording_of
+from .study import Recipe, provenance_of, recording_of
+from .study import fitted as fit_of
 from .surface import Surface
 
 Value = Curve | Spectrum | Surface
@@ -110,7 +111,7 @@ def survey(
         alerts[record.name] = tuple(str(finding) for finding in inspect(record).warnings)
         if fitted:
             try:
-                fits[record.name] = identified(record, recipe)
+                fits[record.name] = fit_of(record, recipe)
             except DataError as error:
                 alerts[record.name] += (
                     f"the noise is not identified, and there are no limits or lines of it: {error}",

@@ -27,6 +27,11 @@ def noise(n=5000):
     return np.random.default_rng(1).standard_normal(n)
 
 
+def spoilt(y, where, value):
+    y[where] = value
+    return y
+
+
 def csv_of(path, columns, header="gx"):
     path.write_text(header + "\n" + "\n".join(",".join(map(repr, map(float, row))) for row in np.column_stack(columns)))
 
@@ -38,6 +43,13 @@ def write_inputs(folder):
     csv_of(folder / "nan.csv", [np.full(1000, np.nan)])
     csv_of(folder / "constant.csv", [np.full(1000, 3.25)])
     csv_of(folder / "short.csv", [noise(10)])
+    csv_of(folder / "brief.csv", [noise(199)])
+    csv_of(folder / "infinite.csv", [spoilt(noise(), slice(7, 9), np.inf)])
+    csv_of(folder / "lost.csv", [spoilt(noise(), slice(150, None), np.nan)])
+    csv_of(folder / "nearly.csv", [spoilt(noise(), slice(300, None), np.nan)])
+    csv_of(folder / "torn.csv", [spoilt(noise(), slice(None, None, 3), np.nan)])
+    csv_of(folder / "still.csv", [spoilt(spoilt(noise(), slice(None), 3.25), slice(50, 90), np.nan)])
+    csv_of(folder / "moving.csv", [noise() + 500 * np.sin(np.arange(5000) / 90) * (np.arange(5000) > 3000)])
     (folder / "random.csv").write_bytes(np.random.default_rng(1).bytes(20_000))
     (folder / "random.npy").write_bytes(np.random.default_rng(2).bytes(20_000))
     np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
@@ -65,6 +77,14 @@ CASES = [
     ("nan.csv", OPTIONS, 3, ["1000 of 1000", "not finite"]),
     ("constant.csv", OPTIONS, 3, ["never changes", "3.25"]),
     ("short.csv", OPTIONS, 3, ["10 readings", "too few", "200"]),
+    ("brief.csv", OPTIONS, 3, ["199 readings", "too few", "200"]),
+    ("infinite.csv", OPTIONS, 3, ["2 of 5000 readings", "infinite", "sample 7", "NaN"]),
+    ("lost.csv", OPTIONS, 3, ["4850 of 5000 readings are lost", "150 are left", "200"]),
+    ("nearly.csv", OPTIONS, 3, ["4700 of 5000", "less than a tenth", "--from"]),
+    ("torn.csv", OPTIONS, 3, ["1667 of 5000", "pieces of 2 readings", "--from"]),
+    ("still.csv", OPTIONS, 3, ["never changes", "3.25"]),
+    ("moving.csv", OPTIONS, 3, ["moves from 30", "at rest", "--until"]),
+    ("one.csv", [*OPTIONS, "--outliers", "fill"], 2, ["'mark'", "'keep'", "'fill'"]),
     ("folder", OPTIONS, 3, ["directory"]),
     ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
     ("bare.npy", OPTIONS, 3, ["bare.npy"]),
@@ -141,3 +161,33 @@ def test_raw_binary_from_the_command_line(tmp_path):
     wrong = CliRunner().invoke(main, ["info", str(tmp_path / "log.bin"), *layout[:4], "--rate", "100"])
     assert wrong.exit_code == 3
     assert "no multiple of the 4 bytes of a row" in " ".join(wrong.output.split())
+
+
+def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
+    y = noise(20_000)
+    y[[500, 9000]] += 40
+    csv_of(tmp_path / "a.csv", [spoilt(y, slice(4000, 4300), np.nan)])
+    command = ["analyze", str(tmp_path / "a.csv"), *OPTIONS, "--json", "-"]
+    found = {}
+    for choice in ([], ["--outliers", "keep"], ["--outliers", "mark"]):
+        result = CliRunner().invoke(main, [*command, *choice])
+        assert result.exit_code == 0, result.stderr
+        found[" ".join(choice[1:])] = json.loads(result.stdout)["channels"][0]
+    sizes = {name: channel["fit"]["terms"][1]["value"] for name, channel in found.items()}
+    assert sizes["keep"] > 1.05 * sizes[""]
+    assert sizes["mark"] == pytest.approx(sizes[""], rel=1e-9)
+    assert "2 outliers beyond" in found[""]["fit"]["notes"][-1]
+    assert "2 outliers beyond" in found["mark"]["history"][-1]
+    assert not any("outlier" in note for note in found["keep"]["fit"]["notes"])
+    names = [finding["name"] for finding in found[""]["quality"]["findings"]]
+    assert {"gaps", "outliers"} <= set(names)
+    # the curve has them, unless they are left out everywhere
+    curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}
+    assert curves[""] == curves["keep"] > 1.02 * curves["mark"]
+
+
+def test_a_clipped_record_is_analysed_with_a_warning(tmp_path):
+    csv_of(tmp_path / "a.csv", [np.clip(np.round(noise(20_000), 3), -1.8, 1.8)])
+    result = CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS])
+    assert result.exit_code == 0
+    assert "lie exactly at the upper end" in " ".join(result.stdout.split())

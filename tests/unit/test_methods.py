@@ -8,7 +8,7 @@ import pytest
 
 import allanite as al
 from allanite.noise.gls import moments_of, octaves, standard_errors
-from allanite.noise.joint import drift
+from allanite.noise.hadamard import drift
 from allanite.noise.nonnegative import solve
 from allanite.statistics import covariance, edf, statistic_named
 from allanite.study import Recipe

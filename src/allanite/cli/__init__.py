@@ -7,6 +7,7 @@ from allanite.verbs.angle import angle
 from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
+from .compare import compare
 from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .reading import reading
@@ -17,6 +18,7 @@ VERBS: dict[str, click.Command] = {
     "deviation": deviation,
     "spectrum": spectrum,
     "dynamic": dynamic,
+    "compare": compare,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
 }

@@ -9,7 +9,7 @@ from allanite.report.outputs import OUTPUTS, STDOUT, demand_outputs
 
 from .front import DATA
 from .output import print_table, put, recipe_of
-from .reading import band, reading, taus
+from .reading import band, outliers, reading, taus
 
 
 @click.command()
@@ -42,6 +42,7 @@ def info(file: str, *, json: str | None, force: bool, **choices: Any) -> None:
     "--method", metavar="NAME", help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]"
 )
 @click.option("--band", callback=band, metavar="LO,HI", help="Frequencies that are used, Hz.")
+@outliers
 @click.option("--level", type=float, help="Confidence level of intervals.  [0.95]")
 @click.option("--recipe", metavar="TOML", type=click.Path(), help="All of these choices from a file; options here win.")
 @click.option("--report", metavar="PATH", type=click.Path(), help="Write the HTML page.")

@@ -1,11 +1,14 @@
 """Any statistic, spectrum or dynamic curve of a file, as a table, CSV, JSON or a figure."""
 
 import sys
+import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.errors import LongJobWarning
 from allanite.report.outputs import OUTPUTS, STDOUT, demand_outputs
 
 from .output import print_table, put, recipe_of
@@ -22,9 +25,10 @@ if TYPE_CHECKING:
 @click.option("--statistic", callback=names, metavar="A,B,...", default="oadev", help="Statistics.  [oadev]")
 @click.option("--taus", callback=taus, metavar="GRID", help="octave, decade, log, all, or seconds as 1,10.  [octave]")
 @click.option("--m", callback=factors, metavar="A,B,...", help="Averaging factors instead.")
+@click.option("--threads", type=click.IntRange(1), default=1, help="Threads to use at most.  [1]")
 @click.option("--no-limits", is_flag=True, help="No confidence limits: the noise need not be identified for them.")
 @results
-def deviation(file: str, *, statistic: tuple[str, ...], no_limits: bool, m: Any, **choices: Any) -> None:
+def deviation(file: str, *, statistic: tuple[str, ...], no_limits: bool, m: Any, threads: int, **choices: Any) -> None:
     """Tabulate any statistic of every channel of FILE over averaging time."""
     from allanite.statistics import deviation as measured
     from allanite.statistics import statistic_named
@@ -34,7 +38,7 @@ def deviation(file: str, *, statistic: tuple[str, ...], no_limits: bool, m: Any,
 
     def measure(record: "Record", fit: "Fit | None") -> "Iterator[Value]":
         for name in rows:
-            yield measured(record, name, taus=grid, m=m, noise=fit.model if fit else None)
+            yield measured(record, name, taus=grid, m=m, noise=fit.model if fit else None, threads=threads)
 
     _survey(file, measure, fitted=not no_limits, **choices)
 
@@ -94,6 +98,15 @@ def dynamic(file: str, **choices: Any) -> None:
     _survey(file, measure, fitted=False, **choices)
 
 
+@contextmanager
+def _told() -> Iterator[None]:
+    """Warnings as sentences on stderr, when they arise."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", LongJobWarning)
+        warnings.showwarning = lambda message, *_, **__: click.echo(f"allanite: {message}", err=True)
+        yield
+
+
 def _survey(
     file: str, measure: "Measure", *, fitted: bool, unit_shown: str | None, force: bool, quiet: bool, **choices: Any
 ) -> None:
@@ -108,7 +121,7 @@ def _survey(
         for value in measure(record, fit):
             yield value.to(unit_shown or readable_unit(value.unit))
 
-    with bar(shown=sys.stderr.isatty() and not quiet) as progress:
+    with _told(), bar(shown=sys.stderr.isatty() and not quiet) as progress:
         found = survey(file, in_unit, recipe_of(None, choices), fitted=fitted, progress=progress)
     silent = STDOUT in paths.values()
     if not (quiet or silent):

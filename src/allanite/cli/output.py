@@ -11,6 +11,8 @@ from allanite.files import write
 from allanite.report.outputs import STDOUT
 
 if TYPE_CHECKING:
+    from allanite.comparison import Comparison
+    from allanite.pooled import Pool
     from allanite.study import Recipe, Study
     from allanite.survey import Survey
 
@@ -34,7 +36,7 @@ def recipe_of(path: str | None, choices: dict[str, Any]) -> "Recipe":
     return Recipe.from_dict(base | {key: value for key, value in choices.items() if value is not None})
 
 
-def print_table(value: "Study | Survey") -> None:
+def print_table(value: "Study | Survey | Comparison | Pool") -> None:
     """Print a result as wide as the terminal is."""
     from allanite.report import table
 

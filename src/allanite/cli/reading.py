@@ -76,6 +76,13 @@ READING = (
 )
 
 
+outliers = click.option(
+    "--outliers",
+    metavar="WORD",
+    help="mark: leave them out of everything; keep: out of nothing.  [out of the fit, not of curves]",
+)
+
+
 def results(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the options that say where its result goes."""
     for option in reversed(RESULTS):
@@ -84,6 +91,7 @@ def results(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 RESULTS = (
+    outliers,
     click.option("--to", "unit_shown", metavar="UNIT", help="Unit of the result.  [deg/h, ug]"),
     click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
     click.option("--plot", metavar="PATH", type=click.Path(), help="Write the figure: .png, .svg or .pdf."),

@@ -17,21 +17,13 @@ def _less_parabola(out, S, start, line, m):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def modified_total(x, m):  # type: ignore[no-untyped-def]
+def one_by_one(x, m):  # type: ignore[no-untyped-def]
     """Sum over windows n of q_n = 1/(6 m^3) sum over the 6m places of (third difference of the folded sum)^2.
 
     The running sum V_j, j = 0 .. 3m, of a window less its mean and half-mean slope vanishes at both ends; the sum of
     the window folded back evenly is odd about 0 and about 3m. Its squared third difference is even about both, so that
     half a round is enough: the centres 0 .. 3m.
     """
-    sums = np.zeros(m.size)
-    for k in range(m.size):
-        sums[k] = _one(x, m[k])
-    return sums
-
-
-@njit(cache=True, nogil=True)
-def _one(x, m):  # type: ignore[no-untyped-def]
     half, odd = 3 * m // 2, m % 2
     reach = (3 * m) // 2  # the first centre is 0 or 1/2: it reaches back over 1.5 m
     places = 3 * m + 1 - odd

@@ -44,13 +44,59 @@ def _one(x, m):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def triangles(e, leaf, out):  # type: ignore[no-untyped-def]
-    """out[v] += sum of e[p] e[p + 2 (out.size - 1 - v)] over p < v in the block of `leaf` places that holds v."""
-    for start in range(0, out.size, leaf):
-        for v in range(start + 1, start + leaf):
-            lag = 2 * (out.size - 1 - v)
-            a, b = e[start:v], e[start + lag : v + lag]
-            total = 0.0
-            for p in range(a.size):
-                total += a[p] * b[p]
-            out[v] += total
+def _add_points(A, e, f, points):  # type: ignore[no-untyped-def]
+    """A[i] += points[0] e[i] + points[1] e[i-1] + points[2] f[i] + points[3] f[i-1], e and f from i = -1 on."""
+    e0, e1, f0, f1 = points
+    ea, eb, fa, fb = e[1:], e[:-1], f[1:], f[:-1]
+    for i in range(A.size):
+        A[i] += (e0 * ea[i] + e1 * eb[i]) + (f0 * fa[i] + f1 * fb[i])
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _add_mirrored(D, e, f, weights):  # type: ignore[no-untyped-def]
+    """D[u] += e[0][u] e[1][u] + f[0][u] f[1][u]; gives the sum of weights[u] D[u]."""
+    (a, b), (c, d) = e, f
+    total = 0.0
+    for u in range(D.size):
+        D[u] += a[u] * b[u] + c[u] * d[u]
+        total += weights[u] * D[u]
+    return total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _weighed(weights, values):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for i in range(weights.size):
+        total += weights[i] * values[i]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def every_theo1(A, D, edges, signs):  # type: ignore[no-untyped-def]
+    """Sum over v of (A_m[v] + A_m[m-v]) / v and of D_m[k-v] / v, v = 1 .. k = m/2, for all m = 2, 4 ...: two arrays.
+
+    A_m[l] is A[l] plus the products of the first m points of the edges that lie l apart; D_m[u] is D[u] plus those of
+    points that lie u beside one of the first k, on both sides. From one m to the next two points are added to A, and
+    one centre to D (B. Lewis, IEEE Trans. UFFC 67, 2020, is such a recursion). `edges`: (v, 2 K), v even, with `signs`.
+    """
+    most = edges.shape[1] // 2
+    first, second = np.zeros(most + 1), np.zeros(most + 1)
+    weights = 1.0 / np.arange(1, most + 1)
+    falling = weights[::-1].copy()
+    backward = edges[:, ::-1].copy()
+    signed = backward * signs.reshape(-1, 1)
+    end = 2 * most
+    for k in range(1, most + 1):
+        m = 2 * k
+        for b in range(0, signs.size, 2):
+            e, f, E, F = edges[b], edges[b + 1], backward[b], backward[b + 1]
+            s, t = signs[b], signs[b + 1]
+            # the points l = 1, 2 ... before point j lie in the backward edge from end - j on
+            points = s * e[m - 2], s * e[m - 1], t * f[m - 2], t * f[m - 1]
+            _add_points(A[1 : m - 1], E[end - m + 1 : end], F[end - m + 1 : end], points)
+            A[m - 1] += s * e[m - 1] * e[0] + t * f[m - 1] * f[0]
+            # beside the new centre, with its sign in the points on the left
+            left, right = (signed[b, end - k :], signed[b + 1, end - k :]), (e[k - 1 : m - 1], f[k - 1 : m - 1])
+            second[k] = _add_mirrored(D[:k], (left[0], right[0]), (left[1], right[1]), falling[most - k :])
+        first[k] = _weighed(weights[:k], A[1 : k + 1]) + _weighed(falling[most - k :], A[k:m])
+    return first, second

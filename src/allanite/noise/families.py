@@ -26,6 +26,9 @@ MARKOV, FLICKER = "GM", "B"
 SHORTEST, LONGEST = 3.0, 0.1
 """Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
 
+SLOW = 30.0
+"""Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
+
 PER_DECADE = 4
 """Time constants a decade in the first search."""
 
@@ -50,13 +53,14 @@ NEAR = 3
 class Search:
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
-    `may` says which terms may stand beside it, shape (p,).
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant.
     """
 
     likelihood: Likelihood
     seen: Spectrum
     used: BoolArray
     may: BoolArray
+    shortest: float = SHORTEST
 
     def column(self, T: float) -> FloatArray:
         """Expected power of the term in the bins that are used."""
@@ -71,10 +75,15 @@ class Search:
         likelihood, free = self.at(T), self.may if free is None else free
         return Subset(likelihood, free, *likelihood.minimise(free), (T,))
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """The least and the greatest time constant."""
+        return self.shortest, max(LONGEST * self.seen.size, 2 * self.shortest)
+
     @cached_property
     def grid(self) -> FloatArray:
         """Time constants of the first search."""
-        low, high = SHORTEST, max(LONGEST * self.seen.size, 2 * SHORTEST)
+        low, high = self.span
         return np.geomspace(low, high, max(2, round(PER_DECADE * math.log10(high / low))))
 
     @cached_property
@@ -86,10 +95,10 @@ class Search:
         """The best near a value of the grid."""
         from scipy.optimize import minimize_scalar
 
-        step = math.log(10) / PER_DECADE
+        step, (low, high) = 10 ** (1 / PER_DECADE), self.span
         best = minimize_scalar(
             lambda x: self.least(math.exp(x), free).value,
-            bounds=(math.log(around) - step, math.log(around) + step),
+            bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
             method="bounded",
             options={"xatol": 0.01},
         )
@@ -272,7 +281,7 @@ def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: lis
     """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
     penalty = penalties(len(noise))
     may = np.array([asked or symbol != FLICKER for symbol in noise])
-    search = Search(part, *where, may)
+    search = Search(part, *where, may, SHORTEST if asked else SLOW)
     fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))

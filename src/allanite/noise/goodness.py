@@ -56,7 +56,7 @@ def goodness(
     reasons = [*_lines(spectrum, used, m)]
     if p < EXPLAINED:
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
-        named = _where(bounds, ratio, z * moving) + _roll_off(spectrum, used, m)
+        named = _roll_off(spectrum, used, m) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)
     return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from allanite.errors import DataError
 from allanite.fit import WEAK, Alternative, Estimate, Fit, Line
+from allanite.gaps import refusal
 from allanite.model import Model, Term
-from allanite.record import SHORTEST, Record
+from allanite.record import Record
 from allanite.terms import TERMS
 
 from .families import MARKOV, Found, look
@@ -52,8 +53,9 @@ def whittle(
     rival : bool
         Whether Gauss-Markov noise may take the place of flicker although it was not asked for.
     """
-    if record.size < SHORTEST:
-        raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
+    why = refusal(record)
+    if why:
+        raise DataError(f"{record.name or 'the record'}: {why}")
     terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
     found = look(record, terms, band, rival=rival)
     taken: tuple[Line, ...] = ()

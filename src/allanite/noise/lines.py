@@ -20,13 +20,17 @@ LOWEST = 4
 """Periods in the record that a sinusoid must have to be told from a slow noise."""
 
 MOST = 12
-"""Sinusoids that are taken out."""
+"""Peaks that are no sinusoids any more, but a hump of the spectrum: none of so many is taken out."""
 
 ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""
 
 BLOCKS = 2048
 """Pieces of the record in which a sinusoid near the peak of a line hardly turns."""
+
+COMPANY, NEIGHBOURS = 50.0, 2
+"""A sinusoid has no more others within so many periods of the record than one: what has, is a resonance or an unsteady
+line, and no sum of a few sinusoids takes it out."""
 
 TRUST = 3.0
 """The model's power is believed up to so many times that of the surroundings: a strong line lifts the model itself."""
@@ -172,4 +176,8 @@ def waves_of(
         for wave in new:
             y -= wave.values(n)
         found += new
-    return found, y
+    f = np.array([wave.frequency for wave in found])
+    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
+    for wave in (wave for wave, alone in zip(found, steady, strict=True) if not alone):
+        y += wave.values(n)
+    return [wave for wave, alone in zip(found, steady, strict=True) if alone], y

@@ -1,12 +1,15 @@
 """A record without the sinusoids in it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from allanite.fit import Line
+from allanite.gaps import known_rates
 from allanite.record import Record
 
 from .families import Found
-from .lines import levels, suspected, waves_of
+from .lines import Wave, levels, suspected, waves_of
 
 
 def without_lines(record: Record, found: Found, band: tuple[float, float] | None) -> tuple[tuple[Line, ...], Record]:
@@ -17,10 +20,10 @@ def without_lines(record: Record, found: Found, band: tuple[float, float] | None
     level = levels(seen, np.where(np.isfinite(m), m, seen.power))
     if not suspected(seen, level, found.used):
         return (), record
-    rates = record.rate_values / seen.unit_factor
+    rates = known_rates(record)
     mean = float(np.nanmean(rates))
     low, high = (0.0, record.rate / 2) if band is None else band
-    waves, left = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
+    waves, _ = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
     if not waves:
         return (), record
     scale = [seen.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
@@ -28,5 +31,14 @@ def without_lines(record: Record, found: Found, band: tuple[float, float] | None
         Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
         for wave, s in zip(waves, scale, strict=True)
     )
-    rest = Record((left + mean) * seen.unit_factor, record.rate, record.signal.unit, name=record.name)
-    return tuple(sorted(lines, key=lambda line: line.frequency)), rest
+    return tuple(sorted(lines, key=lambda line: line.frequency)), _less(record, waves)
+
+
+def _less(record: Record, waves: list[Wave]) -> Record:
+    """The record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments."""
+    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
+    if record.kind == "angle":
+        total = np.concatenate(([0.0], np.cumsum(total)))
+    kind = "increment" if record.kind == "count" else record.kind
+    what = f"{len(waves)} sinusoid(s) taken out"
+    return replace(record, values=record.values - total, kind=kind, history=(*record.history, what))

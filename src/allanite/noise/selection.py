@@ -175,9 +175,11 @@ class Profiles:
         start, thetas, excess = self.everything.theta, [], []
         for root in roots[::-1]:
             value, _, start = profile.at(root**2, start)
+            if value == math.inf:  # no other term makes noise
+                break
             thetas.append(start)
             excess.append(value)
-        weight = roots[::-1] * np.exp(-0.5 * (np.array(excess) - min(excess)))
+        weight = roots[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
         return thetas, weight / weight.sum()
 
     def _within(self, which: int, drop: float) -> list[tuple[Profile, float]]:

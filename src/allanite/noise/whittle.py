@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.errors import DataError, UsageError
+from allanite.gaps import Gaps, joined
 from allanite.record import Record
 from allanite.statistics.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
@@ -46,8 +47,12 @@ class Spectrum:
         Mean and largest squared coefficient, and the index of the largest.
     even, odd : arrays, shape (bins,)
         Sums of the coefficients of even and of odd index.
+    ramp : array, shape (at most 64,)
+        Coefficients 1, 2, ... of a ramp of one unit per sample.
     slope : float
         A ramp that was taken out before, in the unit per sample.
+    gaps : Gaps
+        Where readings were lost: `size` are left.
     unit_factor : float
         The record's unit of rate in SI.
     """
@@ -61,7 +66,9 @@ class Spectrum:
     peak_at: IntArray
     even: FloatArray
     odd: FloatArray
+    ramp: FloatArray
     slope: float
+    gaps: Gaps
     unit_factor: float
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
@@ -93,15 +100,18 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     """Transform a record and bin the powers; takes about three times the record's memory.
 
     With `detrend` most of a ramp is taken out first, so that a strong one does not leak into the higher bins; `slope`
-    remembers it.
+    remembers it. What was lost is cut out (NaN).
     """
     from scipy.fft import dct
 
-    y, factor = _centred_rate(record)
+    y, gaps, left = joined(record)
     n = y.size
-    slope = _end_to_end_slope(y) if detrend else 0.0
+    time = np.asarray(np.arange(n) - (n - 1) / 2 if left is None else left - left.mean(), dtype=np.float64)
+    slope = _end_to_end_slope(y, time) if detrend else 0.0
     if slope:
-        y -= slope * (np.arange(n) - (n - 1) / 2)
+        y -= slope * time
+    ramp = ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n) if left is None else _transformed(time)
+    del time
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
     edges = _edges(n)
@@ -113,7 +123,8 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
     peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
-    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, slope, factor)
+    factor = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor)
 
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
@@ -138,28 +149,30 @@ def _directions(spectrum: Spectrum, with_ramp: bool) -> tuple[FloatArray, FloatA
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
     halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
-    coefficient each.
+    coefficient each; without gaps only the odd ones are not zero.
     """
     n, bins = spectrum.size, spectrum.first.size
     centre = spectrum.first + (spectrum.count - 1) / 2
     a = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * centre)
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
-    d = np.where(spectrum.first <= SINGLE, ramp_coefficients(spectrum.first.astype(np.float64), n), 0.0)
+    d = np.zeros(bins)
+    d[: spectrum.ramp.size] = spectrum.ramp
+    d_even, d_odd = d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
     UU, Uc = np.zeros((bins, 3, 3)), np.zeros((bins, 3))
     UU[:, 0, 0], UU[:, 1, 1], UU[:, 2, 2] = a**2 * (spectrum.count - odd), a**2 * odd, d**2
-    UU[:, 1, 2] = UU[:, 2, 1] = a * d
-    Uc[:, 0], Uc[:, 1], Uc[:, 2] = a * spectrum.even, a * spectrum.odd, d * spectrum.odd
+    UU[:, 0, 2] = UU[:, 2, 0] = a * d_even
+    UU[:, 1, 2] = UU[:, 2, 1] = a * d_odd
+    Uc[:, 0], Uc[:, 1] = a * spectrum.even, a * spectrum.odd
+    Uc[:, 2] = d_even * spectrum.even + d_odd * spectrum.odd
     size = 3 if with_ramp else 2
     return UU[:, :size, :size], Uc[:, :size]
 
 
-def _centred_rate(record: Record) -> tuple[FloatArray, float]:
-    """Rate with a constant removed, in the record's unit, and that unit in SI."""
-    if record.kind == "rate":
-        return np.asarray(record.values - record.constant, dtype=np.float64), record.factor
-    if record.kind == "angle":
-        return np.asarray(np.diff(record.values), dtype=np.float64), record.factor * record.rate
-    return np.asarray(record.values - record.constant, dtype=np.float64), record.factor * record.rate
+def _transformed(time: FloatArray) -> FloatArray:
+    """The lowest coefficients of a ramp with gaps."""
+    from scipy.fft import dct
+
+    return np.asarray(dct(time, norm="ortho")[1 : SINGLE + 1])
 
 
 def _sums(values: FloatArray, edges: IntArray) -> FloatArray:
@@ -168,10 +181,11 @@ def _sums(values: FloatArray, edges: IntArray) -> FloatArray:
     return np.where(np.diff(edges) > 0, np.add.reduceat(values, padded)[: padded.size], 0.0)
 
 
-def _end_to_end_slope(y: FloatArray) -> float:
+def _end_to_end_slope(y: FloatArray, time: FloatArray) -> float:
     """Slope between the means of the first and last thirds: near enough that a strong ramp does not leak upwards."""
     third = y.size // 3
-    return float(y[-third:].mean() - y[:third].mean()) / (y.size - third)
+    apart = float(time[-third:].mean() - time[:third].mean())
+    return float(y[-third:].mean() - y[:third].mean()) / apart
 
 
 def _edges(n: int) -> IntArray:
@@ -188,4 +202,4 @@ def _edges(n: int) -> IntArray:
 def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
-    return np.asarray(np.add.reduceat(weights * row.dct(nodes, spectrum.size), starts) / spectrum.count)
+    return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)

@@ -5,12 +5,13 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.finding import Finding, Quality
+from allanite.gaps import refusal
 from allanite.record import SHORTEST, Record
 
 from .readings import clipped, outliers, quantised, stuck
 from .resampled import resampled
 from .stillness import level, lines, moving, slope
-from .view import View, stretches
+from .view import View
 
 SHORT = 600.0
 """Length, s, below which slow terms are hardly ever identified."""
@@ -24,50 +25,68 @@ def inspect(record: Record) -> Quality:
     Quality
         What was found, what forbids the job first; a record that is refused is not looked at further.
     """
-    fatal = tuple(f for check in FIRST if (f := check(record)) is not None)
-    if fatal:
-        return Quality(fatal)
+    for check in FIRST:
+        fatal = check(record)
+        if fatal is not None:
+            return Quality((fatal,))
     view = View(record)
     motion = moving(view)
     if motion is not None and motion.fatal:
         return Quality((motion,))
-    found = (motion, *(check(view) for check in CHECKS))
+    found = (motion, *(look(view) for look in CHECKS))
     return Quality(tuple(f for f in found if f is not None))
 
 
-def _not_finite(record: Record) -> Finding | None:
+def _out_of_range(record: Record) -> Finding | None:
     # one pass without a mask of the record's size: the sum of finite readings is finite
     with np.errstate(invalid="ignore", over="ignore"):
         if np.isfinite(record.values.sum(dtype=np.float64)):
             return None
     bad = ~np.isfinite(record.values)
+    if bad.all():
+        what = f"{bad.sum()} of {bad.size} readings are not finite"
+        return Finding("not finite", what, remedy="check the column and the reader's options", fatal=True)
     if not bad.any():
         what = "the readings are too large to be added"
         return Finding("range", what, remedy="check the unit and type", fatal=True)
-    what = f"{bad.sum()} of {bad.size} readings are not finite"
-    if bad.all():
-        return Finding("not finite", what, remedy="check the column and the reader's options", fatal=True)
-    what += f", the first at sample {int(bad.argmax())}, in {len(stretches(bad))} gap(s)"
-    whole = stretches(~bad)
-    start, end = (float(v) / record.rate for v in whole[np.diff(whole, axis=1)[:, 0].argmax()])
-    remedy = f"the longest stretch without a gap: --from {start:.6g} --until {end:.6g}"
-    place = (int(bad.argmax()) / record.rate, (bad.size - int(bad[::-1].argmax())) / record.rate)
-    return Finding("gaps", what, "what was lost is not filled in", remedy, place, fatal=True)
+    return None
 
 
-def _too_short(record: Record) -> Finding | None:
-    if record.size >= SHORTEST:
-        return None
-    what = f"{record.size} readings are too few for noise coefficients (at least {SHORTEST})"
-    return Finding("too short", what, remedy="record for longer", fatal=True)
+def _too_little(record: Record) -> Finding | None:
+    why = refusal(record)
+    name = "too short" if record.size < SHORTEST else "too little left"
+    return Finding(name, why, remedy="record for longer" if record.size < SHORTEST else "", fatal=True) if why else None
 
 
 def _constant(record: Record) -> Finding | None:
     steps = record.values if record.kind != "angle" else np.diff(record.values)
     if steps.min() != steps.max():
-        return None
+        steps = steps[np.isfinite(steps)]
+        if not steps.size or steps.min() != steps.max():
+            return None
     what = f"the signal never changes (always {steps[0]!r})"
     return Finding("constant", what, remedy="check that the sensor is connected and this is its column", fatal=True)
+
+
+def _gaps(view: View) -> Finding | None:
+    if view.left is None:
+        return None
+    size = view.record.size
+    lost = size - view.left.size
+    runs = np.concatenate(([0], view.joints, [view.left.size]))
+    longest = int(np.diff(runs).argmax())
+    first, last = view.left[runs[longest]], view.left[runs[longest + 1] - 1]
+    holes = np.flatnonzero(np.diff(np.concatenate(([-1], view.left, [size]))) > 1)
+    start = float(view.left[holes[0] - 1] + 1) if holes[0] else 0.0
+    end = float(view.left[holes[-1]]) if holes[-1] < view.left.size else float(size)
+    return Finding(
+        "gaps",
+        f"{lost} of {size} readings are lost ({100 * lost / size:.2g} %), in {holes.size} gap(s), the first from "
+        f"{start / view.rate:.6g} s",
+        "nothing is filled in: the fit joins what is left and accounts for it, a curve counts whole windows only",
+        f"the longest stretch without a gap: --from {first / view.rate:.6g} --until {(last + 1) / view.rate:.6g}",
+        (start / view.rate, end / view.rate),
+    )
 
 
 def _short(view: View) -> Finding | None:
@@ -81,8 +100,9 @@ def _short(view: View) -> Finding | None:
     )
 
 
-FIRST: tuple[Callable[[Record], Finding | None], ...] = (_not_finite, _too_short, _constant)
+FIRST: tuple[Callable[[Record], Finding | None], ...] = (_out_of_range, _too_little, _constant)
 CHECKS: tuple[Callable[[View], Finding | None], ...] = (
+    _gaps,
     _short,
     stuck,
     clipped,

@@ -5,24 +5,12 @@ import math
 import numpy as np
 
 from allanite.finding import Finding
+from allanite.statistics.rounding import FEW_CODES, grid, rounding
 
 from .view import View, stretches
 
 RARE = 1e-4
 """Probability with which a check may be wrong about a clean record."""
-
-COARSE = 0.5
-"""Quantization step over the fast noise's standard deviation from which the step shows in the numbers."""
-
-NO_DITHER = 0.3
-"""Fast noise over the step below which rounding errors are no white noise any more. After rounding it shows as one or
-two codes: noise of 0.3 step already takes three within a few hundred readings."""
-
-NEARBY = 256
-"""Readings among which codes are counted."""
-
-FEW_CODES = 16
-"""Distinct readings up to which they are counted out."""
 
 
 def stuck(view: View) -> Finding | None:
@@ -61,7 +49,7 @@ def clipped(view: View) -> Finding | None:
             continue
         inner = y[~at]
         beside = inner.max() if side == "upper" else inner.min()
-        if count > 1.5 * int((inner == beside).sum()) and _grid(view)[0] > FEW_CODES // 2:
+        if count > 1.5 * int((inner == beside).sum()) and grid(view.steps)[0] > FEW_CODES // 2:
             first = int(at.argmax())
             return Finding(
                 "clipped",
@@ -76,13 +64,12 @@ def clipped(view: View) -> Finding | None:
 
 def quantised(view: View) -> Finding | None:
     """A step that is coarse against the noise; without enough noise to dither it, a warning of its own."""
-    codes, step = _grid(view)
-    if step == 0 or (step < COARSE * view.fast and codes > FEW_CODES):
+    found = rounding(view.steps, view.fast)
+    if not found.coarse:
         return None
-    size = step * (view.record.scale or 1.0)
-    counted = f"{codes} distinct values, " if codes <= FEW_CODES else ""
-    what = f"{counted}quantised to {size:.4g} {view.record.unit}, fast noise {view.fast / step:.2g} step"
-    if view.fast < NO_DITHER * step or _codes_nearby(view) <= 2:
+    size = found.step * (view.record.scale or 1.0)
+    what = f"{found.counted}quantised to {size:.4g} {view.record.unit}, fast noise {found.noise:.2g} step"
+    if found.undithered:
         return Finding(
             "no dither",
             what,
@@ -97,47 +84,22 @@ def quantised(view: View) -> Finding | None:
     )
 
 
-def _codes_nearby(view: View) -> float:
-    """Median number of distinct readings in stretches of 256."""
-    y = view.steps
-    starts = np.linspace(0, max(y.size - NEARBY, 0), 50).astype(int)
-    return float(np.median([np.unique(y[start : start + NEARBY]).size for start in starts]))
-
-
-def _grid(view: View) -> tuple[int, float]:
-    """Number of distinct readings in a sample, and their step; step 0 if they lie on no grid."""
-    y = view.steps
-    starts = np.linspace(0, max(y.size - 20_000, 0), 10).astype(int)
-    part = y if y.size <= 200_000 else np.concatenate([y[start : start + 20_000] for start in starts])
-    codes = np.unique(part)
-    if codes.size > 0.2 * part.size or codes.size < 2:
-        return codes.size, 0.0
-    gaps = np.diff(codes.astype(np.float64))
-    # readings printed with rounding differ by multiples of the step to within a part of it
-    step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
-    multiples = gaps / step
-    even = np.abs(multiples - np.rint(multiples)) < 0.1
-    return codes.size, step if even.mean() > 0.95 else 0.0
-
-
 def outliers(view: View) -> Finding | None:
-    """Readings off the line between their neighbours by more than any noise of this length."""
-    from scipy.special import ndtri
-
-    limit = -float(ndtri(RARE / 2 / view.bends.size)) * 1.05
-    scale = view.fast * math.sqrt(6.0)
-    high = np.abs(view.bends) > limit * scale
-    count = int(high.sum())
-    if not count or count > 0.02 * high.size:
+    """Readings far off the median of those around them, or the heavy tails that they belong to."""
+    found = view.outliers
+    if found.heavy:
+        return Finding(
+            "heavy tails",
+            f"{found.heavy} readings lie beyond {found.limit:.2g} standard deviations, too many for outliers",
+            "the noise is not Gaussian, or its level changes fast: intervals are too narrow",
+            "look at the readings; nothing is left out",
+        )
+    if not found.at.size:
         return None
-    at = np.flatnonzero(high)
-    events = 1 + int((np.diff(at) > 3).sum())
-    first = int(at[0]) + 1
-    worst = float(np.abs(view.bends[at]).max()) / scale
     return Finding(
         "outliers",
-        f"{events} outlier(s), the first at {view.seconds(first):.6g} s, the largest {worst:.3g} standard deviations",
-        "a spike adds to every short averaging time, and N and Q come out too large",
-        "mark them (prepare.mark_outliers), or choose a window without them (--from, --until)",
-        (view.seconds(first), view.seconds(int(at[-1]) + 1)),
+        found.words(view.rate),
+        "each adds to curves and spectra at every short averaging time",
+        "leave them out there, too (--outliers mark), or choose a window without them (--from, --until)",
+        (float(found.at[0]) / view.rate, float(found.at[-1] + 1) / view.rate),
     )

@@ -143,13 +143,15 @@ def slope(view: View) -> Finding | None:
     Slopes over two octaves, where the record has a hundred windows and more.
     """
     record = view.record
-    factors = 2 ** np.arange(max(1, int(math.log2(max(record.size / 100, 1)))))
+    # between gaps only: the longest windows lie within the longest stretch
+    size = int(np.diff(np.concatenate(([0], view.joints, [view.steps.size]))).max())
+    factors = 2 ** np.arange(max(1, int(math.log2(max(size / 100, 1)))))
     if factors.size < 5:
         return None
     curve = deviation(record, "oadev", m=factors.tolist())
     sigma = np.log2(np.maximum(curve.deviation, 1e-300))
     slopes = (sigma[2:] - sigma[:-2]) / 2
-    error = np.sqrt(1.5 * factors[2:] / record.size)
+    error = np.sqrt(1.5 * factors[2:] / size)
     before = np.maximum.accumulate(slopes)
     drop = before - slopes
     significant = drop > 0.35 + 8 * error

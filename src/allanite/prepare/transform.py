@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from allanite.errors import UsageError
 from allanite.record import KINDS, Record
 from allanite.statistics import statistic_named
+from allanite.statistics.robust import marked, outliers
 
-from .view import View
 
+def mark_outliers(record: Record) -> Record:
+    """Outliers become NaN: lost readings.
 
-def mark_outliers(record: Record, *, threshold: float = 8.0) -> Record:
-    """Readings off the line between their neighbours by more than `threshold` standard deviations become NaN.
-
-    Nothing is put in their place: the record then has gaps, and its history says how many and where the first is. A
-    reading counts as an outlier if the bend at it is the largest of the three bends it takes part in.
+    Nothing is put in their place: the record then has gaps, and its history says how many and where the first is.
+    What is an outlier: `allanite.statistics.robust.outliers`. An angle becomes its steps (kind "increment") if it has
+    outliers, and so do counts, which are integers.
 
     Examples
     --------
@@ -25,21 +25,9 @@ def mark_outliers(record: Record, *, threshold: float = 8.0) -> Record:
     >>> y[500] = 50.0
     >>> marked = mark_outliers(Record(y, rate=1.0, unit="deg/s"))
     >>> np.flatnonzero(np.isnan(marked.values)).tolist(), marked.history
-    ([500], ('1 outlier(s) above 8 standard deviations marked as lost, the first at sample 500',))
+    ([500], ('1 outlier beyond 5 standard deviations, the first at 500 s, the largest 51.5: marked as lost',))
     """
-    if record.kind == "angle":
-        raise UsageError("outliers are marked in rates and increments; an angle's would have to be its steps")
-    view = View(record)
-    bends = np.abs(view.bends)
-    beside = np.concatenate(([0.0], bends, [0.0]))
-    peak = (bends >= beside[:-2]) & (bends >= beside[2:])
-    at = 1 + np.flatnonzero(peak & (bends > threshold * np.sqrt(6.0) * view.fast))
-    if not at.size:
-        return record
-    values = np.array(record.values, dtype=np.float64)
-    values[at] = np.nan
-    what = f"{at.size} outlier(s) above {threshold:g} standard deviations marked as lost, the first at sample {at[0]}"
-    return _floating(record, values, what)
+    return marked(record, outliers(record))
 
 
 def detrend(record: Record, statistic: str) -> Record:

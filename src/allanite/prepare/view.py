@@ -1,6 +1,5 @@
 """View: a record as the checks of its quality look at it; what several of them need is computed once."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,21 +8,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.record import Record
+from allanite.statistics.robust import Outliers, outliers
+from allanite.statistics.rounding import fast_noise
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A record without gaps, in its own unit."""
+    """What is left of a record, joined over its gaps, in its own unit."""
 
     record: Record
 
     @cached_property
     def steps(self) -> NDArray[Any]:
-        """What the sensor said in each interval: readings, or steps of an angle."""
+        """What the sensor said in each interval: readings, or steps of an angle; lost ones are left out."""
+        steps = self._all
+        return steps if self.left is None else steps[self.left]
+
+    @property
+    def _all(self) -> NDArray[Any]:
         values = self.record.values
         return np.diff(values) if self.record.kind == "angle" else values
+
+    @cached_property
+    def left(self) -> NDArray[np.intp] | None:
+        """Which intervals of the record are left; None if all are."""
+        steps = self._all
+        if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
+            return None
+        return np.flatnonzero(np.isfinite(steps))
+
+    @cached_property
+    def joints(self) -> NDArray[np.intp]:
+        """Index of the first step behind each gap."""
+        return np.empty(0, np.intp) if self.left is None else np.flatnonzero(np.diff(self.left) > 1) + 1
+
+    @cached_property
+    def outliers(self) -> Outliers:
+        """Steps far off those around them."""
+        return outliers(self.record)
 
     @property
     def rate(self) -> float:
@@ -43,24 +67,31 @@ class View:
 
     @cached_property
     def bends(self) -> FloatArray:
-        """Second differences of neighbouring readings: fast noise, whatever the bias and its drift."""
+        """Second differences of neighbouring readings: fast noise, whatever the bias and its drift; 0 over a gap."""
         y = self.steps
         bends: FloatArray = np.subtract(y[2:], y[:-2], dtype=np.float64)
         bends -= 2.0 * (y[1:-1] - y[:-2])
+        bends[self._over] = 0.0
         return bends
+
+    @property
+    def _over(self) -> NDArray[np.intp]:
+        """Bends that reach over a gap."""
+        both = np.concatenate((self.joints - 2, self.joints - 1))
+        return both[(both >= 0) & (both < self.steps.size - 2)]
 
     @cached_property
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; of white noise its standard deviation."""
-        sample = np.abs(self.bends[:: max(1, self.bends.size // 100_000)])
-        scale = float(np.median(sample)) / 0.6745 or float(sample.std())
-        # of coarse readings the median is coarse too: the spread of what is no outlier is not
-        kept = sample[sample < 6 * scale]
-        return float(np.sqrt(np.square(kept).mean() / 6)) if kept.size else scale / math.sqrt(6)
+        whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
+        return fast_noise(whole)
 
     def seconds(self, index: float) -> float:
         """Time of a reading after the first one, s."""
-        return index / self.rate
+        if self.left is None:
+            return index / self.rate
+        whole = min(int(index), self.left.size - 1)
+        return (float(self.left[whole]) + index - whole) / self.rate
 
 
 def stretches(mask: NDArray[np.bool_]) -> NDArray[np.intp]:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from allanite.comparison import Comparison
     from allanite.fit import Fit
+    from allanite.pooled import Pool
     from allanite.study import Study
     from allanite.survey import Survey
 
@@ -20,7 +22,7 @@ def plot(
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Fit, Channel, Study, Survey, or a sequence of one of them
+    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, Comparison, Pool, or several of a kind
         Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
         panel. Density against frequency. Or the curves of all windows, and what changes with time.
     fit : Fit, optional
@@ -52,12 +54,12 @@ def plot(
     return figure
 
 
-def report(study: "Study", path: PathLike, *, force: bool = False) -> None:
-    """Write the study as one self-contained HTML file: numbers, figures, how they came about.
+def report(study: "Study | Comparison | Pool", path: PathLike, *, force: bool = False) -> None:
+    """Write a study, a comparison or a pool as one self-contained HTML file: numbers, figures, how they came about.
 
     Parameters
     ----------
-    study : Study
+    study : Study, Comparison or Pool
     path : path
         The file to write.
     force : bool
@@ -70,18 +72,23 @@ def report(study: "Study", path: PathLike, *, force: bool = False) -> None:
     """
     from allanite.files import demand_writable, write
 
-    from .html import page
+    from .pages import page
 
     demand_writable(path, force=force)
     write(path, page(study).encode(), force=force)
 
 
-def table(value: "Study | Survey", *, width: int = 120, color: bool = False) -> str:
+def table(value: "Study | Survey | Comparison | Pool", *, width: int = 120, color: bool = False) -> str:
     """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+    from allanite.comparison import Comparison
+    from allanite.pooled import Pool
     from allanite.survey import Survey
 
     from . import listing, text
+    from .comparison import text as compared
 
+    if isinstance(value, (Comparison, Pool)):
+        return compared.render(value, width=width, color=color)
     if isinstance(value, Survey):
         return listing.render(value, width=width, color=color)
     return text.render(value, width=width, color=color)

@@ -5,25 +5,34 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from allanite.comparison import Comparison
 from allanite.curve import Curve
 from allanite.fit import Fit
+from allanite.pooled import Pool
 from allanite.psd import Spectrum
 from allanite.surface import Surface
 from allanite.survey import Survey
+from allanite.whiteness import Residuals
 
+from .comparison.figures import plot_comparison
 from .figures import plot_panels
 from .overlay import plot_overlay
 from .panels import Panel, panels_of
+from .residuals import plot_residuals
 from .spectra import plot_spectra
 from .surfaces import plot_surfaces
 
 
 def draw(value: Any, fit: Fit | None, level: float) -> Figure:
     """The figure of a value; see `allanite.plot`."""
+    if isinstance(value, (Comparison, Pool)):
+        return plot_comparison(value)
     fits = value.fits if isinstance(value, Survey) else {}
     items = _items(value)
     if items and all(isinstance(item, Spectrum) for item in items):
         return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
+    if len(items) == 1 and isinstance(items[0], Residuals):
+        return plot_residuals(items[0])
     if items and all(isinstance(item, Surface) for item in items):
         return plot_surfaces(items)
     if len(items) > 1 and all(isinstance(item, Curve) for item in items):

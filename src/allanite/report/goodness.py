@@ -32,15 +32,16 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
         title = f"{words.printable(name)}   goodness of fit p = {goodness.p:.2g}".strip()
         color = style.INK if goodness.explained else style.ALARM
         upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
-        _draw_ratio(upper, goodness)
-        _draw_surprise(lower, goodness)
+        draw_ratio(upper, goodness)
+        draw_surprise(lower, goodness)
         lower.set_xlabel("frequency (Hz)")
         lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
         style.plain_ticks(lower.xaxis)
     return figure
 
 
-def _draw_ratio(ax: Axes, goodness: Goodness) -> None:
+def draw_ratio(ax: Axes, goodness: Goodness) -> None:
+    """Observed over expected power of every cell."""
     ax.set(xscale="log", yscale="log", ylabel="observed /\nexpected power")
     style.grid(ax)
     ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
@@ -59,7 +60,8 @@ def _draw_ratio(ax: Axes, goodness: Goodness) -> None:
     style.plain_ticks(ax.yaxis)
 
 
-def _draw_surprise(ax: Axes, goodness: Goodness) -> None:
+def draw_surprise(ax: Axes, goodness: Goodness) -> None:
+    """The same in standard deviations."""
     ax.set(xscale="log", ylabel="standard\ndeviations")
     style.grid(ax)
     ax.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)

@@ -15,11 +15,13 @@ from allanite.fit import Estimate, Fit
 from allanite.noise import METHODS, Method
 from allanite.study import Channel, Recipe, Study
 from allanite.terms import TERMS
+from allanite.whiteness import Residuals, chance
 
 from . import style, words
 from .figures import plot_panels
 from .goodness import plot_goodness
 from .panels import Panel, panels_of
+from .residuals import plot_series
 
 EXPLAINED = {
     "whittle": (
@@ -73,6 +75,7 @@ def _content(study: Study) -> dict[str, Any]:
         "name": PurePath(study.provenance.get("source", "")).name or "data in memory",
         "verdicts": [(words.verdict(c, level), _doubtful(c)) for c in study.channels],
         "channels": [_channel(channel, level, i) for i, channel in enumerate(study.channels)],
+        "shared": _shared(study),
         "statuses": {s: meaning for s, meaning in words.STATUS.items() if s in statuses},
         "method": _method(METHODS[recipe.method], recipe.method) if recipe.method in METHODS else recipe.method,
         "explained": EXPLAINED.get(recipe.method, ()),
@@ -105,7 +108,7 @@ def _channel(channel: Channel, level: float, i: int) -> dict[str, Any]:
         "history": channel.record.history,
         "alerts": words.alerts(channel),
         "refusal": channel.refusal,
-        "good": good.verdict if good and good.explained else "",
+        "good": channel.verdict if channel.fit and channel.explained else "",
         "notes": channel.fit.notes if channel.fit else (),
         "rows": [_row(e, level) for e in channel.fit] if channel.fit else [],
         "figure": svg(plot_panels(panels_of(channel), level=level), f"curve{i}", "deviation by averaging time")
@@ -114,13 +117,27 @@ def _channel(channel: Channel, level: float, i: int) -> dict[str, Any]:
         "goodness": svg(plot_goodness(good), f"goodness{i}", "observed over expected power by frequency")
         if good
         else "",
+        "residuals": _residuals(channel.residuals, i) if channel.residuals and channel.residuals.checks else None,
         "curve": _curve(panels_of(channel)[0], level) if channel.curve else None,
     }
 
 
 def _doubtful(channel: Channel) -> bool:
-    good = channel.fit.goodness if channel.fit else None
-    return channel.fit is None or (good is not None and not good.explained)
+    return channel.fit is None or not channel.explained
+
+
+def _residuals(residuals: Residuals, i: int) -> dict[str, Any]:
+    return {
+        "figure": svg(plot_series(residuals), f"residuals{i}", "residuals over time, their correlation and quantiles"),
+        "rows": [(c.title, f"{c.value:.4g}", chance(c.p), c.meaning, c.passed) for c in residuals.checks],
+    }
+
+
+def _shared(study: Study) -> dict[str, Any] | None:
+    if study.shared is None:
+        return None
+    rows = [(a, b, f"{fast:+.3f}", f"{slow:+.2f}") for a, b, fast, slow in study.shared.rows()[1]]
+    return {"rows": rows, "hints": [str(finding) for finding in study.shared.findings]}
 
 
 def _row(estimate: Estimate, level: float) -> dict[str, Any]:

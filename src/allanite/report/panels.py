@@ -17,6 +17,7 @@ from allanite.units import convert, unit_of
 from .words import readable_unit
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 MOST_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""
@@ -41,11 +42,12 @@ class Panel(NamedTuple):
             variance = expected(model, row.name, tau)
             return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
         try:
-            variance = expected(model, row.name, curve.tau, rate=curve.rate, size=curve.size or None)
+            at = curve.tau[thinned(curve.tau.size)]
+            variance = expected(model, row.name, at, rate=curve.rate, size=curve.size or None)
         except UsageError:  # a maximum, or what depends on the record beyond the model
             return np.full_like(tau, np.nan)
         with np.errstate(divide="ignore"):
-            between = np.interp(np.log(tau), np.log(curve.tau), np.log(variance), np.nan, np.nan)
+            between = np.interp(np.log(tau), np.log(at), np.log(variance), np.nan, np.nan)
         return np.exp(between / 2) / unit_of(self.unit).factor
 
     def shown(self, values: FloatArray) -> FloatArray:
@@ -66,13 +68,19 @@ class Points(NamedTuple):
 def points(panel: Panel, level: float) -> Points:
     """The curve in the unit that is shown, thinned to what the eye resolves."""
     curve = panel.curve
-    keep = np.unique(np.rint(np.geomspace(1, curve.tau.size, MOST_POINTS)).astype(np.int64)) - 1
-    keep = keep if curve.tau.size > MOST_POINTS else np.arange(curve.tau.size)
+    keep = thinned(curve.tau.size)
     tau, deviation = curve.tau[keep], panel.shown(curve.deviation[keep])
     if curve.law is None:
         return Points(tau, deviation, None, None, None)
     low, high = (panel.shown(limit[keep]) for limit in curve.interval(level))
     return Points(tau, deviation, curve.edf[keep], low, high)
+
+
+def thinned(count: int) -> IntArray:
+    """Indices of the points that are drawn: of many, evenly in the logarithm."""
+    if count <= MOST_POINTS:
+        return np.arange(count)
+    return np.unique(np.rint(np.geomspace(1, count, MOST_POINTS)).astype(np.int64)) - 1
 
 
 def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:

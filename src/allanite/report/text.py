@@ -60,6 +60,9 @@ def _lines(study: Study, width: int) -> Iterator[Text]:
     for channel in study.channels:
         yield Text()
         yield from _channel(channel, level, width=width, wide=wide)
+    for finding in study.shared.findings if study.shared else ():
+        yield Text()
+        yield from prose(str(finding), width, first="! ", indent=2, style="bold red")
     statuses = {estimate.status for fit in fits for estimate in fit} - {"identified"}
     notes = [f"{status}: {meaning}" for status, meaning in words.STATUS.items() if status in statuses]
     yield from [Text()] if notes else []
@@ -106,9 +109,8 @@ def _channel(channel: Channel, level: float, *, width: int, wide: bool) -> Itera
         return
     for note in channel.fit.notes:
         yield from prose(note, width, first="  ", indent=2)
-    good = channel.fit.goodness
-    if good is not None and good.explained:
-        yield from prose(good.verdict, width, first="  ", indent=2, style="green")
+    if channel.verdict and channel.explained:
+        yield from prose(channel.verdict, width, first="  ", indent=2, style="green")
     yield from _table(channel.fit, level, wide=wide)
 
 

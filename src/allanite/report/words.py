@@ -143,12 +143,12 @@ def fitness(channel: Channel) -> str:
 
 def alerts(channel: Channel) -> list[str]:
     """What must stand above the numbers of a channel: its warnings, and that the model does not explain it."""
-    good = None if channel.fit is None else channel.fit.goodness
-    # sinusoids that were taken out are said with the goodness of fit, and stand in the model
-    settled = {"lines"} if channel.fit and channel.fit.lines and good is not None and good.explained else set()
+    # what the residuals name is not said twice; sinusoids that were taken out are said with the goodness of fit
+    settled = {finding.name for finding in channel.residuals.findings} if channel.residuals else set()
+    settled |= {"lines"} if channel.fit and channel.fit.lines and channel.explained else set()
     found = [str(finding) for finding in channel.quality.warnings if finding.name not in settled]
-    if good is not None and not good.explained:
-        found.insert(0, good.verdict)
+    if channel.fit is not None and not channel.explained:
+        found.insert(0, channel.verdict)
     return found
 
 
@@ -168,8 +168,7 @@ def verdict(channel: Channel, level: float) -> str:
     first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
     length = duration(channel.record.duration)
     missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
-    good = channel.fit.goodness
-    doubt = "" if good is None or good.explained else f"The model does not explain {name}: do not quote its numbers. "
+    doubt = "" if channel.explained else f"The model does not explain {name}: do not quote its numbers. "
     return doubt + first + missing
 
 

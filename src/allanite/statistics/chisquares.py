@@ -60,13 +60,19 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
 
 
 def _saddle(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    K, x, K2, K3 = cumulants(mixture, t)
+    r = np.sign(t) * np.sqrt(np.maximum(2 * (t * x - K), 0))
+    return r, t * np.sqrt(K2), K3 / K2**1.5, x
+
+
+def cumulants(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """K and its first three derivatives at t, shape (k,) each."""
     weight, dof, c, u = mixture
     pole = 1 - 2 * u * t
     rest = 1 - 2 * weight * t[:, None]
     part = weight / rest
-    x = c / pole**2 + (dof * part).sum(axis=1)
     K = c * t / pole - (dof * np.log(rest)).sum(axis=1) / 2
+    K1 = c / pole**2 + (dof * part).sum(axis=1)
     K2 = 4 * c * u / pole**3 + 2 * (dof * part**2).sum(axis=1)
     K3 = 24 * c * u * u / pole**4 + 8 * (dof * part**3).sum(axis=1)
-    r = np.sign(t) * np.sqrt(np.maximum(2 * (t * x - K), 0))
-    return r, t * np.sqrt(K2), K3 / K2**1.5, x
+    return K, K1, K2, K3

@@ -72,20 +72,25 @@ def law(points: Points, models: Sequence[Model]) -> Law:
     It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
     noise alone are wide enough.
     """
-    models = [noise_of(model) for model in models]
 
     @cache
-    def mixtures() -> tuple[FloatArray, Mixture]:
-        made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
-        edf = np.array([e for e, _ in made])
-        weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
-        return edf, Mixture(weight, dof, mean, beside)
+    def found() -> tuple[FloatArray, Mixture]:
+        return mixtures(points, models)
 
     def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        edf, mixture = mixtures()
+        edf, mixture = found()
         return edf, 1 / quantiles(mixture, (1 + level) / 2), 1 / quantiles(mixture, (1 - level) / 2)
 
     return limits
+
+
+def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
+    """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
+    models = [noise_of(model) for model in models]
+    made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
+    edf = np.array([e for e, _ in made])
+    weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
+    return edf, Mixture(weight, dof, mean, beside)
 
 
 def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:

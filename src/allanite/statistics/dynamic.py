@@ -20,10 +20,6 @@ FEWEST = 8
 """Samples below which a window is no window."""
 
 
-SLIDING = ("oadev", "haar", "ohdev")
-"""Overlapped differences, which neighbouring windows share: each is taken once, and windows are sums of blocks."""
-
-
 def dynamic(
     record: Record,
     statistic: str = "oadev",
@@ -77,7 +73,7 @@ def dynamic(
     samples, stride = _samples(record, window, step)
     first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
-    if row.name in SLIDING and np.isfinite(record.values.sum(dtype=np.float64)):
+    if row.sliding and np.isfinite(record.values.sum(dtype=np.float64)):
         found = _all_at_once(record, row, first, stride)
     else:
         parts = [_part(record, int(start), samples) for start in starts]

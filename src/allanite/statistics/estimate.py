@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.errors import DataError, UsageError
 
-from .angle import Angle
+from .angle import Angle, Piece
 from .grids import part_of
 from .row import FloatArray, IntArray, Statistic
 
@@ -19,7 +19,7 @@ class Estimate(NamedTuple):
     factor: FloatArray
 
 
-def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor: int) -> Estimate:
+def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor: int, threads: int = 1) -> Estimate:
     """A statistic of a record at averaging factors `m`, for a unit sample interval.
 
     Raises
@@ -28,19 +28,19 @@ def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor:
         The record has gaps and the statistic no meaning there, or is too short for the bias ratio of a hybrid.
     """
     if not row.parts:
-        return windows(row, angle, m)
+        return windows(row, angle, m, threads)
     which = part_of(row, m, angle.size, join)
     variance, count, factor = np.empty(m.size), np.zeros(m.size, np.int64), np.ones(m.size)
     for i, part in enumerate(row.parts):
         here = which == i
         if here.any():
-            variance[here], count[here], _ = windows(part, angle, m[here])
+            variance[here], count[here], _ = windows(part, angle, m[here], threads)
             if i == len(row.parts) - 1:
-                factor[here] = bias_ratio(row.parts[-1], angle, divisor)
+                factor[here] = bias_ratio(row.parts[-1], angle, divisor, threads)
     return Estimate(variance * factor, count, factor)
 
 
-def windows(row: Statistic, angle: Angle, m: IntArray) -> Estimate:
+def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Estimate:
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
         raise DataError(
@@ -50,7 +50,7 @@ def windows(row: Statistic, angle: Angle, m: IntArray) -> Estimate:
     order = np.argsort(m, kind="stable")
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
-        found, number = _piece(row, x, m[order], start)
+        found, number = _piece(row, Piece(start, x), m[order], threads)
         sums = np.maximum(sums, found) if row.extreme else sums + found
         count += number
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -60,16 +60,29 @@ def windows(row: Statistic, angle: Angle, m: IntArray) -> Estimate:
     return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count[back], np.ones(m.size))
 
 
-def _piece(row: Statistic, x: FloatArray, m: IntArray, start: int) -> tuple[FloatArray, IntArray]:
+def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[FloatArray, IntArray]:
     """Sums and numbers of windows of one piece; windows that do not overlap start at multiples of m of the record."""
+    start, x = piece
     if row.overlapped or start == 0:
-        return row.sums(x, m), row.count(x.size - 1, m)
+        return _sums(row, x, m, threads), row.count(x.size - 1, m)
     skip = -start % m
     sums = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
     return np.array(sums), np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
 
 
-def bias_ratio(theo1: Statistic, angle: Angle, divisor: int) -> float:
+def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
+    if threads == 1:
+        return row.sums(x, m)
+    from concurrent.futures import ThreadPoolExecutor
+
+    sums, shares = np.empty(m.size), row.split(x.size, m, threads)
+    with ThreadPoolExecutor(threads) as pool:
+        for share, found in zip(shares, pool.map(lambda share: row.sums(x, m[share]), shares), strict=True):
+            sums[share] = found
+    return sums
+
+
+def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -> float:
     """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3.
 
     Raises
@@ -90,7 +103,7 @@ def bias_ratio(theo1: Statistic, angle: Angle, divisor: int) -> float:
             f"{angle.size}; take theo1, or oadev"
         )
     i = np.arange(last + 1)
-    allan, theo = windows(OADEV, angle, 9 + 3 * i), windows(theo1, angle, 12 + 4 * i)
+    allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
     both = (allan.number > 0) & (theo.number > 0)
     if not both.any():
         raise DataError("the gaps leave no window of 12 samples for the bias ratio of TheoBR; take oadev")

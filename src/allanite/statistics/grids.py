@@ -8,9 +8,6 @@ from allanite.errors import UsageError
 
 from .row import FloatArray, IntArray, Statistic
 
-MOST = 300_000
-"""Averaging times that are computed one by one; their cost is the square of the record's length."""
-
 
 def times(row: Statistic, m: IntArray, size: int, join: float) -> FloatArray:
     """Tau over the sample interval, shape of m."""
@@ -36,8 +33,6 @@ def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: flo
     if taus not in GRIDS:
         raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
     parts = row.parts or (row,)
-    if taus == "all" and (most := max(part.largest(size) // part.step for part in parts)) > MOST:
-        raise UsageError(f"all {most} averaging times of {row.name} would take hours; choose 'log', or give m")
     made = [GRIDS[taus](part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
     if len(made) < 2:
         return made[0] if made else np.empty(0, np.int64)

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
-from .row import FloatArray, IntArray, Statistic, binomial_window, constant
+from .everytau import dense, split
+from .row import FloatArray, IntArray, Statistic, binomial_window, constant, interleaved
 
 
 def _third(x: FloatArray, m: IntArray) -> FloatArray:
     from allanite.kernels.allan import third
 
-    return third(x, m)  # type: ignore[no-any-return]
+    return dense(x, m, 3, direct=third)
 
 
 def _strided(x: FloatArray, m: IntArray) -> FloatArray:
@@ -26,11 +27,13 @@ OHDEV = Statistic(
     use="Beside oadev, to tell a deterministic drift from rate random walk: only the drift is missing here.",
     limits="Below oadev at long tau even without a ramp: by 0.71 for rate random walk, 0.90 for flicker. "
     "Only a ratio below 0.71 needs a ramp.",
-    cost="1.7 units of 0.16 ns for each sample and tau; one copy of the record.",
+    cost="1.7 units of 0.16 ns for each sample and tau; one copy of the record. Every tau by transforms: "
+    "1 us for each sample, six copies.",
     order=3,
     norm=constant(6.0),
     span=(3, 0),
     sums=_third,
+    split=split(3),
     window=binomial_window(3),
     differences=3,
 )
@@ -47,4 +50,5 @@ HDEV = replace(
     cost="Less than ohdev: n/m terms for each tau; one copy of the record.",
     overlapped=False,
     sums=_strided,
+    split=interleaved,
 )

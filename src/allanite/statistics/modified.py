@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from .everytau import dense, split
 from .row import FloatArray, IntArray, Statistic, Window
 
 
 def _modified(x: FloatArray, m: IntArray) -> FloatArray:
     from allanite.kernels.summed import modified
 
-    return modified(x, m)  # type: ignore[no-any-return]
+    return dense(x, m, 3, summed=True, direct=modified)
 
 
 def _window(m: int) -> Window:
@@ -27,11 +28,13 @@ MDEV = Statistic(
     use="To tell kinds of fast noise apart: quantization falls with slope -3/2 here and flicker of the angle with -1, "
     "while both fall with -1 in oadev.",
     limits="White rate noise reads half its Allan variance, other noise other shares: no coefficient is read off.",
-    cost="2.6 units of 0.16 ns for each sample and tau; one copy of the record and segments of 64 tau.",
+    cost="2.6 units of 0.16 ns for each sample and tau; one copy of the record and segments of 64 tau. Every tau by "
+    "transforms: 1.5 us for each sample.",
     order=2,
     norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
     span=(3, -1),
     sums=_modified,
+    split=split(3, summed=True),
     window=_window,
     differences=3,
     summed=True,

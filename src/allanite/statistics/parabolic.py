@@ -33,5 +33,6 @@ PDEV = Statistic(
     norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
     span=(2, 0),
     sums=_parabolic,
+    pace=4.0,
     window=_window,
 )

@@ -14,6 +14,11 @@ Window = tuple[FloatArray, FloatArray]
 """Weights, shape (r,), and filters, shape (r, points): ``sum_r weights[r] (filters[r] . x)^2`` of a window's points."""
 
 
+def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
+    """Places in m, the same number of small and of large ones for each thread."""
+    return [np.arange(i, m.size, threads) for i in range(min(threads, m.size))]
+
+
 @dataclass(frozen=True)
 class Statistic:
     """A statistic as a mean of squares over windows of the angle x.
@@ -34,6 +39,10 @@ class Statistic:
     sums : (x, m) -> sums of squares over the windows of x, for ascending m, however large
     window : m -> Window
         The quadratic form whose mean over the windows is the sum; None where there is none (a maximum).
+    split : (points, m, threads) -> list of places in m
+        What threads can deal with apart, so that the numbers stay the same.
+    pace : float
+        Time of a window, ns, where every tau takes that of all its windows; 0 where there is a faster form for many.
     target : str
         The statistic whose expectation this one estimates; empty if its own.
     overlapped : bool
@@ -67,6 +76,8 @@ class Statistic:
     span: tuple[int, int]
     sums: Callable[[FloatArray, IntArray], FloatArray]
     window: Callable[[int], Window] | None
+    split: Callable[[int, IntArray, int], list[IntArray]] = interleaved
+    pace: float = 0.0
     target: str = ""
     overlapped: bool = True
     step: int = 1
@@ -77,6 +88,11 @@ class Statistic:
     extreme: bool = False
     gaps: bool = True
     parts: tuple["Statistic", ...] = ()
+
+    @property
+    def sliding(self) -> bool:
+        """Whether it is a mean of squared differences of the angle at every sample, which windows of a record share."""
+        return self.overlapped and self.differences > 1 and not self.summed
 
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""
@@ -91,6 +107,13 @@ class Statistic:
         per, fixed = self.span
         room = n - (per * m + fixed)
         return np.maximum(0, (room if self.overlapped else room // m) + 1)
+
+
+def seconds(row: Statistic, n: int, m: IntArray) -> float:
+    """About how long a statistic of n intervals takes at averaging factors m, s."""
+    if row.parts:
+        return sum(seconds(part, n, m[m % part.step == 0]) for part in row.parts[-1:]) + 4e-12 * n**2
+    return 1e-9 * row.pace * float(row.count(n, m).sum())
 
 
 def constant(value: float) -> Callable[[IntArray], FloatArray]:

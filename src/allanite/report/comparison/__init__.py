@@ -1,0 +1,1 @@
+"""Comparisons and pools for people and machines: text, figure, page, CSV, JSON."""

@@ -1,0 +1,164 @@
+"""Residuals: what a model leaves of a record, whether that is white, Gaussian and steady, and why not."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .finding import Finding
+from .fit import Goodness
+
+FloatArray = NDArray[np.float64]
+
+SURE = 1e-3
+"""p value of a check below which it says that the model does not explain the record."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One question asked of the residuals.
+
+    `value` is the size of what would be wrong, `p` the probability of more by chance.
+    """
+
+    name: str
+    title: str
+    value: float
+    p: float
+    meaning: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether chance makes it."""
+        return self.p >= SURE
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """What a model leaves of a record, as `allanite.residuals` gives it; the series itself: `allanite.whitened`.
+
+    Attributes
+    ----------
+    name, rate, size
+        Of the record.
+    goodness : Goodness or None
+        Observed over expected power by cells of frequency, of the fit.
+    checks : tuple of Check
+        Correlation of neighbours, tails, level in halves and eighths; none where too little is left to be asked.
+    findings : tuple of Finding
+        What is likely wrong, beside what `goodness` says of the spectrum; empty if the model explains the record.
+    correlation : array, shape (20,)
+        Of residuals 1 to 20 samples apart.
+    level, level_error : arrays, shape (8,)
+        Rms of each eighth, and its standard error.
+    time, low, high : arrays, shape (about 400,)
+        Middles of stretches, s, with the least and the largest residual of each.
+    expected, observed : arrays, shape (about 200,)
+        Quantiles of the normal distribution, and those of the residuals.
+    """
+
+    name: str
+    rate: float
+    size: int
+    goodness: Goodness | None
+    checks: tuple[Check, ...]
+    findings: tuple[Finding, ...]
+    correlation: FloatArray
+    level: FloatArray
+    level_error: FloatArray
+    time: FloatArray
+    low: FloatArray
+    high: FloatArray
+    expected: FloatArray
+    observed: FloatArray
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model can be believed."""
+        return not self.findings and (self.goodness is None or self.goodness.explained)
+
+    @property
+    def verdict(self) -> str:
+        """One sentence; the likeliest reason comes first."""
+        fit = "" if self.goodness is None else f"goodness of fit {chance(self.goodness.p)}, "
+        also = "" if self.goodness is None else "".join(f"; {remark}" for remark in self.goodness.remarks)
+        if self.explained:
+            if not self.checks:
+                return f"the model explains the record ({fit.removesuffix(', ')}){also}"
+            least = chance(min(check.p for check in self.checks))
+            return f"the model explains the record ({fit}residuals {least} or more){also}"
+        why = ": " + "; ".join(self.reasons) if self.reasons else ""
+        return f"no model of these terms explains the record ({fit.removesuffix(', ')}){why}{also}"
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the model does not explain the record, the likeliest first: rounding, the spectrum, level and tails."""
+        found = [(finding.name != "no dither", str(finding)) for finding in self.findings]
+        spectral = () if self.goodness is None else self.goodness.reasons
+        first = tuple(text for late, text in found if not late)
+        return (*first, *spectral, *(text for late, text in found if late))
+
+    def __getitem__(self, name: str) -> Check:
+        return next(check for check in self.checks if check.name == name)
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: a check a row."""
+        rows = [[check.name, check.title, check.value, check.p, check.meaning] for check in self.checks]
+        return ["check", "", "value", "p", "meaning"], rows
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "Residuals",
+            "name": self.name,
+            "explained": self.explained,
+            "gof_p": None if self.goodness is None else self.goodness.p,
+            "checks": [{"name": c.name, "value": c.value, "p": c.p, "title": c.title} for c in self.checks],
+            "findings": [finding.to_dict() for finding in self.findings],
+            "correlation": self.correlation.tolist(),
+            "level": self.level.tolist(),
+        }
+
+
+def chance(p: float) -> str:
+    """A p value in words: ``p = 0.19``."""
+    return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """What channels have in common: correlations of their residuals, as `allanite.shared` gives them.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The channels.
+    fast, slow : arrays, shape (channels, channels)
+        Correlation of the residuals sample by sample, and of their means over 64 stretches of the record.
+    findings : tuple of Finding
+        Pairs that share more than chance makes them.
+    """
+
+    names: tuple[str, ...]
+    fast: FloatArray
+    slow: FloatArray
+    findings: tuple[Finding, ...]
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: a pair of channels a row."""
+        pairs = [(i, j) for i in range(len(self.names)) for j in range(i + 1, len(self.names))]
+        rows = [[self.names[i], self.names[j], float(self.fast[i, j]), float(self.slow[i, j])] for i, j in pairs]
+        return ["channel", "and", "fast", "slow"], rows
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "Shared",
+            "names": list(self.names),
+            "fast": self.fast.tolist(),
+            "slow": self.slow.tolist(),
+            "findings": [finding.to_dict() for finding in self.findings],
+        }

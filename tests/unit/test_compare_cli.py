@@ -1,0 +1,148 @@
+"""``allanite compare`` and what it writes: text, page, figure, JSON, CSV, exit codes."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.report import table
+
+MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["compare", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("data")
+    for seed, (name, factor) in enumerate((("before", 1.0), ("after", 0.8), ("third", 1.0)), 1):
+        records = [
+            al.simulate(MODEL, 4096, 100.0, rng=np.random.default_rng(10 * seed + i), name=channel)
+            for i, channel in enumerate("xy")
+        ]
+        scaled = [al.Record(r.values * factor, 100.0, r.unit, name=r.name) for r in records]
+        al.write(al.Recording(tuple(scaled)), place / f"{name}.csv")
+    (place / "empty.csv").write_bytes(b"")
+    (place / "constant.csv").write_text("x [rad/s]\n" + "1.5\n" * 3000)
+    (place / "accelerometer.csv").write_text(
+        "x [m/s^2]\n" + "".join(f"{v:.6f}\n" for v in np.random.default_rng(1).standard_normal(4000))
+    )
+    return place
+
+
+def test_before_and_after(folder, tmp_path):
+    ends = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
+    paths = {name: tmp_path / f"out.{end}" for name, end in ends.items()}
+    asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
+    result = run(folder / "before.csv", folder / "after.csv", "--channels", "x", *asked)
+    assert result.exit_code == 0, result.stderr
+    assert "the noise has changed" in result.stdout
+    assert "not resolvable in these records" in " ".join(result.stdout.split())
+    assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
+    data = json.loads(paths["json"].read_text("utf-8"), parse_constant=pytest.fail)
+    (channel,) = data["channels"]
+    assert (data["type"], channel["changed"]) == ("Comparison", True)
+    n = next(term for term in channel["terms"] if term["symbol"] == "N")
+    assert n["outcome"] == "smaller"
+    assert n["low_percent"] < -20 < n["high_percent"]
+    rows = list(csv.DictReader(io.StringIO(paths["csv"].read_text("utf-8"))))
+    assert [row["quantity"] for row in rows][:6] == [*"QNBKR", "oadev"]
+    assert float(rows[1]["change_percent"]) == pytest.approx(n["change_percent"])
+    first = rows[5]
+    assert float(first["change_percent"]) == pytest.approx(100 * (float(first["after"]) / float(first["before"]) - 1))
+    assert float(first["low_percent"]) < float(first["change_percent"]) < float(first["high_percent"])
+    page = paths["report"].read_text("utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "deg/√h" in page
+    assert "<script" not in page
+    assert "http" not in page.split("<body>")[1].replace("http://www.w3.org", "")
+    assert paths["plot"].read_text("utf-8").startswith("<?xml")
+    again = run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", paths["json"])
+    assert again.exit_code == 2
+    assert "--force" in again.stderr
+
+
+def test_channels_of_one_file_and_of_two(folder):
+    alone = run(folder / "before.csv", "--json", "-")
+    assert json.loads(alone.stdout)["channels"][0]["name"] == "x / y"
+    crossed = run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--against", "y", "--json", "-")
+    assert json.loads(crossed.stdout)["channels"][0]["name"] == "x / y"
+    both = run(folder / "before.csv", folder / "after.csv", "--json", "-", "--quiet")
+    assert [channel["name"] for channel in json.loads(both.stdout)["channels"]] == ["x", "y"]
+
+
+def test_several_files_are_pooled(folder, tmp_path):
+    files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
+    paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
+    result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
+    assert result.exit_code == 0, result.stderr
+    assert "apart from the others: after.csv" in result.stdout
+    assert "run by run" in result.stdout
+    assert "run by run" in paths[0].read_text("utf-8").lower()
+    assert paths[1].read_bytes().startswith(b"\x89PNG")
+    rows = list(csv.DictReader(io.StringIO(paths[2].read_text("utf-8"))))
+    n = next(row for row in rows if row["quantity"] == "N")
+    assert float(n["after.csv"]) == pytest.approx(0.8 * float(n["before.csv"]), rel=0.05)
+    curve = next(row for row in rows if row["quantity"] == "oadev")
+    assert float(curve["low"]) < float(curve["common"]) < float(curve["high"])
+
+
+def test_a_part_against_the_rest(folder):
+    result = run(folder / "before.csv", "--channels", "x", "--part", "20")
+    assert result.exit_code == 0, result.stderr
+    assert "first 20 s" in result.stdout
+    assert "whole" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        ((), 2, ["FILE"]),
+        (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
+        (("before.csv", "after.csv", "--part", "20"), 2, ["--part cuts one file"]),
+        (("before.csv", "--against", "y"), 2, ["--against"]),
+        (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
+        (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
+        (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["never changes"]),
+        (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
+        (("before.csv", "before.csv"), 3, ["same readings"]),
+        (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
+        (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
+        (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),
+    ],
+)  # fmt: skip
+def test_bad_input(folder, monkeypatch, arguments, code, words):
+    monkeypatch.chdir(folder)
+    result = run(*arguments)
+    assert result.exit_code == code, result.output
+    assert all(word in result.stderr for word in words), result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_what_python_shows_is_what_the_command_prints(folder):
+    one, two = (al.read(folder / f"{name}.csv", channels=["x"]) for name in ("before", "after"))
+    found = al.compare(one, two)
+    assert "angle random walk" in table(found)
+    assert "\x1b[" in table(found, color=True)
+    headings, rows = found.rows()
+    assert len(headings) == len(rows[0])
+    assert al.plot(found).axes[1].get_ylabel().startswith("variance of")
+    with pytest.raises(al.UsageError, match="no curves"):
+        al.plot(al.compare(*map(al.identify, (one[0], two[0]))))
+
+
+def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
+    record = al.read(folder / "before.csv")["x"]
+    other = al.read(folder / "after.csv")["x"]
+    name = "<script>alert(1)</script>\x1b[31m"
+    found = al.compare(*(al.Record(r.values, r.rate, r.unit, name=name) for r in (record, other)))
+    al.report(found, tmp_path / "page.html")
+    assert "<script" not in (tmp_path / "page.html").read_text("utf-8")
+    assert "\x1b" not in table(found)

@@ -1,0 +1,290 @@
+"""Two records: the joint likelihood, the ratio of variances, the verdict, and what is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import f as fisher
+
+import allanite as al
+from allanite.changes import holm
+from allanite.noise.contrast import Contrast, gain, homogeneity
+from allanite.noise.joint import drawn, joint, reduced, tied
+from allanite.statistics.confidence import Points, mixtures
+from allanite.statistics.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.statistics.table import statistic_named
+
+RATE = 100.0
+NK = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
+QNBK = al.Q(2, "arcsec") + al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h") + al.K(500, "deg/h/sqrt(h)")
+
+
+def simulated(model, seed, n=4096, rate=RATE, name="z"):
+    return al.simulate(model, n, rate, rng=np.random.default_rng(seed), name=name)
+
+
+def scaled(record, factor):
+    return replace(record, values=record.values * factor)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return simulated(QNBK, 1), simulated(QNBK, 2, n=8192)
+
+
+def test_one_theta_for_all_adds_the_likelihoods(pair):
+    both = joint(pair, "QNBKR")
+    for theta in (both.chosen.theta + 1e-3 * both.chosen.theta.max(), both.chosen.theta * 1.7 + 1e-12):
+        parts = sum(part.value(theta) for part in both.parts)
+        assert tied(both.parts).value(theta) == pytest.approx(parts, rel=1e-12)
+
+
+def test_a_hypothesis_is_never_better_than_its_separate_models(pair):
+    both = joint(pair, "QNBKR")
+    for i in range(len(both.symbols)):
+        contrast = Contrast(both, i)
+        at = [contrast.excess(phi) for phi in (0.2, math.pi / 4, 1.2)]
+        assert min(at) >= 0
+        if 0 < contrast.ratio < math.inf:
+            assert contrast.excess(math.atan(contrast.ratio)) == pytest.approx(0, abs=1e-3)
+
+
+def test_terms_that_are_not_there_take_no_direction_with_them(pair):
+    both = joint(pair, "QNBKR")
+    only_n = np.array([s == "N" for s in both.symbols])
+    part = reduced(both.parts[0], only_n)
+    theta = np.array([both.chosen.theta[1]])
+    assert part.flat.tolist() == [True]
+    assert part.value(theta) == pytest.approx(both.parts[0].value(np.where(only_n, both.chosen.theta, 0.0)), rel=1e-9)
+
+
+def test_drawn_powers_have_the_likelihoods_own_law(pair):
+    """Mean of 400 draws of each bin within 5 standard errors, and the gradient at the truth is zero on average."""
+    part, rng = joint(pair, "QNBKR").parts[0], np.random.default_rng(1)
+    theta = joint(pair, "QNBKR").chosen.theta
+    draws = [drawn(part, theta, rng) for _ in range(400)]
+    whole = part.power * 0 + part.expectation(theta)
+    edge = (np.einsum("bii->bi", part.UU)[:, ~part.flat] @ (part.W @ theta)[~part.flat]) / part.count
+    mean = np.mean([draw.power for draw in draws], axis=0)
+    assert np.abs((mean / (whole + edge) - 1) / np.sqrt(2 / part.count / 400)).max() < 5
+    slopes = np.array([draw.gradient(theta) for draw in draws])
+    assert np.abs(slopes.mean(axis=0) / (slopes.std(axis=0) / 20)).max() < 4.5
+
+
+def test_draws_gain_what_simulated_pairs_gain():
+    """Mean of the likelihood ratio over 150 pairs and 150 draws: within 4 standard errors."""
+    real = []
+    for seed in range(1, 151):
+        both = joint([simulated(NK, 2 * seed, n=1024), simulated(NK, 2 * seed + 1, n=1024)], "NKR")
+        real.append(gain(both.parts, both.chosen.theta))
+    rng = np.random.default_rng(1)
+    theta = both.fitted[-1].theta
+    made = [gain(tuple(drawn(part, theta, rng) for part in both.parts), theta) for _ in range(150)]
+    error = math.sqrt((np.var(real) + np.var(made)) / 150)
+    assert abs(np.mean(real) - np.mean(made)) < 4 * error
+
+
+def test_the_bootstrap_stops_early_only_where_chance_is_likely(pair):
+    tests = []
+    for seed in range(1, 21, 2):
+        both = joint([simulated(NK, seed), simulated(NK, seed + 1)], "QNBKR")
+        tests.append(homogeneity(both, np.random.default_rng(seed)))
+    assert sum(test.p <= 0.05 for test in tests) <= 4  # error probability 6e-5
+    assert all(10 <= test.draws <= 199 for test in tests if test.p > 1e-4)
+    assert any(test.draws < 60 for test in tests)
+    louder = homogeneity(joint([pair[0], scaled(pair[1], 1.5)], "QNBKR"), np.random.default_rng(1))
+    assert (louder.draws, louder.p < 1e-12) == (0, True)
+
+
+@pytest.mark.parametrize("symbol", "NK")
+def test_exchanged_and_scaled_records_have_exchanged_and_scaled_ratios(symbol):
+    a, b = simulated(NK, 1), simulated(NK, 2)
+    i = "QNBK".index(symbol)
+    there, back, louder = (Contrast(joint(p, "QNBKR"), i) for p in ((a, b), (b, a), (a, scaled(b, 1.3))))
+    low, high = there.limits(0.95)
+    assert back.ratio == pytest.approx(1 / there.ratio, rel=1e-3)
+    assert back.p == pytest.approx(there.p, rel=1e-2)
+    assert sorted(1 / v if v else math.inf for v in back.limits(0.95)) == pytest.approx([low, high], rel=2e-3)
+    # what the common model holds may change with the size; the limits of what it does hold scale
+    assert louder.ratio == pytest.approx(1.3 * there.ratio, rel=1e-2)
+
+
+def test_unit_kind_and_rate_do_not_matter(pair):
+    a, b = pair
+    arcsec = np.degrees(b.values) * 3600
+    same = al.Record(arcsec, RATE, "deg/h"), al.Record(arcsec / RATE, RATE, "arcsec", kind="increment")
+    wanted = al.compare(a, b)
+    for record in same:
+        found = al.compare(a, record)
+        assert found.pairs[0].test.statistic == pytest.approx(wanted.pairs[0].test.statistic, rel=1e-3)
+        assert found["N"].interval() == pytest.approx(wanted["N"].interval(), abs=1e-3)
+    fast = simulated(NK, 3, n=16384, rate=200.0)
+    mixed = al.compare(simulated(NK, 4, n=8192), fast)
+    assert mixed.pairs[0].band[1] == 50.0
+    assert mixed["N"].outcome == "no change"
+    np.testing.assert_allclose(mixed.pairs[0].ratios.before.tau, mixed.pairs[0].ratios.after.tau)
+
+
+def single(edf):
+    row = statistic_named("oadev")
+    law = mixtures(Points(row, np.array([1]), [(100, 1)], 100, 1.0, 0.2), [al.Model((al.N(1, "rad/sqrt(s)"),))])[1]
+    weight, dof = np.zeros_like(law.weight), np.ones_like(law.dof)
+    weight[0, 0], dof[0, 0] = 1 / edf, edf
+    return law._replace(weight=weight, dof=dof)
+
+
+@pytest.mark.parametrize("first", [8.0, 50.0, 4000.0])
+@pytest.mark.parametrize("second", [12.0, 900.0])
+def test_the_ratio_of_two_chi_squares_is_fishers_f(first, second):
+    law = RatioLaw(single(first), single(second), (np.array([first]), np.array([second])))
+    for p in (0.025, 0.3, 0.975):
+        wanted = fisher.ppf(p, second, first)
+        assert law.below(np.array([wanted]))[0] == pytest.approx(p, abs=1e-3)
+        assert law.quantile(p)[0] == pytest.approx(wanted, rel=0.01)
+
+
+def test_the_ratio_at_few_degrees_of_freedom():
+    """Shares of 800 equal pairs below the 2.5, 50 and 97.5 % points, at all octaves: 4.5 standard errors."""
+    record = simulated(NK, 1, n=512)
+    m = shared_factors([record, record], "oadev", "octave")
+    law = ratio_law((record, record), "oadev", m, [NK, NK])
+    rng = np.random.default_rng(1)
+    variance = np.array([
+        al.deviation(al.simulate(NK, 512, RATE, rng=rng), "oadev", m=m[0].tolist(), noise=None).variance
+        for _ in range(1600)
+    ])  # fmt: skip
+    ratio = variance[::2] / variance[1::2]
+    for p in (0.025, 0.5, 0.975):
+        share = (ratio < law.quantile(p)).mean(axis=0)
+        assert np.abs(share - p).max() < 4.5 * math.sqrt(p * (1 - p) / 800) + 0.006
+
+
+def test_averaging_times_of_unlike_rates():
+    a, b = simulated(NK, 1, rate=99.87), simulated(NK, 2, n=5000)
+    first, second = shared_factors([a, b], "oadev", "octave")
+    np.testing.assert_allclose(first / 99.87, second / 100.0, rtol=0.005)
+    with pytest.raises(al.DataError, match="no averaging time in common"):
+        shared_factors([simulated(NK, 1, n=100), simulated(NK, 2, n=300, rate=0.5)], "oadev", "octave")
+    with pytest.raises(al.UsageError, match="oadev, ohdev"):
+        shared_factors([a, b], "mtie", "octave")
+
+
+def test_a_change_is_found_and_named():
+    found = al.compare(simulated(NK, 1), scaled(simulated(NK, 2), 0.8))
+    change = found["N"]
+    low, high = change.interval()
+    assert (change.outcome, change.significant) == ("smaller", True)
+    assert low < -20 < high < 0
+    assert found["B"].outcome == "not resolvable"
+    assert "N -" in found.verdict
+    assert "not resolvable in these records: Q, B" in found.verdict
+    ratios = found.pairs[0].ratios
+    assert ratios.p[0] < 1e-6
+    assert ratios.interval()[1][0] < 1
+
+
+def test_a_ramp_keeps_its_sign():
+    ramp = al.R(3e4, "deg/h^2")
+    up, down = (simulated(NK + al.R(sign * 3e4, "deg/h^2"), seed) for sign, seed in ((1, 1), (-1, 2)))
+    found = al.compare(up, down)["R"]
+    assert found.significant
+    assert found.ratio < 0
+    assert found.limits(0.95)[0] < -1 < found.limits(0.95)[1] < 0
+    same = al.compare(up, simulated(NK + ramp, 3))["R"]
+    assert not same.significant
+    assert same.limits(0.95)[0] < 1 < same.limits(0.95)[1]
+
+
+def test_gauss_markov_noise_is_compared_at_one_time_constant():
+    model = al.N(0.3, "deg/sqrt(h)") + al.GM(60, "deg/h", time_constant=5.0)
+    found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 1.3))
+    assert found["GM"].outcome == "larger"
+    assert found["GM"].interval()[0] < 30 < found["GM"].interval()[1]
+    assert found["B"].outcome == "not resolvable"
+    assert any("one time constant" in alert for alert in found.pairs[0].alerts)
+
+
+def test_sinusoids_are_taken_out_of_the_comparison():
+    noise = [simulated(NK, seed, n=20_000) for seed in (1, 2)]
+    sines = [al.Sine(size, "deg/h", frequency=7.3) for size in (200.0, 80.0)]
+    with_lines = [simulated(NK + sine, seed, n=20_000) for sine, seed in zip(sines, (1, 2), strict=True)]
+    found, wanted = al.compare(*with_lines).pairs[0], al.compare(*noise).pairs[0]
+    assert found.test.statistic == pytest.approx(wanted.test.statistic, abs=0.1)
+    assert found["N"].interval() == pytest.approx(wanted["N"].interval(), abs=0.05)
+    assert sum("sinusoids were taken out, at 7.3" in alert for alert in found.alerts) == 2
+
+
+def test_fits_alone_say_nearly_the_same_of_strong_terms():
+    records = [simulated(NK, 1, n=8192), scaled(simulated(NK, 2, n=8192), 1.1)]
+    whole, fits = al.compare(*records), al.compare(*map(al.identify, records))
+    assert fits["N"].interval() == pytest.approx(whole["N"].interval(), abs=2.0)
+    assert fits["N"].outcome == whole["N"].outcome == "larger"
+    assert fits["Q"].outcome == "not resolvable"
+    assert fits.pairs[0].test is None
+    with pytest.raises(al.UsageError, match="no intervals"):
+        al.compare(al.identify(records[0], "ls"), al.identify(records[1], "ls"))
+
+
+def test_holm():
+    assert holm([0.01, 0.02, 0.03, 0.5]) == pytest.approx([0.04, 0.06, 0.06, 0.5])
+    assert holm([0.9, 0.8]) == [1.0, 1.0]
+    assert holm([]) == []
+
+
+def test_the_same_records_have_the_same_verdict(pair):
+    assert al.compare(*pair).to_dict() == al.compare(*pair).to_dict()
+
+
+def test_channels_are_paired_by_name_or_in_order():
+    x, y = simulated(NK, 1, name="x"), simulated(NK, 2, name="y")
+    u, v = simulated(NK, 3, name="u"), simulated(NK, 4, name="v")
+    by_name = al.compare(al.Recording((x, y)), al.Recording((replace(u, name="y"), replace(v, name="w"))))
+    assert [pair.name for pair in by_name] == ["y"]
+    assert "not compared: w, x" in by_name.notes[-1]
+    in_order = al.compare(al.Recording((x, y)), al.Recording((u, v)))
+    assert [pair.name for pair in in_order] == ["x / u", "y / v"]
+    assert in_order["x / u"]["N"].outcome == "no change"
+    assert in_order.verdict.count("\n") == 1
+    with pytest.raises(al.UsageError, match="do not pair"):
+        al.compare(al.Recording((x, y)), u)
+    study = al.analyze(x)
+    assert al.compare(study, u).pairs[0].test.p == al.compare(x, u).pairs[0].test.p
+
+
+def noisy(n=4000, rate=RATE, unit="deg/s", seed=1, name="z"):
+    return al.Record(np.random.default_rng(seed).standard_normal(n), rate, unit, name=name)
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (noisy(unit="m/s^2", name="ax", seed=2), ["gyro", "accelerometer (ax)", "one kind"]),
+        (al.Record(np.full(4000, 2.5), RATE, "deg/s"), ["record 2", "never changes"]),
+        (noisy(n=150), ["150 readings", "at least 200"]),
+        (noisy(rate=0.001, seed=2), ["no band of frequencies in common", "record longer"]),
+        (noisy(), ["same readings"]),
+        (
+            al.Record(np.where(np.arange(4000) == 9, np.nan, noisy(seed=3).values), RATE, "deg/s"),
+            ["not finite", "--from"],
+        ),
+    ],
+    ids=["sensor", "constant", "short", "band", "same", "gap"],
+)
+def test_what_cannot_be_compared(other, words):
+    with pytest.raises(al.DataError) as error:
+        al.compare(noisy(), other)
+    assert all(word in str(error.value) for word in words), error.value
+
+
+def test_wrong_usage():
+    with pytest.raises(al.UsageError, match="'whittle', not by 'ls'"):
+        al.compare(noisy(), noisy(seed=2), al.Recipe(method="ls"))
+    with pytest.raises(al.UsageError, match="a int cannot be compared"):
+        al.compare(noisy(), 3)
+    with pytest.raises(al.UsageError, match="with a fit only"):
+        al.compare(noisy(), al.identify(noisy(seed=2)))
+    with pytest.raises(al.UsageError, match="'Z' was not compared"):
+        al.compare(noisy(), noisy(seed=2))["Z"]
+    with pytest.raises(al.UsageError, match="between 0 and 1"):
+        al.compare(noisy(), noisy(seed=2))["N"].interval(2)

@@ -1,0 +1,102 @@
+"""Several runs: what they have in common, which lies apart; a part against the whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import allanite as al
+from allanite.pooling import bartlett
+
+MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
+
+
+def run(seed, n=4096, factor=1.0, rate=100.0):
+    record = al.simulate(MODEL, n, rate, rng=np.random.default_rng(seed), name="z")
+    return replace(record, values=record.values * factor)
+
+
+@pytest.fixture(scope="module")
+def equal():
+    return al.pool([run(seed) for seed in range(1, 6)])
+
+
+def test_equal_runs_have_one_noise(equal):
+    channel = equal["z"]
+    assert channel.alike
+    assert not channel.apart
+    assert "one noise describes all 5 runs" in equal.verdict
+    low, high = channel["N"].interval()
+    assert low < MODEL["N"].value < high
+    one = al.identify(run(1))["N"].interval()
+    assert high - low < 0.7 * (one[1] - one[0])
+    assert 0.2 < channel["N"].between / channel["N"].within < 2.5
+
+
+def test_degrees_of_freedom_add_up(equal):
+    channel = equal["z"]
+    np.testing.assert_allclose(channel.curve.edf, np.sum([curve.edf for curve in channel.curves], axis=0))
+    variance = np.array([curve.variance for curve in channel.curves])
+    assert np.all((channel.curve.variance > variance.min(axis=0)) & (channel.curve.variance < variance.max(axis=0)))
+    narrow, wide = (np.divide(*curve.interval()[::-1]) for curve in (channel.curve, channel.curves[0]))
+    assert np.all(narrow < wide)
+    assert (channel.p > 0.001).all()
+
+
+def test_the_run_that_lies_apart_is_named():
+    found = al.pool([run(1), run(2), run(3, factor=1.3), run(4)])
+    channel = found["z"]
+    assert list(channel.apart) == ["run 3"]
+    assert channel.rest > 0.05
+    assert not channel.alike
+    assert "apart from the others: run 3" in found.verdict
+    assert channel["N"].adjusted < 1e-6
+    assert channel["N"].between > 3 * channel["N"].within
+    assert channel.p[0] < 1e-6
+
+
+def test_two_that_lie_apart_do_not_hide_each_other():
+    found = al.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
+    assert set(found.apart) == {"run 2", "run 4"}
+
+
+def test_runs_of_unlike_lengths_and_rates():
+    found = al.pool([run(1), run(2, n=9000), run(3, n=8192, rate=200.0)])["z"]
+    assert found.band[1] == 50.0
+    assert found.alike
+
+
+def test_bartlett_is_scipys():
+    samples = np.random.default_rng(1).standard_normal((4, 12))
+    wanted = stats.bartlett(*samples).pvalue
+    variance = samples.var(axis=1, ddof=1)[:, None]
+    assert bartlett(variance, np.full((4, 1), 11.0))[0] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_the_beginning_of_a_record_agrees_with_the_whole():
+    found = al.truncation(run(7, n=12_000), 60.0)
+    (pair,) = found.pairs
+    assert not pair.changed
+    assert pair.whole["N"].interval()[0] < MODEL["N"].value < pair.whole["N"].interval()[1]
+    assert found.names == ("first 60 s", "rest")
+    louder = run(7, n=12_000)
+    louder.values[6000:] *= 1.4
+    assert al.truncation(louder, 60.0)["N"].outcome == "larger"
+    with pytest.raises(al.UsageError, match="500"):
+        al.truncation(run(1), 500.0)
+
+
+def test_what_cannot_be_pooled():
+    with pytest.raises(al.UsageError, match="three on, and 2 came"):
+        al.pool([run(1), run(2)])
+    with pytest.raises(al.DataError, match="same readings"):
+        al.pool([run(1), run(2), run(1)])
+    other = al.Record(np.random.default_rng(1).standard_normal(4096), 100.0, "m/s^2", name="z")
+    with pytest.raises(al.DataError, match="one kind"):
+        al.pool([run(1), run(2), other])
+    x, y = (replace(run(seed), name=name) for seed, name in ((1, "x"), (2, "y")))
+    with pytest.raises(al.UsageError, match="no channel in common"):
+        al.pool([al.Recording((x, y)), al.Recording((replace(x, name="u"), replace(y, name="v"))), run(3)])
+    with pytest.raises(al.UsageError, match="no channel 'q'"):
+        al.pool([run(1), run(2), run(3)])["q"]

@@ -1,0 +1,185 @@
+"""Residuals: white under the truth, alarmed by what is wrong, and in the right words."""
+
+import json
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.report import plot, table
+from allanite.report.html import page
+
+SENSORS = {
+    "MEMS": al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
+    "FOG": al.Q(0.4, "arcsec")
+    + al.N(3, "deg/h*sqrt(s)")
+    + al.B(1, "deg/h")
+    + al.K(0.09, "deg/h/sqrt(s)")
+    + al.R(0.02, "deg/h/s"),
+    "GM": al.N(3, "deg/h*sqrt(s)")
+    + al.GM(5, "deg/h", time_constant=2.0)
+    + al.Sine(9, "deg/h", frequency=7.3, phase=0.4),
+    "RLG": al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h"),
+}
+
+
+def record_of(name, seed, n=2**15):
+    return al.simulate(SENSORS[name], n, 100.0, rng=np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("name", list(SENSORS))
+@pytest.mark.parametrize("lost", [0, 300])
+def test_the_true_model_leaves_white_noise(name, lost):
+    """Variance and twenty correlations within 5 standard errors: one failure in 10^5."""
+    record = record_of(name, 1)
+    values = record.values.copy()
+    values[9000 : 9000 + lost] = np.nan
+    u = al.whitened(al.Record(values, 100.0, "rad/s"), SENSORS[name]).astype(float)
+    assert np.isnan(u).sum() == lost
+    for part in (u[500:8500], u[10_000:-500]):
+        n = part.size
+        assert part.var() == pytest.approx(1, abs=5 * (2 / n) ** 0.5)
+        r = np.array([part[h:] @ part[:-h] / n for h in range(1, 21)])
+        assert np.abs(r).max() < 5 / n**0.5
+
+
+@pytest.mark.parametrize("kind", ["increment", "count", "angle"])
+def test_every_kind_of_record_leaves_the_same(kind):
+    rate = record_of("FOG", 2)
+    step = 1e-12
+    counts = np.rint(rate.values / 100 / step).astype(np.int64)
+    forms = {
+        "increment": al.Record(counts * step, 100.0, "rad", kind="increment"),
+        "count": al.Record(counts, 100.0, "rad", kind="count", scale=step),
+        "angle": al.Record(np.concatenate(([0], np.cumsum(counts))) * step, 100.0, "rad", kind="angle"),
+    }
+    expected = al.whitened(rate, SENSORS["FOG"])
+    np.testing.assert_allclose(al.whitened(forms[kind], SENSORS["FOG"]), expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["MEMS", "FOG", "RLG"])
+def test_clean_records_are_explained(name):
+    """Anything is said against two in a hundred: 2 of 5 are with probability 0.004."""
+    fits = [(record, al.identify(record)) for record in (record_of(name, seed) for seed in range(1, 6))]
+    assert sum(not al.residuals(*pair).explained for pair in fits) <= 1
+
+
+def test_a_dithered_quantizer_is_explained():
+    """The same with a dither of three steps, which was taken off again."""
+    rng = np.random.default_rng(1)
+    y = al.simulate(al.N(0.18, "arcsec/sqrt(s)"), 2**15, 100.0, rng=rng).values
+    angle, dither = np.cumsum(y) / 100 / np.radians(1.73 / 3600), 3 * rng.uniform(-1, 1, 2**15)
+    steps = np.diff(np.floor(angle + dither) - dither) * 1.73
+    record = al.Record(steps, 100.0, "arcsec", kind="increment")
+    fit = al.identify(record)
+    assert fit["Q"].to("arcsec") == pytest.approx(1.73 / 12**0.5, rel=0.03)
+    assert al.residuals(record, fit).explained
+
+
+def test_residuals_are_plain_data_and_a_figure(tmp_path):
+    record = al.Record(record_of("FOG", 1).values, 100.0, "rad/s", name="gx")
+    left = al.residuals(record, al.identify(record))
+    headings, rows = left.rows()
+    assert [row[0] for row in rows] == ["correlation", "kurtosis", "halves", "eighths"]
+    assert all(len(row) == len(headings) for row in rows)
+    data = json.loads(json.dumps(left.to_dict()))
+    assert data["type"] == "Residuals"
+    assert {check["name"]: check["p"] for check in data["checks"]} == {c.name: c.p for c in left.checks}
+    figure = plot(left, path=tmp_path / "left.svg")
+    assert (tmp_path / "left.svg").stat().st_size > 10_000
+    assert len(figure.axes) == 5
+    assert left["kurtosis"].value == pytest.approx(0, abs=0.15)
+
+
+def test_what_cannot_be_asked_is_refused():
+    record = record_of("MEMS", 1)
+    accelerometer = al.Record(record.values, 100.0, "m/s^2")
+    fit = al.identify(record)
+    with pytest.raises(al.UsageError, match="gyro"):
+        al.whitened(accelerometer, fit.model)
+    with pytest.raises(al.UsageError, match="needs noise"):
+        al.whitened(record, al.Model((al.R(1.0, "deg/h/s"),)))
+    with pytest.raises(al.UsageError, match="'mark'"):
+        al.residuals(record, fit, outliers="fill")
+    with pytest.raises(al.UsageError, match="two channels"):
+        al.shared(al.Recording((record,)), {"": fit})
+
+
+def test_too_little_between_gaps_is_not_asked():
+    """So many gaps in so much quantization that a joint is felt everywhere."""
+    y = record_of("RLG", 1).values.copy()
+    y[::60] = np.nan
+    record = al.Record(y, 100.0, "rad/s", name="z")
+    left = al.residuals(record, al.identify(record))
+    assert left.checks == ()
+    assert left.verdict
+    with pytest.raises(al.UsageError, match="too little is left"):
+        plot(left)
+
+
+def both(share):
+    rng = np.random.default_rng(1)
+    common = rng.standard_normal(2**15)
+    channels = [
+        al.Record(record_of("MEMS", seed).values * np.degrees(3600) + share * 300 * common, 100.0, "deg/h", name=name)
+        for seed, name in ((2, "x"), (3, "y"))
+    ]
+    dead = al.Record(np.full(2**15, 2.0), 100.0, "deg/h", name="dead")
+    return al.Recording((*channels, dead))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_what_channels_share_is_named(share):
+    recording = both(share)
+    fits = al.identify(recording)
+    assert list(fits) == ["x", "y"]
+    found = al.shared(recording, fits)
+    r = found.fast[0, 1]
+    assert (abs(r) < 5 / 2**7.5) == (share == 0)
+    assert [finding.name for finding in found.findings] == (["shared"] if share else [])
+    assert found.rows()[1] == [["x", "y", r, found.slow[0, 1]]]
+    assert json.loads(json.dumps(found.to_dict()))["names"] == ["x", "y"]
+
+
+def test_slow_things_in_common_are_named():
+    rng = np.random.default_rng(1)
+    warm = al.simulate(al.Model((al.K(1.0, "deg/h/sqrt(s)"),)), 2**15, 100.0, rng=rng).values * np.degrees(3600)
+    records = [al.Record(rng.standard_normal(2**15) * 30 + warm, 100.0, "deg/h", name=name) for name in "xy"]
+    recording = al.Recording(tuple(records))
+    found = al.shared(recording, al.identify(recording))
+    assert "slowly" in found.findings[0].what
+
+
+def test_a_recording_without_a_fit_says_why_of_every_channel():
+    flat = al.Recording(
+        (al.Record(np.full(500, 2.0), 1.0, "deg/h", name="a"), al.Record([1.0, 2.0, 4.0], 1.0, "deg/h", name="b"))
+    )
+    with pytest.raises(al.DataError, match=r"(?s)'a'.*never changes.*b.*too few"):
+        al.identify(flat)
+
+
+def test_the_study_says_it_in_words_and_pictures():
+    recording = both(0.5)
+    y = recording["y"].values.copy()
+    y[2**14 :] *= 3
+    spoilt = al.Recording((recording["x"], recording["y"].with_values(y, "spoilt"), recording["dead"]))
+    study = al.analyze(spoilt)
+    x, z, dead = study.channels
+    assert (x.explained, z.explained, dead.explained) == (True, False, False)
+    shown = " ".join(table(study).split())
+    assert "the noise level changes" in shown
+    assert "goes together fast" in shown
+    assert shown.count("the noise level changes") == 1
+    html = page(study)
+    assert html.count("What the model leaves") == 2
+    assert "What the channels share" in html
+    data = study.to_dict()
+    assert data["channels"][2]["residuals"] is None
+    assert data["channels"][1]["residuals"]["findings"][0]["name"] == "level"
+    assert data["shared"]["names"] == ["x", "y"]
+
+
+def test_a_band_has_no_residuals():
+    study = al.analyze(record_of("MEMS", 1), al.Recipe(band=(0.1, 50.0)))
+    assert study.channels[0].residuals is None
+    assert study.channels[0].verdict == study.channels[0].fit.goodness.verdict

@@ -1,0 +1,44 @@
+"""The modified total statistics by running sums against every window by itself."""
+
+import numpy as np
+import pytest
+
+from allanite.kernels.reflected import one_by_one
+from allanite.kernels.total import SHORT, modified_total
+
+N = 3000
+
+
+def angle(kind, seed=1):
+    white = np.random.default_rng(seed).standard_normal(N)
+    y = {
+        "white": white,
+        "random walk": np.cumsum(white),
+        "ramp": 1.0 * np.arange(N),
+        "ramp and white": 1e-3 * np.arange(N) + white,
+        "quantization": np.diff(white, prepend=0.0),
+    }[kind]
+    return np.concatenate(([0.0], np.cumsum(y - y[0])))
+
+
+@pytest.mark.parametrize("rates", [False, True], ids=["mtotdev", "htotdev"])
+@pytest.mark.parametrize("kind", ["white", "random walk", "ramp", "ramp and white", "quantization"])
+def test_windows_together_equal_every_window_by_itself(kind, rates):
+    x = np.diff(angle(kind)) if rates else angle(kind)
+    m = np.array([*range(1, 40), 97, 98, 250, 251, 600, 777, 998, 999, x.size // 3])
+    expected = np.array([one_by_one(x, k) for k in m])
+    np.testing.assert_allclose(modified_total(x, m), expected, rtol=1e-9, atol=1e-14)
+
+
+def test_a_strong_vibration_leaves_the_noise():
+    x = angle("white") + 1e7 * np.sin(2 * np.pi * np.arange(N + 1) / 50)
+    m = np.arange(SHORT, 110)
+    expected = np.array([one_by_one(x, k) for k in m])
+    np.testing.assert_allclose(modified_total(x, m), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("points", [30, 31, 32, 90, 155])
+def test_a_single_window_and_few(points):
+    x = angle("random walk")[:points]
+    m = np.arange(1, (points + 1) // 3 + 1)
+    np.testing.assert_allclose(modified_total(x, m), [one_by_one(x, k) for k in m], rtol=1e-9)
