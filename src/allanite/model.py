@@ -81,7 +81,8 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
     found = unit_of(unit)
     fits = signal_with(found.dimension, TERMS[symbol].power)
     if fits is None or (signal is not None and fits is not signal):
-        usual = ", ".join(s.sheet[TERMS[symbol].power] for s in SIGNALS if signal is None or s is signal)
+        meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
+        usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
         raise UnitError(f"{unit!r} is no unit of {symbol} ({TERMS[symbol].title}); usual ones are {usual}")
     return found.factor
 

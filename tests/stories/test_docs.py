@@ -26,7 +26,7 @@ def blocks(page, language):
 
 COMMANDS = [
     line
-    for page in ("tutorial.md", "command.md")
+    for page in ("tutorial.md", "command.md", "simulation.md")
     for block in blocks(page, "sh")
     for line in block.splitlines()
     if line.startswith("allanite ")
@@ -178,6 +178,23 @@ def test_commands_run_and_leave_what_they_name(desk, command):
     for option in ("--report", "--plot", "--csv"):
         if option in words:
             assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+def test_the_page_of_simulation_prints_what_it_says(desk):
+    script = "".join(blocks("simulation.md", "python"))
+    done = subprocess.run([sys.executable, "-c", script], cwd=desk, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    said = re.findall(r"^print\(.*\)  # (.*)$", script, re.MULTILINE)
+    assert done.stdout.splitlines() == said
+
+
+def test_the_plan_on_the_page_is_that_of_the_command(desk):
+    (shown,) = (block for block in blocks("simulation.md", "text") if block.startswith("fog"))
+    done = subprocess.run(
+        [str(Path(sys.executable).with_name("allanite")), "plan", "--sensor", "fog", "--rate", "100"],
+        cwd=desk, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout.startswith(shown)
 
 
 def test_make_builds_it():
