@@ -384,9 +384,9 @@ REACHED = """\
   transform takes five times as long a point), 64 tau directly, and the edges' triangles, O(N log^2 N), which are 40 %
   of the time at 3.6e6. Where less than 1e-5 of the squares is left (a strong vibration at whole periods, the last few
   windows) the definition is summed: nine digits hold for any record.
-- Theo1 at 100 m: its mirrored pairs, again triangles, are three quarters. At every even m the recursion takes 0.2 ns m^2,
-  with arrays that the second-level cache does not hold: 100 s for every m of 720000, of which a warning tells; the bias ratio needs it up to
-  2/15 of the record.
+- Theo1 at 100 m: its mirrored pairs, again triangles, are three quarters. At every even m the recursion takes 0.2 ns
+  m^2, with arrays that the second-level cache does not hold: 100 s for every m of 720000, of which a warning tells;
+  the bias ratio needs it up to 2/15 of the record.
 - mtotdev and htotdev take O(N) a tau by running sums and are exact: a form that strides over windows would gain no time
   and lose digits, so that there is none. What is left is twenty passes over a frame.
 - oadev at 100 tau: three loads a difference from the second-level cache, and the integration; neighbours on the same

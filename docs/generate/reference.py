@@ -28,9 +28,9 @@ def units_page() -> list[str]:
     ]  # fmt: skip
     return [
         "# Units", "",
-        "Inside, everything is SI: rad, rad/s, m/s, m/s², s. A unit is a text, made of the names below with `*`, `/`, "
-        "`^`, `sqrt()` and brackets: `deg/s`, `deg/h/sqrt(Hz)`, `rad s^-1`, `°/√h`, `µg/√Hz`. Results are "
-        'converted with `.to("deg/h")`.', "",
+        "Inside, everything is SI: rad, rad/s, m/s, m/s², s, A, V, K, T. A unit is a text, made of the names below "
+        "with `*`, `/`, `^`, `sqrt()` and brackets: `deg/s`, `deg/h/sqrt(Hz)`, `rad s^-1`, `°/√h`, `µg/√Hz`. Results "
+        'are converted with `.to("deg/h")`.', "",
         "## Of the coefficients", "", *table(("", "sensor", "data sheet", "SI", "1 in SI"), sheets),
         "## Conversions often needed", "",
         *table(("1", "is", ""), [(f"`{a}`", shown(convert(1.0, a, b)), f"`{b}`") for a, b in same]),
@@ -41,8 +41,8 @@ def units_page() -> list[str]:
     ]  # fmt: skip
 
 
-def _dimension(powers: tuple[float, float, float]) -> str:
-    names = ("rad", "m", "s")
+def _dimension(powers: tuple[float, ...]) -> str:
+    names = ("rad", "m", "s", "A", "V", "K", "T")
     return " ".join(f"{n}^{p:g}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p) or "1"
 
 

@@ -1,9 +1,15 @@
 """allanite: what the random errors of gyroscopes and accelerometers are made of."""
 
 from . import angle as angle
+from . import compensation as compensation
+from . import faults as faults
 from . import rate as rate
 from .comparing import compare as compare
 from .comparison import Comparison as Comparison
+from .compensation import Regression as Regression
+from .compensation import compensate as compensate
+from .compensation_study import CompensationChoices as CompensationChoices
+from .compensation_study import compensate_file as compensate_file
 from .correction import Correction as Correction
 from .curve import Curve as Curve
 from .errors import AllaniteError as AllaniteError
@@ -24,9 +30,16 @@ from .model import Sine as Sine
 from .model import Term as Term
 from .noise import METHODS as METHODS
 from .noise import identify as identify
+from .noise.bound import Bound as Bound
+from .noise.bound import bound as bound
+from .noise.plan import RecordingPlan as RecordingPlan
+from .noise.plan import plan as plan
 from .noise.residuals import residuals as residuals
+from .noise.selfcheck import SelfCheck as SelfCheck
+from .noise.selfcheck import selfcheck as selfcheck
 from .noise.shared import shared as shared
 from .noise.whitening import whitened as whitened
+from .notation import parse_model as parse_model
 from .pooled import Pool as Pool
 from .pooling import pool as pool
 from .pooling import truncation as truncation
@@ -41,7 +54,18 @@ from .report import report as report
 from .ring_laser import GL1 as GL1
 from .ring_laser import RingLaser as RingLaser
 from .ring_laser import simulate_ring_laser as simulate_ring_laser
+from .sensors import SENSORS as SENSORS
+from .sensors import sensor as sensor
+from .signals import Budget as Budget
+from .signals import Stage as Stage
+from .signals import TorqueScale as TorqueScale
+from .signals import budget as budget
+from .signals import rate_from_current as rate_from_current
+from .signals_study import SignalPath as SignalPath
+from .signals_study import budget_file as budget_file
 from .simulate import simulate as simulate
+from .statespace import StateSpace as StateSpace
+from .statespace import state_space as state_space
 from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation
 from .statistics import expected as expected

@@ -1,7 +1,7 @@
 """Correction: what turns a Record into a Record."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,10 @@ class Correction(ABC):
         """
 
     def apply(self, record: Record, along: Recording | None = None) -> Record:
-        """The record without this error; parameters and errors are those of `error`. NaN stays NaN."""
+        """The record without this error; parameters and errors are those of `error`. NaN stays NaN.
+
+        Counts become increments of the same size: what is left of a pulse is no integer.
+        """
         values = record.values - self.error(record, along) / record.factor
-        return record.with_values(values, f"corrected: {self.what}", start=record.start)
+        kind = "increment" if record.kind == "count" else record.kind
+        return replace(record, values=values, kind=kind, history=(*record.history, f"corrected: {self.what}"))

@@ -19,7 +19,8 @@ FloatArray = NDArray[np.float64]
 class Term:
     """One noise term with its coefficient in SI.
 
-    Terms add up to a model, each symbol at most once.
+    Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
+    constant of GM, frequency and phase of Sine.
 
     Examples
     --------
@@ -32,7 +33,6 @@ class Term:
     value: float
     signal: Signal
     shape: tuple[float, ...] = ()
-    """Values of the row's `parameters`, SI: the time constant of GM, frequency and phase of Sine."""
 
     @property
     def row(self) -> NoiseTerm:
@@ -81,7 +81,8 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
     found = unit_of(unit)
     fits = signal_with(found.dimension, TERMS[symbol].power)
     if fits is None or (signal is not None and fits is not signal):
-        usual = ", ".join(s.sheet[TERMS[symbol].power] for s in SIGNALS if signal is None or s is signal)
+        meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
+        usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
         raise UnitError(f"{unit!r} is no unit of {symbol} ({TERMS[symbol].title}); usual ones are {usual}")
     return found.factor
 

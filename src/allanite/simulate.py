@@ -5,14 +5,16 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import UsageError
+from .errors import UnitError, UsageError
 from .model import Model, Term
 from .record import Record
 
 FloatArray = NDArray[np.float64]
 
 
-def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Generator", name: str = "") -> Record:
+def simulate(
+    model: Model | Term, n: int, rate: float, *, rng: "np.random.Generator", name: str = "", unit: str | None = None
+) -> Record:
     """A Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
@@ -30,11 +32,13 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Genera
         The source of randomness, for example ``numpy.random.default_rng(1)``.
     name : str, optional
         Name of the channel.
+    unit : str, optional
+        Of the rates; SI if left out.
 
     Returns
     -------
     Record
-        Mean rate over each interval, SI.
+        Mean rate over each interval. `allanite.faults` puts in what else happens to it.
 
     References
     ----------
@@ -50,6 +54,8 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Genera
     model = model if isinstance(model, Model) else Model((model,))
     if n < 2:
         raise UsageError(f"a record has at least 2 samples, not {n}")
+    if not (np.isfinite(rate) and rate > 0):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     y = np.zeros(n)
     parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value]
     if parts:
@@ -64,7 +70,11 @@ def simulate(model: Model | Term, n: int, rate: float, *, rng: "np.random.Genera
         if wave is not None:
             y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
-    return Record(y, rate, model.signal.unit, name=name, history=(f"simulated: {model}",))
+    record = Record(y, rate, unit or model.signal.unit, name=name, history=(f"simulated: {model}",))
+    if record.signal is not model.signal:
+        raise UnitError(f"{unit!r} is no unit of rates of a sensor with {model}")
+    y /= record.factor
+    return record
 
 
 def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:

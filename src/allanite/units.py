@@ -12,11 +12,21 @@ from dataclasses import dataclass
 
 from .errors import UnitError
 
-Dimension = tuple[float, float, float]
-"""Powers of angle, length and time: halves and quarters, which a float holds exactly."""
+Dimension = tuple[float, ...]
+"""Powers of the quantities in `BASES`: halves and quarters, which a float holds exactly."""
 
-_NONE, _ANGLE, _LENGTH, _TIME = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-_ACCELERATION = (0.0, 1.0, -2.0)
+BASES = ("angle", "length", "time", "current", "voltage", "temperature", "flux density")
+"""What units are made of. Voltage and flux density stand for themselves: no unit here needs a mass."""
+
+
+def _powers(**powers: float) -> Dimension:
+    return tuple(float(powers.get(base.replace(" ", "_"), 0)) for base in BASES)
+
+
+_NONE, _ANGLE, _LENGTH, _TIME = _powers(), _powers(angle=1), _powers(length=1), _powers(time=1)
+_ACCELERATION = _powers(length=1, time=-2)
+_CURRENT, _VOLTAGE, _TEMPERATURE = _powers(current=1), _powers(voltage=1), _powers(temperature=1)
+_FLUX_DENSITY = _powers(flux_density=1)
 _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 
 ATOMS: dict[str, tuple[float, Dimension]] = {
@@ -31,6 +41,8 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, _LENGTH),
     "cm": (1e-2, _LENGTH),
     "mm": (1e-3, _LENGTH),
+    "um": (1e-6, _LENGTH),
+    "nm": (1e-9, _LENGTH),
     "g": (_GRAVITY, _ACCELERATION),
     "mg": (1e-3 * _GRAVITY, _ACCELERATION),
     "ug": (1e-6 * _GRAVITY, _ACCELERATION),
@@ -43,13 +55,28 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     "ns": (1e-9, _TIME),
     "min": (60.0, _TIME),
     "h": (3600.0, _TIME),
-    "Hz": (1.0, (0.0, 0.0, -1.0)),
+    "Hz": (1.0, _powers(time=-1)),
+    "A": (1.0, _CURRENT),
+    "mA": (1e-3, _CURRENT),
+    "uA": (1e-6, _CURRENT),
+    "V": (1.0, _VOLTAGE),
+    "mV": (1e-3, _VOLTAGE),
+    "uV": (1e-6, _VOLTAGE),
+    "K": (1.0, _TEMPERATURE),
+    "degC": (1.0, _TEMPERATURE),  # of differences: a zero of its own is no part of a unit
+    "T": (1.0, _FLUX_DENSITY),
+    "mT": (1e-3, _FLUX_DENSITY),
+    "uT": (1e-6, _FLUX_DENSITY),
+    "nT": (1e-9, _FLUX_DENSITY),
+    "gauss": (1e-4, _FLUX_DENSITY),
 }
 
 SPELLINGS: dict[str, str] = {
     "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
     "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
     "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)",
+    "°C": "degC", "ºC": "degC", "degc": "degC", "celsius": "degC", "kelvin": "K", "ampere": "A", "volt": "V",
+    "tesla": "T",
     "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
 }  # fmt: skip
 
@@ -63,7 +90,7 @@ _TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit as its size in SI and its powers of angle, length and time."""
+    """A unit as its size in SI and its powers of `BASES`."""
 
     factor: float
     dimension: Dimension
@@ -72,12 +99,11 @@ class Unit:
         return Unit(self.factor * other.factor, _add(self.dimension, other.dimension))
 
     def __pow__(self, power: float) -> "Unit":
-        a, b, c = self.dimension
-        return Unit(self.factor**power, (a * power, b * power, c * power))
+        return Unit(self.factor**power, tuple(p * power for p in self.dimension))
 
 
 def _add(a: Dimension, b: Dimension) -> Dimension:
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+    return tuple(p + q for p, q in zip(a, b, strict=True))
 
 
 class _Parser:
@@ -178,17 +204,21 @@ def convert(value: float, unit: str, to: str) -> float:
 
 @dataclass(frozen=True)
 class Signal:
-    """A kind of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p."""
+    """A kind of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p.
+
+    `inertial`: of a gyro or accelerometer; the others are recorded beside them, or become a rate.
+    """
 
     name: str
     unit: str
     integral: str
     si: dict[float, str]
     sheet: dict[float, str]
+    inertial: bool = False
 
     @property
     def dimension(self) -> Dimension:
-        """Powers of angle, length and time of the signal."""
+        """Powers of `BASES` of the signal."""
         return unit_of(self.unit).dimension
 
     def __reduce__(self) -> "tuple[Callable[[str], Signal], tuple[str]]":
@@ -196,22 +226,35 @@ class Signal:
         return signal_named, (self.name,)
 
 
+def _plain(name: str, unit: str) -> Signal:
+    """A signal whose noise has no data-sheet units of its own."""
+    units = {1: f"{unit}*s", 0.5: f"{unit}*sqrt(s)", 0: unit, -0.5: f"{unit}/sqrt(s)", -1: f"{unit}/s"}
+    return Signal(name, unit, f"integrated {name}", units, units)
+
+
 SIGNALS = (
     Signal(
         "gyro", "rad/s", "angle",
         {1: "rad", 0.5: "rad/sqrt(s)", 0: "rad/s", -0.5: "rad/s^1.5", -1: "rad/s^2"},
         {1: "arcsec", 0.5: "deg/sqrt(h)", 0: "deg/h", -0.5: "deg/h/sqrt(h)", -1: "deg/h^2"},
+        inertial=True,
     ),
     Signal(
         "accelerometer", "m/s^2", "velocity",
         {1: "m/s", 0.5: "m/s^1.5", 0: "m/s^2", -0.5: "m/s^2.5", -1: "m/s^3"},
         {1: "m/s", 0.5: "m/s/sqrt(h)", 0: "ug", -0.5: "ug/sqrt(h)", -1: "ug/h"},
+        inertial=True,
     ),
     Signal(
         "dimensionless", "1", "time",
         {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
         {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
     ),
+    _plain("current", "A"),
+    _plain("voltage", "V"),
+    _plain("temperature", "K"),
+    _plain("displacement", "m"),
+    _plain("flux density", "T"),
 )  # fmt: skip
 
 
@@ -222,5 +265,5 @@ def signal_named(name: str) -> Signal:
 
 def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
     """The signal that, multiplied by time to `time_power`, has `dimension`; None if there is none."""
-    wanted = (dimension[0], dimension[1], dimension[2] - time_power)
+    wanted = _add(dimension, _powers(time=-time_power))
     return next((signal for signal in SIGNALS if signal.dimension == wanted), None)

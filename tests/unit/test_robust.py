@@ -118,6 +118,40 @@ def test_marking_keeps_every_other_rate(kind):
     assert marked.history[-1].startswith("2 outliers beyond 5.2 standard deviations, the first at 1 s")
 
 
+def test_wrong_points_of_an_angle_are_lost_and_the_angle_kept():
+    angle = np.concatenate(([0.0], np.cumsum(values_of("RLG", 1)))) / 100
+    spoilt = angle.copy()
+    spoilt[[700, 30_000]] += 30 * np.std(np.diff(angle))
+    records = [al.Record(x, 100.0, "rad", kind="angle") for x in (angle, spoilt)]
+    marked = mark_outliers(records[1])
+    assert marked.kind == "angle"
+    assert np.flatnonzero(np.isnan(marked.values)).tolist() == [700, 30_000]
+    whole, fit = (al.identify(record) for record in records)
+    assert fit["N"].value == pytest.approx(whole["N"].value, rel=2e-3)
+    spoilt[40_000:] += 1.0
+    assert mark_outliers(al.Record(spoilt, 100.0, "rad", kind="angle")).kind == "increment"
+
+
+@pytest.mark.parametrize("kind", ["rate", "increment", "angle"])
+def test_shut_gaps_keep_small_noise_under_quantization(kind):
+    """400 gaps of 5 samples: an angle tells N as if they were not there, a rate loses most of it."""
+    ratios = []
+    for seed in (1, 2, 3):
+        y = values_of("RLG", seed)
+        angle = np.concatenate(([0.0], np.cumsum(y))) / 100
+        bad = lost(y.size, seed, 400, 5)
+        whole = al.identify(record_of(y), terms="QNB")
+        angle[:-1][bad], y[bad] = np.nan, np.nan
+        forms = {
+            "rate": record_of(y),
+            "increment": al.Record(y / 100, 100.0, "rad", kind="increment"),
+            "angle": al.Record(angle, 100.0, "rad", kind="angle"),
+        }
+        fit = al.identify(forms[kind], terms="QNB")
+        ratios.append((fit["N"].value or 0.0) / whole["N"].value - 1)
+    assert (np.abs(ratios).max() < 0.03) == (kind == "angle")
+
+
 def test_identification_leaves_outliers_out_and_says_so():
     y, at = spiky(values_of("MEMS", 1), 1e-3, 20, 2)
     truth = al.identify(record_of(values_of("MEMS", 1)))["N"].value

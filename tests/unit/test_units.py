@@ -80,3 +80,21 @@ def test_coefficient_units_are_signal_times_time_to_the_power(signal):
         expected = unit_of(signal.unit) * unit_of("s") ** power
         assert unit_of(signal.si[power]) == expected
         assert unit_of(signal.sheet[power]).dimension == expected.dimension
+
+
+@pytest.mark.parametrize("signal", SIGNALS, ids=lambda signal: signal.name)
+def test_units_of_a_signal_are_the_signal_times_a_power_of_time(signal):
+    from allanite.units import signal_with
+
+    for table in (signal.si, signal.sheet):
+        for power, unit in table.items():
+            assert signal_with(unit_of(unit).dimension, power) is signal
+
+
+def test_what_is_recorded_beside_a_sensor_has_units():
+    assert convert(1.0, "mA", "A") == pytest.approx(1e-3)
+    assert convert(1.0, "gauss", "uT") == pytest.approx(100.0)
+    assert unit_of("°C") == unit_of("degC") == unit_of("celsius") == unit_of("K")
+    assert convert(5.0, "V/(V/A)", "A") == 5.0
+    with pytest.raises(al.UnitError, match="measure different things"):
+        convert(1.0, "A", "V")

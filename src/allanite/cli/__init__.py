@@ -4,13 +4,19 @@ import click
 
 from allanite import __version__
 from allanite.verbs.angle import angle
+from allanite.verbs.budget import budget
+from allanite.verbs.compensate import compensate
 from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
 from .compare import compare
 from .curves import deviation, dynamic, spectrum
 from .front import Front
+from .plan import plan
 from .reading import reading
+from .selfcheck import selfcheck
+from .simulate import simulate
+from .statespace import statespace
 
 VERBS: dict[str, click.Command] = {
     "info": info,
@@ -21,6 +27,12 @@ VERBS: dict[str, click.Command] = {
     "compare": compare,
     "rate": click.command("rate")(reading(rate)),
     "angle": angle,
+    "simulate": simulate,
+    "plan": plan,
+    "selfcheck": selfcheck,
+    "statespace": statespace,
+    "budget": click.command("budget")(reading(budget)),
+    "compensate": click.command("compensate")(reading(compensate)),
 }
 
 

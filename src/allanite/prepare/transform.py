@@ -16,8 +16,8 @@ def mark_outliers(record: Record) -> Record:
     """Outliers become NaN: lost readings.
 
     Nothing is put in their place: the record then has gaps, and its history says how many and where the first is.
-    What is an outlier: `allanite.statistics.robust.outliers`. An angle becomes its steps (kind "increment") if it has
-    outliers, and so do counts, which are integers.
+    What is an outlier: `allanite.statistics.robust.outliers`. Counts, which are integers, become increments, and so
+    does an angle that jumps; of one that is wrong at single points these are lost.
 
     Examples
     --------

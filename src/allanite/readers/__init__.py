@@ -22,6 +22,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     kind: str | None = None,
     scale: float | str | None = None,
     channels: Sequence[str] | None = None,
+    along: Sequence[str] | None = None,
     time: str | None = None,
     dtype: str | None = None,
     columns: int | None = None,
@@ -45,6 +46,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both.
     channels : sequence of str, optional
         Names of columns, or their places in the file counted from 1; all inertial signals if left out.
+    along : sequence of str, optional
+        Columns that are read beside the signals and stand behind them, whatever they are: temperatures, currents. The
+        unit is that of the header; without one they are plain numbers.
     time : str, optional
         The column of stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores stamps.
     dtype : str, optional
@@ -83,7 +87,8 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     from .packing import unpacked
     from .source import SEPARATOR, checked, digest_of, head_of
 
-    options = Options(rate, unit, kind, scale, channel_names(channels), time, dtype, columns, offset)
+    names = (channel_names(channels), channel_names(along))
+    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
     file, member = checked(path)
     name = SEPARATOR.join((file, member)) if member else file
     try:

@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.errors import UsageError
 from allanite.record import KINDS, explain_kinds
-from allanite.units import signal_with, unit_of
+from allanite.units import BASES, signal_with, unit_of
 
 from . import headers
 from .column import Column, lookup
@@ -83,9 +83,28 @@ def choose(
     return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,))
 
 
+def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, ...]]:
+    """Columns that something else depends on, each with the unit of its header, and the words where it has none.
+
+    Raises
+    ------
+    DataError
+        A column holds text.
+    """
+    signals, plain = [], []
+    for column in columns:
+        column.demand_numbers()
+        size = headers.known(column.unit)
+        fits = size is not None and signal_with(size.dimension) is not None
+        signals.append(Signal(column, column.unit if fits else "1", column.kind or "rate", column.scale))
+        plain += [] if fits else [column]
+    return tuple(signals), tuple(_grouped(("no unit of a signal in the header, taken as numbers:", c) for c in plain))
+
+
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
     # a file that says what the readings of a column are needs no reading of names
-    why = "" if column.kind else _no_signal(column, options) or _rises(column, options, pool)
+    said = bool(column.kind) or _asked_for(column, options)
+    why = "" if said else _no_signal(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, _applies(column, options))
 
 
@@ -108,6 +127,13 @@ def _no_signal(column: Column, options: Options) -> str:
     if sensor and wanted and not column.unit and wanted.name != sensor:
         return f"of the {sensor} by its name, which {options.unit} does not fit"
     return ""
+
+
+def _asked_for(column: Column, options: Options) -> bool:
+    """Whether the header's unit is that of a signal which the user's unit asks for: a current, by unit="A"."""
+    signal = headers.signal_of(column.unit)
+    wanted = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
+    return wanted and not column.text
 
 
 def _rises(column: Column, options: Options, pool: list[Column]) -> str:
@@ -134,11 +160,13 @@ def _applies(column: Column, options: Options) -> bool:
     if options.unit is None or not _said(column):
         return True
     theirs, mine = unit_of(column.unit).dimension, unit_of(options.unit).dimension
-    return theirs[:2] == mine[:2]
+    return [p for base, p in zip(BASES, theirs, strict=True) if base != "time"] == [
+        p for base, p in zip(BASES, mine, strict=True) if base != "time"
+    ]
 
 
 def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
-    said = _said(column) if column.kind or headers.inertial(column.unit) else ""
+    said = _said(column) if column.kind or headers.signal_of(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
         return Left(column, "the unit is not known", ASK_UNIT)

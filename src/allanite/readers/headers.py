@@ -76,13 +76,19 @@ def known(unit: str) -> Unit | None:
         return None
 
 
-def inertial(unit: str) -> Signal | None:
-    """The sensor whose output, or the integral of it, has this unit; None if neither gyro nor accelerometer has."""
+def signal_of(unit: str) -> Signal | None:
+    """The signal that, or the integral of which over time, has this unit; None if there is none, or it is a number."""
     size = known(unit)
     if size is None:
         return None
     signal = signal_with(size.dimension) or signal_with(size.dimension, 1)
     return None if signal is None or signal.name == "dimensionless" else signal
+
+
+def inertial(unit: str) -> Signal | None:
+    """The sensor whose output, or the integral of it, has this unit; None if neither gyro nor accelerometer has."""
+    signal = signal_of(unit)
+    return signal if signal is not None and signal.inertial else None
 
 
 def is_time(unit: str) -> bool:

@@ -29,6 +29,8 @@ class Options:
         Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both, and becomes a number and a unit.
     channels : sequence of str, optional
         Names of columns, or their places counted from 1.
+    along : sequence of str, optional
+        Columns that are read beside the signals, whatever they are.
     time : str, optional
         The time column, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"``: use none.
     dtype, columns, offset
@@ -45,6 +47,7 @@ class Options:
     kind: str | None = None
     scale: float | str | None = None
     channels: tuple[str, ...] | None = None
+    along: tuple[str, ...] | None = None
     time: str | None = None
     dtype: str | None = None
     columns: int | None = None

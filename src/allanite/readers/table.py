@@ -56,17 +56,19 @@ class Table:
         open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
         sources = replace(clocks.find(open_, options.time, chosen), rate=table.rate, source=table.rate_source)
         time = sources.stamps
-        choice = channels.choose(table.columns, options, chosen, time)
-        signals = [signal.column for signal in choice.signals]
+        along, said = channels.beside(channels.named(table.columns, options.along) or ())
+        taken = [signal.column for signal in along]
+        open_to_choice = tuple(column for column in table.columns if column not in taken)
+        choice = channels.choose(open_to_choice, options, chosen, time)
+        signals = [signal.column for signal in (*choice.signals, *along)]
         _demand_rows([*signals, *([time] if time else [])])
         beat = clock.beat(sources, options.rate, lambda: _repeated(signals))
         questions = [*beat.questions, *choice.questions]
         if questions:
             raise UsageError("; ".join((*questions, *choice.left)))
-        records = tuple(_record(signal, beat, table.start) for signal in choice.signals)
-        return Recording(
-            records, notes=(*table.notes, *beat.notes, *choice.notes, *choice.left), findings=beat.grid.findings
-        )
+        records = tuple(_record(signal, beat, table.start) for signal in (*choice.signals, *along))
+        notes = (*table.notes, *beat.notes, *choice.notes, *choice.left, *said)
+        return Recording(records, notes=notes, findings=beat.grid.findings)
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:

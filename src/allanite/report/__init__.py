@@ -22,9 +22,10 @@ def plot(
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, Comparison, Pool, or several of a kind
+    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, Comparison, Pool, StateSpace, or several
         Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
-        panel. Density against frequency. Or the curves of all windows, and what changes with time.
+        panel. Density against frequency. Or the curves of all windows, and what changes with time. Of a state space,
+        its curve beside the model's; a measured curve behind it in a sequence is drawn too.
     fit : Fit, optional
         What is drawn over a curve or spectrum, or over several statistics of one channel.
     path : path, optional

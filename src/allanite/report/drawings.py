@@ -10,11 +10,13 @@ from allanite.curve import Curve
 from allanite.fit import Fit
 from allanite.pooled import Pool
 from allanite.psd import Spectrum
+from allanite.statespace import StateSpace
 from allanite.surface import Surface
 from allanite.survey import Survey
 from allanite.whiteness import Residuals
 
 from .comparison.figures import plot_comparison
+from .equivalent import plot_state_space
 from .figures import plot_panels
 from .overlay import plot_overlay
 from .panels import Panel, panels_of
@@ -27,12 +29,18 @@ def draw(value: Any, fit: Fit | None, level: float) -> Figure:
     """The figure of a value; see `allanite.plot`."""
     if isinstance(value, (Comparison, Pool)):
         return plot_comparison(value)
-    fits = value.fits if isinstance(value, Survey) else {}
     items = _items(value)
-    if items and all(isinstance(item, Spectrum) for item in items):
-        return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
+    if items and isinstance(items[0], StateSpace):
+        return plot_state_space(items[0], [item for item in items[1:] if isinstance(item, Curve)], level=level)
     if len(items) == 1 and isinstance(items[0], Residuals):
         return plot_residuals(items[0])
+    return _of_a_kind(value, items, fit, level)
+
+
+def _of_a_kind(value: Any, items: list[Any], fit: Fit | None, level: float) -> Figure:
+    fits = value.fits if isinstance(value, Survey) else {}
+    if items and all(isinstance(item, Spectrum) for item in items):
+        return plot_spectra(items, fits or {item.name: fit for item in items if fit is not None}, level=level)
     if items and all(isinstance(item, Surface) for item in items):
         return plot_surfaces(items)
     if len(items) > 1 and all(isinstance(item, Curve) for item in items):

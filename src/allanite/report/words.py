@@ -13,8 +13,19 @@ from allanite.units import SIGNALS, Signal, convert
 
 from .digits import Digits, digits
 
-SENSORS = {"gyro": "gyroscope", "accelerometer": "accelerometer", "dimensionless": "sensor of a dimensionless signal"}
-RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "signal"}
+SENSORS = {
+    "gyro": "gyroscope",
+    "accelerometer": "accelerometer",
+    "dimensionless": "sensor of a dimensionless signal",
+    "current": "current sensor",
+    "voltage": "voltmeter",
+    "temperature": "thermometer",
+    "displacement": "displacement sensor",
+    "flux density": "magnetometer",
+}
+RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "signal"} | {
+    name: name for name in ("current", "voltage", "temperature", "displacement", "flux density")
+}
 
 LETTERS = {"time_constant": "T", "frequency": "f", "phase": "phase"}
 """Of what a term has beside its coefficient."""
@@ -127,7 +138,8 @@ def about(record: Record) -> str:
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
     length = duration(record.duration)
-    return f"{sensor}, {record.kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
+    kind = RATES[record.signal.name] if record.kind == "rate" and not record.signal.inertial else record.kind
+    return f"{sensor}, {kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
 
 
 def fitness(channel: Channel) -> str:

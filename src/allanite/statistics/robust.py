@@ -102,14 +102,34 @@ def outliers(record: Record) -> Outliers:
 
 
 def marked(record: Record, found: Outliers) -> Record:
-    """The record with the outliers lost (NaN); an angle with outliers becomes its steps, counts become increments."""
+    """The record with the outliers lost (NaN); counts become increments.
+
+    An angle that is wrong at single points, up and down again, loses these points; one that jumps becomes its steps.
+    """
     if not found.at.size:
         return record
+    what = f"{found.words(record.rate)}: marked as lost"
+    points = _wrong_points(record, found.at)
+    if points.size:
+        values = record.values.copy()
+        values[points] = np.nan
+        return record.with_values(values, what, start=record.start)
     values = np.array(np.diff(record.values) if record.kind == "angle" else record.values, dtype=np.float64)
     values[found.at] = np.nan
     kind = "rate" if record.kind == "rate" else "increment"
-    what = f"{found.words(record.rate)}: marked as lost"
     return replace(record, values=values, kind=kind, history=(*record.history, what))
+
+
+def _wrong_points(record: Record, at: IntArray) -> IntArray:
+    """Points of an angle between two outlying steps that cancel; none unless all outliers are such pairs."""
+    none = np.empty(0, np.int64)
+    if record.kind != "angle" or at.size % 2 or record.values.dtype.kind != "f":
+        return none
+    there, back = at[::2], at[1::2]
+    steps = np.diff(record.values)
+    size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
+    paired = (back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)
+    return back if bool(paired.all()) else none
 
 
 def demand_choice(choice: str) -> None:

@@ -11,7 +11,6 @@ from allanite.files import write
 from allanite.report.outputs import STDOUT, demand_outputs
 
 if TYPE_CHECKING:
-    from allanite.model import Model
     from allanite.rate_study import RateChoices, RateStudy
     from allanite.units import Signal
 
@@ -88,6 +87,7 @@ def rate(file: str, *, force: bool, quiet: bool, second: str | None, **choices: 
 
 def _choices(*, latitude: float | None, reference: str | None, bias: str | None, **rest: Any) -> "RateChoices":
     from allanite.errors import UsageError
+    from allanite.notation import parse_model
     from allanite.rate import RATE_ESTIMATORS, Options, Plan
     from allanite.rate_study import DURATIONS, RateChoices
 
@@ -109,7 +109,7 @@ def _choices(*, latitude: float | None, reference: str | None, bias: str | None,
             bias=0.0 if known[1] is None else known[1][0],
             gaps="split" if rest["split_gaps"] else "error",
         ),
-        model=None if noise is None else noise_model(noise),
+        model=None if noise is None else parse_model(noise),
         signal=signals[-1] if signals else None,
         latitude=latitude,
         horizontal=rest["horizontal"],
@@ -130,26 +130,6 @@ def _quantity(text: str) -> "tuple[float, Signal]":
     if signal is None:
         raise UnitError(f"a rate has a unit such as deg/h or ug, not {unit!r}")
     return _number(number, text) * found.factor, signal
-
-
-def noise_model(text: str) -> "Model":
-    """A model as it is written on the command line.
-
-    Examples
-    --------
-    >>> print(noise_model("N 0.003 deg/sqrt(h), Q 0.2 arcsec"))
-    N = 0.003 deg/sqrt(h), Q = 0.2 arcsec
-    """
-    from allanite.errors import UsageError
-    from allanite.model import Model, term
-
-    terms = []
-    for part in text.split(","):
-        words = part.replace("=", " ").split()
-        if len(words) != 3:
-            raise UsageError(f"a noise term is a symbol, a number and a unit, as 'N 0.003 deg/sqrt(h)', not {part!r}")
-        terms.append(term(words[0], _number(words[1], "--noise"), words[2]))
-    return Model(tuple(terms))
 
 
 def _words(text: str | None) -> tuple[str, ...]:

@@ -1,0 +1,178 @@
+"""How often a regression sees effects that are not there, holds the truth, and gains what it promises.
+
+    python benchmarks/compensation.py [--records 400] [--first 1] [--write PATH]
+
+Rates of 1 Hz over 1 h, with the noise of table 2 of the paper on the magnetically suspended gyro (N 2.525648
+deg/sqrt(h), B 12.023988 deg/h, K 32.72457 deg/h/sqrt(h)) or with other noise; a thermometer of 0.0625 degC steps that
+drifts in one of three ways; seeds 1, 2, 3, ...
+"""
+
+import argparse
+import os
+import platform
+import subprocess
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+
+import allanite as al
+from allanite.compensation import compensate, gain_on
+from allanite.statistics.gls import Covariance, generalised_least_squares
+from allanite.units import convert
+
+N, B, K = al.N(2.525648, "deg/sqrt(h)"), al.B(12.023988, "deg/h"), al.K(32.72457, "deg/h/sqrt(h)")
+NOISE = {
+    "table 2": N + B + K,
+    "no walk": N + B,
+    "fourfold flicker": N + al.B(48.0, "deg/h"),
+    "threefold walk": al.Q(30.0, "arcsec") + N + B + al.K(100.0, "deg/h/sqrt(h)"),
+    "white": al.Model((N,)),
+}
+SIZE, STEP = 3600, 0.0625
+RATE = convert(1.0, "deg/h", "rad/s")
+EFFECTS = {"temp": 20.0 * RATE, "d temp/dt": 2000.0 * RATE}
+"""Rate per degC, and per degC/s."""
+
+HEADINGS = (
+    "noise", "temperature", "regressor", "false %", "ordinary %", "noise known %", "within 95 % limits", "bias / sd",
+    "gain met %", "gain / expected",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Which noise, and how the temperature drifts."""
+
+    noise: str
+    drift: str
+
+
+CELLS = [
+    *(Cell("table 2", drift) for drift in ("walk", "warming", "cycle")),
+    *(Cell(noise, drift) for noise in list(NOISE)[1:] for drift in ("walk", "warming")),
+]
+
+
+def temperature(drift: str, rng: np.random.Generator) -> np.ndarray:
+    """Readings of a thermometer, degC."""
+    t = np.arange(SIZE) / SIZE
+    true = {
+        "walk": lambda: np.cumsum(rng.standard_normal(SIZE)) * 0.02,
+        "warming": lambda: 15 * (1 - np.exp(-t / 0.4)) + 0.3 * np.sin(2 * np.pi * (2.3 * t + rng.uniform())),
+        "cycle": lambda: 3 * np.sin(2 * np.pi * (1.7 * t + rng.uniform())),
+    }[drift]()
+    return 25 + STEP * np.round((true + 0.03 * rng.standard_normal(SIZE)) / STEP)
+
+
+def recording(cell: Cell, rng: np.random.Generator, effect: bool) -> tuple[al.Record, al.Recording]:
+    """A gyro and its thermometer."""
+    temp = al.Record(temperature(cell.drift, rng), 1.0, "degC", name="temp")
+    noise = al.simulate(NOISE[cell.noise], SIZE, 1.0, rng=rng, name="gyro")
+    along = al.Recording((temp,))
+    if not effect:
+        return noise, along
+    regressors = _regressors(temp)
+    added = sum(EFFECTS[label] * column for label, column in zip(EFFECTS, regressors.T, strict=True))
+    return al.Record(noise.values + added, 1.0, "rad/s", name="gyro"), along
+
+
+def _regressors(temp: al.Record) -> np.ndarray:
+    from allanite.compensation.slope import local_slope
+
+    return np.column_stack([temp.values - 25, local_slope(temp.values, 1.0, 60.0)])
+
+
+def ordinary(y: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """T of ordinary least squares with a constant."""
+    X = np.column_stack([X, np.ones(y.size)])
+    inverse = np.linalg.inv(X.T @ X)
+    beta = inverse @ X.T @ y
+    variance = ((y - X @ beta) ** 2).sum() / (y.size - X.shape[1])
+    return (beta / np.sqrt(variance * np.diag(inverse)))[:-1]
+
+
+def known(cell: Cell, y: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """T of generalised least squares under the noise that was simulated."""
+    beta, V = generalised_least_squares(Covariance(NOISE[cell.noise].terms, y.size, 1.0), y, X)
+    return beta / np.sqrt(np.diag(V))
+
+
+def run(job: tuple[Cell, int]) -> np.ndarray:
+    """For both regressors: false effects by three ways, within limits, error over its deviation; the gain elsewhere."""
+    cell, seed = job
+    rng = np.random.default_rng(seed)
+    gyro, along = recording(cell, rng, effect=False)
+    X = _regressors(along["temp"])
+    plain = compensate(gyro, along, ["temp"], rate_of=["temp"])
+    false = [[plain[label].p < 0.05 for label in EFFECTS], np.abs(ordinary(gyro.values, X)) > 1.96]
+    false.append(np.abs(known(cell, gyro.values, X)) > 1.96)
+    found = compensate(*recording(cell, rng, effect=True), ["temp"], rate_of=["temp"])
+    effects = [found[label] for label in EFFECTS]
+    within = [e.low < EFFECTS[e.label] < e.high for e in effects]
+    off = [(e.value - EFFECTS[e.label]) / e.standard_error for e in effects]
+    gain = gain_on(found, *recording(cell, rng, effect=True))
+    return np.array([*false, within, off, [gain.met] * 2, [gain.reduction, gain.expected]], dtype=np.float64)
+
+
+def made(cell: Cell, results: list[np.ndarray]) -> list[tuple[str, ...]]:
+    """The two rows of a cell."""
+    every = np.array(results)
+    mean, total = every.mean(axis=0), every[:, 6].sum(axis=0)
+    spread = np.diff(every[:, 6], axis=1).std() * np.sqrt(len(results)) / abs(total[1])
+    lines = []
+    for i, label in enumerate(EFFECTS):
+        shares = [f"{100 * mean[row, i]:.1f}" for row in (0, 1, 2, 3)]
+        promised = [f"{100 * mean[5, i]:.1f}", f"{total[0] / total[1]:.2f} +- {spread:.2f}"] if i == 0 else ["", ""]
+        lines.append((cell.noise, cell.drift, label, *shares, f"{mean[4, i]:+.2f}", *promised))
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=400)
+    parser.add_argument("--first", type=int, default=1, help="first seed")
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    start, rows = time.perf_counter(), []
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        for cell in CELLS:
+            seeds = range(options.first, options.first + options.records)
+            rows += made(cell, list(pool.map(run, [(cell, seed) for seed in seeds], chunksize=10)))
+            print(*rows[-2:], f"{time.perf_counter() - start:.0f} s", sep="\n", flush=True)
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    lines = [
+        "# Compensation by regressors",
+        "",
+        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
+        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
+        f"- command: `python benchmarks/compensation.py --records {options.records} --first {options.first}`",
+        f"- seeds {options.first}..{options.first + options.records - 1}; 1 Hz, 1 h; Monte-Carlo standard error "
+        f"at 5 %: {100 * (0.05 * 0.95 / options.records) ** 0.5:.1f} %",
+        "- false: no dependence, and an effect at 5 %; ordinary: by ordinary least squares; noise known: by "
+        "generalised least squares under the noise that was simulated",
+        "- within 95 % limits: a simulated effect of 20 deg/h/degC and 2000 deg/h/(degC/s); bias: mean error over its "
+        "standard error",
+        "- gain met: another record of the same effects, temperature and noise, whose mean square fell by what was "
+        "promised, within 95 % limits; gain / expected: sums over all records, with its Monte-Carlo standard error",
+        "",
+        "| " + " | ".join(HEADINGS) + " |",
+        "|" + "---|" * len(HEADINGS),
+        *("| " + " | ".join(row) + " |" for row in rows),
+        "",
+    ]
+    text = "\n".join(lines)
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,133 @@
+"""Is a simulated record what it is said to be: expected over simulated Allan variance and spectrum, every octave.
+
+    python benchmarks/simulation.py [--records 200] [--write PATH]
+
+Records of 4096 readings of every term and of mixtures, seeds 1, 2, 3, ...; sinusoids with a random phase. Each cell is
+the mean over the records less the exact expectation, in standard errors of that mean (from the scatter of the records).
+"""
+
+import argparse
+import math
+import platform
+import resource
+import subprocess
+import time
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+from scipy.fft import dct
+
+import allanite as al
+
+SIZE, RATE = 4096, 100.0
+OCTAVES = [2**i for i in range(12)]
+MODELS = {
+    "Q": "Q 0.4 arcsec",
+    "N": "N 0.05 deg/sqrt(h)",
+    "B": "B 1 deg/h",
+    "K": "K 5 deg/h/sqrt(h)",
+    "GM, T = 0.3 samples": "GM 1 deg/h 0.003 s",
+    "GM, T = 20 samples": "GM 1 deg/h 0.2 s",
+    "GM, T = 1000 samples": "GM 1 deg/h 10 s",
+    "N and R": "N 0.003 deg/sqrt(h), R 900 deg/h^2",
+    "N and Sine": "N 0.003 deg/sqrt(h), Sine 1 deg/h 3.1 Hz",
+    "MEMS": al.SENSORS["mems"],
+    "FOG": al.SENSORS["fog"],
+    "RLG": al.SENSORS["rlg"],
+    "all": "Q 0.01 arcsec, N 0.003 deg/sqrt(h), B 1 deg/h, K 50 deg/h/sqrt(h), GM 2 deg/h 0.5 s, R 900 deg/h^2, "
+    "Sine 1 deg/h 3.1 Hz",
+}
+HEADINGS = ("noise", "of", *map(str, OCTAVES), "largest")
+
+
+def with_phase(model: al.Model, phase: float) -> al.Model:
+    """The model, its sinusoids at a phase."""
+    return al.Model(
+        tuple(al.Term(t.symbol, t.value, t.signal, (t.shape[0], phase)) if t.row.periodic else t for t in model)
+    )
+
+
+def simulated(name: str, records: int) -> tuple[np.ndarray, np.ndarray]:
+    """Allan variances and mean powers of octaves of the cosine transform, shapes (records, 12)."""
+    model = al.parse_model(MODELS[name])
+    curves, powers = [], []
+    for seed in range(1, records + 1):
+        rng = np.random.default_rng(seed)
+        record = al.simulate(with_phase(model, rng.uniform(0, 2 * math.pi)), SIZE, RATE, rng=rng)
+        curves.append(al.deviation(record, "oadev", m=OCTAVES).variance)
+        noise = al.Model(tuple(t for t in model if t.row.waveform is None))
+        values = al.simulate(noise, SIZE, RATE, rng=np.random.default_rng(seed)).values
+        powers.append(bands(dct(values, norm="ortho")[1:] ** 2))
+    return np.array(curves), np.array(powers)
+
+
+def bands(power: np.ndarray) -> np.ndarray:
+    """Means over k = 1, 2-3, 4-7, ..."""
+    return np.array([power[m - 1 : 2 * m - 1].mean() for m in OCTAVES])
+
+
+def expected(name: str) -> tuple[np.ndarray, np.ndarray]:
+    """What `simulated` should be on average."""
+    model, k = al.parse_model(MODELS[name]), np.arange(1.0, SIZE)
+    power = np.zeros(SIZE - 1)
+    for t in model:
+        if t.row.waveform is None:
+            row = t.sampled(RATE)
+            power += t.power(RATE) * (row.dct(k, SIZE) + row.edge * 4 / SIZE * np.cos(math.pi * k / (2 * SIZE)) ** 2)
+    return al.expected(model, "oadev", np.array(OCTAVES) / RATE), bands(power)
+
+
+def made(name: str, records: int) -> list[tuple[str, ...]]:
+    """The two rows of a model."""
+    rows = []
+    for what, seen, wanted in zip(("oadev", "spectrum"), simulated(name, records), expected(name), strict=True):
+        z = (seen.mean(axis=0) - wanted) / (seen.std(axis=0, ddof=1) / math.sqrt(records))
+        rows.append((name, what, *(f"{value:+.2f}" for value in z), f"{np.abs(z).max():.2f}"))
+    return rows
+
+
+def ten_million() -> str:
+    """Time and memory of a long record."""
+    begin = time.process_time()
+    al.simulate(al.sensor("fog"), 10_000_000, RATE, rng=np.random.default_rng(1))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    return f"{time.process_time() - begin:.1f} s of processor time, {peak:.1f} GB at most"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=200)
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    rows = [row for name in MODELS for row in made(name, options.records)]
+    z = np.array([[float(cell) for cell in row[2:-1]] for row in rows])
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    lines = [
+        "# Simulated records against their expectation",
+        "",
+        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
+        f"numpy {np.__version__}",
+        f"- command: `python benchmarks/simulation.py --records {options.records}`",
+        f"- seeds 1..{options.records}; {SIZE} readings at {RATE:g} Hz",
+        "- cells: (mean over the records - exact expectation) / standard error of the mean. of oadev: at averaging "
+        "factors; of spectrum: mean power of the cosine transform's coefficients k to 2k - 1, noise terms alone.",
+        f"- beyond 3 standard errors: {int((np.abs(z) > 3).sum())} of {z.size} cells ({0.0027 * z.size:.1f} are "
+        f"expected of correct ones); their root mean square is {math.sqrt((z**2).mean()):.3f}",
+        f"- ten million readings of the fibre-optic gyro (Q, N, B, K, R): {ten_million()}",
+        "",
+        "| " + " | ".join(HEADINGS) + " |",
+        "|" + "---|" * len(HEADINGS),
+        *("| " + " | ".join(row) + " |" for row in rows),
+        "",
+    ]
+    text = "\n".join(lines)
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+
+
+if __name__ == "__main__":
+    main()

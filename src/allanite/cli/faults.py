@@ -1,0 +1,118 @@
+"""The options of ``allanite simulate`` that put faults into a record."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from allanite.faults import Dither
+    from allanite.record import Record
+
+    Fault = Callable[[Record, str, np.random.Generator, dict[str, Any]], Record]
+
+
+def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
+    """As many numbers with units as the example has; those at the end that are left out are `defaults`."""
+    from allanite.errors import UsageError
+    from allanite.notation import split_quantities
+
+    found = split_quantities(text.split())
+    missing = len(split_quantities(example.split())) - len(found)
+    if not 0 <= missing <= len(defaults):
+        raise UsageError(f"--{option} is given as {example!r}, not {text!r}")
+    found += [(value, "") for value in defaults[len(defaults) - missing :]]
+    return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in found]
+
+
+def _constant(record: "Record", text: str, _: Any, __: Any) -> "Record":
+    from allanite import faults
+
+    ((value, unit),) = _quantities(text, "constant", "10 deg/h")
+    return faults.constant(record, value, unit)
+
+
+def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
+    from allanite import faults
+    from allanite.errors import UsageError
+
+    (cutoff, _unit), (order, _unit) = _quantities(text, "low-pass", "20 Hz 4", defaults=(1.0,))
+    if not order.is_integer():
+        raise UsageError(f"the order of a filter is an integer, not {order:g}")
+    return faults.low_pass(record, cutoff, order=int(order))
+
+
+def _noise_step(record: "Record", text: str, _: Any, __: Any) -> "Record":
+    from allanite import faults
+
+    ((factor, _unit),) = _quantities(text, "noise-step", "2")
+    return faults.noise_step(record, factor=factor)
+
+
+def _outliers(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
+    from allanite import faults
+
+    (share, _unit), (size, unit) = _quantities(text, "outliers", "0.01% 20")
+    return faults.outliers(record, share, size, unit, rng=rng)
+
+
+def _clip(record: "Record", text: str, _: Any, __: Any) -> "Record":
+    from allanite import faults
+
+    ((value, unit),) = _quantities(text, "clip", "300 deg/s")
+    return faults.clip(record, value, unit)
+
+
+def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: dict[str, Any]) -> "Record":
+    from allanite import faults
+
+    what, step, unit = _quantizer(text)
+    how = {"rate": faults.quantize_rate, "angle": faults.quantize_angle}[what]
+    dither = None if choices["dither"] is None else _dither(choices["dither"])
+    return how(record, step, unit, dither=dither, rng=rng)
+
+
+def _quantizer(text: str) -> tuple[str, float, str]:
+    from allanite.errors import UsageError
+    from allanite.notation import split_quantities
+
+    what, *rest = text.split() or [""]
+    found = split_quantities(rest) if what in ("rate", "angle") else []
+    if len(found) != 1 or not found[0][1]:
+        raise UsageError(f"--quantize is given as 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
+    return what, *found[0]
+
+
+def quantizer_unit(text: str | None) -> str | None:
+    """Rates are rounded in the unit of their step, so that they are multiples of it to the last digit."""
+    what, _, unit = ("", 0.0, "") if text is None else _quantizer(text)
+    return unit if what == "rate" else None
+
+
+def _dither(text: str) -> "Dither":
+    from allanite.faults import Dither
+
+    if text.strip() == "random":
+        return Dither()
+    (frequency, _), (amplitude, _) = _quantities(text, "dither", "400 Hz 20")
+    return Dither(amplitude=amplitude, frequency=frequency)
+
+
+def _gaps(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
+    from allanite import faults
+    from allanite.units import convert
+
+    (share, _unit), (length, unit) = _quantities(text, "gaps", "1% 5 s")
+    return faults.gaps(record, share, convert(length, unit or "s", "s"), rng=rng)
+
+
+FAULTS: "dict[str, Fault]" = {
+    "constant": _constant,
+    "low_pass": _low_pass,
+    "noise_step": _noise_step,
+    "outliers": _outliers,
+    "clip": _clip,
+    "quantize": _quantize,
+    "gaps": _gaps,
+}
+"""What each option does, in the order in which it happens in a sensor and its logger."""

@@ -1,0 +1,66 @@
+"""Bringing channels onto a record's clock, if that is asked for."""
+
+import numpy as np
+
+from allanite.errors import DataError
+from allanite.record import Record, Recording
+
+from .regressor import FloatArray
+
+
+def aligned(along: Recording, record: Record) -> Recording:
+    """The channels at the intervals of `record`: means where they are faster, else on lines between their readings.
+
+    What lies before the first reading or behind the last one is NaN, and so is what has a lost reading beside it.
+    Times are those of `start`, zero where none is said.
+
+    Raises
+    ------
+    DataError
+        A channel does not overlap the record, or is an angle.
+
+    Examples
+    --------
+    >>> temp = Record([20.0, 22.0, 24.0], rate=0.5, unit="degC", name="temp")
+    >>> gyro = Record(np.zeros(6), rate=1.0, unit="deg/h", name="z")
+    >>> aligned(Recording((temp,)), gyro)["temp"].values.tolist()
+    [20.0, 21.0, 22.0, 23.0, 24.0, nan]
+    """
+    return Recording(tuple(_aligned(other, record) for other in along), along.source, along.digest, along.notes)
+
+
+def _aligned(other: Record, record: Record) -> Record:
+    if other.kind != "rate":
+        raise DataError(f"{other.name!r} holds {other.kind}s; only readings can be brought onto another clock")
+    when = np.arange(record.size) / record.rate
+    since = (record.start or 0.0) - (other.start or 0.0)
+    x = np.asarray(other.values, dtype=np.float64)
+    values = (
+        _means(x, other.rate, when + since, record.rate)
+        if other.rate > record.rate
+        else _lines(x, other.rate, when + since)
+    )
+    if np.isnan(values).all():
+        raise DataError(f"{other.name!r} and {record.name!r} have no time in common")
+    what = f"brought from {other.rate:.9g} Hz onto the clock of {record.name!r} by " + (
+        "means" if other.rate > record.rate else "straight lines"
+    )
+    return Record(
+        values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+        history=(*other.history, what),
+    )  # fmt: skip
+
+
+def _lines(x: FloatArray, rate: float, when: FloatArray) -> FloatArray:
+    return np.asarray(np.interp(when, np.arange(x.size) / rate, x, left=np.nan, right=np.nan))
+
+
+def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:
+    """Means over the intervals that begin at `when`: differences of the integral; NaN where a reading is missing."""
+    edges = np.arange(x.size + 1) / rate
+    lost = np.concatenate(([0.0], np.cumsum(np.isnan(x))))
+    integral = np.concatenate(([0.0], np.cumsum(np.nan_to_num(x)))) / rate
+    spans = (when, when + 1 / wanted)
+    begin, end = (np.interp(t, edges, integral, left=np.nan, right=np.nan) for t in spans)
+    missing = np.interp(spans[1], edges, lost) - np.interp(spans[0], edges, lost)
+    return np.where(missing > 0, np.nan, (end - begin) * wanted)

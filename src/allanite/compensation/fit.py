@@ -1,0 +1,261 @@
+"""From a record and the channels beside it to a regression."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.errors import DataError, UsageError
+from allanite.model import Model, Term
+from allanite.noise.likelihood import Likelihood
+from allanite.record import SHORTEST, Record, Recording
+from allanite.terms import TERMS
+
+from .design import CONDITION, TRENDING, Choices, Collinearity, Design, collinearity, design
+from .gain import Gain
+from .mixture import mixture
+from .regression import Regression
+from .restricted import FloatArray, restricted
+from .selection import choose, folds
+
+GAPS = ("error", "split")
+
+WHOLLY = 1e-11
+"""What is left, over the record, at which only rounding is left."""
+
+
+@dataclass(frozen=True)
+class Handling:
+    """How a regression is made.
+
+    Attributes
+    ----------
+    terms : str
+        Noise terms that may be there; a ramp is no noise, see `trend`.
+    smooth : float
+        Seconds of the Hann window in which a rate of change is taken, 60 or more.
+    blocks : int
+        Blocks of the cross-validation.
+    every : bool
+        Keep every column, whether held-back blocks gain from it or not.
+    gaps : {"error", "split"}
+        What to do if readings are lost.
+    least : float
+        Effective samples that a regressor needs.
+    """
+
+    terms: str = "QNBK"
+    smooth: float = 60.0
+    blocks: int = 5
+    every: bool = False
+    gaps: str = "error"
+    least: float = 10.0
+
+    def __post_init__(self) -> None:
+        wrong = [s for s in self.terms if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
+        if wrong or not self.terms or len(set(self.terms)) < len(self.terms):
+            raise UsageError(f"terms are different noise terms such as QNBK, not {self.terms!r}")
+        if self.gaps not in GAPS:
+            raise UsageError(f"gaps is one of {', '.join(GAPS)}, not {self.gaps!r}")
+        if isinstance(self.blocks, bool) or not isinstance(self.blocks, int) or not 3 <= self.blocks <= 50:
+            raise UsageError(f"blocks of the cross-validation are a whole number from 3 to 50, not {self.blocks!r}")
+        if not (math.isfinite(self.least) and self.least > 0):
+            raise UsageError(f"the least number of effective samples is positive, not {self.least!r}")
+
+
+USUAL = Handling()
+
+
+def compensate(
+    record: Record,
+    along: Recording | Record,
+    regressors: Sequence[str] = (),
+    *,
+    degree: int = 1,
+    lags: Sequence[float] = (),
+    rate_of: Sequence[str] = (),
+    trend: bool = False,
+    handling: Handling = USUAL,
+) -> Regression:
+    """Fit the part of a record that follows other channels: temperature, displacement, flux, any.
+
+    The rate is a constant, a sum of coefficients times regressors, and noise of the terms Q, N, B and K, which is
+    identified along with the coefficients by the restricted likelihood. Coefficients are generalised least squares
+    estimates, averaged over what the slow noise may be; ordinary least squares shows an effect where there is none in
+    six records of ten. What is asked for by name is kept; powers up to `degree` and lags enter only where blocks that
+    are held back gain from them.
+
+    Parameters
+    ----------
+    record : Record
+    along : Recording or Record
+        The channels, on the record's clock; `compensation.aligned` brings them there.
+    regressors : sequence of str
+        Channels whose readings, less their means, are regressors.
+    degree : int
+        Highest power that may be added.
+    lags : sequence of float
+        Seconds: earlier readings that may be added.
+    rate_of : sequence of str
+        Channels whose rate of change is a regressor.
+    trend : bool
+        Estimate a steady drift along; it is not taken off.
+    handling : Handling
+        Noise terms, window of rates, blocks, gaps.
+
+    Returns
+    -------
+    Regression
+
+    Raises
+    ------
+    UsageError
+        A regressor is missing, or an option is impossible.
+    DataError
+        A regressor never changes, is a sum of others or is on another clock; readings are lost; there are too few
+        effective samples for so many regressors.
+
+    References
+    ----------
+    D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted likelihood); D. A. Belsley, E. Kuh, R. E. Welsch,
+    Regression Diagnostics (Wiley 1980) (condition number).
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> rng = np.random.default_rng(1)
+    >>> temp = al.Record(20 + 5 * np.sin(np.arange(3600) / 600), rate=1.0, unit="degC", name="temp")
+    >>> noise = al.simulate(al.N(0.1, "deg/sqrt(h)"), 3600, 1.0, rng=rng)
+    >>> gyro = noise.with_values(noise.values + 1e-5 * temp.values, "warmed")
+    >>> found = compensate(gyro, temp, ["temp"])
+    >>> found["temp"].low < 1e-5 < found["temp"].high, found.significant
+    (True, True)
+    >>> found.apply(gyro, al.Recording((temp,))).history[-1]
+    'corrected: regression on temp'
+    """
+    if isinstance(regressors, str) or isinstance(rate_of, str):
+        raise UsageError("regressors and rate_of are sequences of names, for example ['temp']")
+    beside = along if isinstance(along, Recording) else Recording((along,))
+    if record.size < SHORTEST:
+        raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
+    wanted = Choices(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
+    whole = design(record, beside, wanted, smooth=handling.smooth, gaps=handling.gaps)
+    _demand_noise(whole, record)
+    theta, _ = _noise(whole, handling.terms)
+    blocks = folds(whole, theta, handling.terms, handling.blocks)
+    validated = len(blocks) > 2
+    kept = choose(whole, blocks) if validated and not handling.every else list(range(len(whole.regressors)))
+    notes = () if validated else ("the record is too short for cross-validation: every column is kept",)
+    taken = [i for i in kept if not whole.regressors[i].is_trend]
+    squares = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0) if validated else None
+    count = sum(b - a for a, b in whole.stretches)
+    held = None if squares is None else Gain(float(squares[0]) / count, float(squares[1]) / count, 0.0)
+    return _regression(record, whole, kept, handling, held=held, notes=notes)
+
+
+def _noise(part: Design, terms: str) -> tuple[FloatArray, Likelihood]:
+    """The most likely noise, its coefficients integrated out."""
+    seen = restricted(part.y, part.X, part.stretches, rate=part.rate, symbols=terms)
+    return seen.minimise(np.ones(len(terms), dtype=bool))[0], seen
+
+
+def _regression(
+    record: Record, whole: Design, kept: list[int], handling: Handling, *, held: Gain | None, notes: tuple[str, ...]
+) -> Regression:
+    part = whole.only(kept)
+    first = _plain(part)
+    # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is taken out
+    seen = restricted(part.y - part.X @ first, part.X, part.stretches, rate=part.rate, symbols=handling.terms)
+    theta, mean, found = mixture(seen, handling.terms)
+    seen_by_noise = collinearity(part, seen, theta)
+    taken = [i for i, regressor in enumerate(part.regressors) if not regressor.is_trend]
+    inside, effective = _inside(part, seen, theta, found.values + first)
+    if effective < handling.least * len(taken):
+        raise DataError(
+            f"the noise of {record.name!r} has {effective:.3g} effective samples, because most of it is slow: too few "
+            f"for {len(taken)} regressors, each of which wants {handling.least:g}. Name fewer, record for longer, or "
+            "accept fewer samples for each with Handling(least=...) (--least)"
+        )
+    return Regression(
+        signal=record.signal,
+        name=record.name,
+        regressors=part.regressors,
+        mixture=found.scaled(1 / part.size, first),
+        chosen=tuple(bool(o) and not handling.every for o in part.optional),
+        candidates=int(whole.optional.sum()),
+        inflation=seen_by_noise.inflation,
+        condition=seen_by_noise.condition,
+        noise=_model(record, handling.terms, mean),
+        effective=effective,
+        inside=inside,
+        held=held,
+        notes=(*part.notes, *notes, *_warnings(part, seen_by_noise)),
+    )
+
+
+def _demand_noise(part: Design, record: Record) -> None:
+    if all(np.ptp(part.y[a:b]) == 0 for a, b in part.stretches):
+        raise DataError(f"{record.name!r} never changes (always {part.y[part.stretches[0][0]]:g} SI): check the sensor")
+    left = part.y - part.X @ _plain(part)
+    rest, whole = (np.array([np.ptp(y[a:b]) for a, b in part.stretches]).max() for y in (left, part.y))
+    if rest < WHOLLY * whole:
+        raise DataError(
+            f"{', '.join(map(repr, part.labels))} explain {record.name!r} wholly: no noise is left. Is the record, or "
+            "what was made of it, among the regressors?"
+        )
+
+
+def _plain(part: Design) -> FloatArray:
+    """Ordinary least squares, each stretch about its own mean."""
+    Z = np.concatenate([part.X[a:b] - part.X[a:b].mean(axis=0) for a, b in part.stretches])
+    z = np.concatenate([part.y[a:b] - part.y[a:b].mean() for a, b in part.stretches])
+    return np.asarray(np.linalg.lstsq(Z, z, rcond=None)[0])
+
+
+def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> tuple[Gain, float]:
+    """Mean squares of the fitted record, and the effective samples.
+
+    Generalised least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
+    of the noise. That sum has (sum m)^2 / sum m^2 degrees of freedom, m being the spectrum of the noise: as many as
+    there are samples for white noise, two or three for a random walk.
+    """
+    taken = [i for i, regressor in enumerate(part.regressors) if not regressor.is_trend]
+    flat = np.flatnonzero(seen.flat)[taken]
+    V = seen.directions(theta)[1][np.ix_(flat, flat)]
+    S = seen.UU[:, flat][:, :, flat].sum(axis=0)
+    chance = float(np.trace(V @ S))
+    m = seen.expectation(theta)
+    effective = float(seen.count @ m) ** 2 / float(seen.count @ m**2)
+    before = after = 0.0
+    for a, b in part.stretches:
+        left = part.y[a:b] - part.X[a:b][:, taken] @ values[taken]
+        before += float(((part.y[a:b] - part.y[a:b].mean()) ** 2).sum())
+        after += float(((left - left.mean()) ** 2).sum())
+    count = sum(b - a for a, b in part.stretches)
+    return Gain(before / count, after / count, chance / count), effective
+
+
+def _model(record: Record, symbols: str, theta: FloatArray) -> Model:
+    sizes = ((s, math.sqrt(value) * record.rate ** -TERMS[s].power) for s, value in zip(symbols, theta, strict=True))
+    return Model(tuple(Term(s, size, record.signal) for s, size in sizes if size > 0))
+
+
+def _warnings(part: Design, seen: Collinearity) -> list[str]:
+    found = []
+    if seen.condition > CONDITION:
+        worst = ", ".join(
+            f"{label} ({factor:.3g})" for label, factor in zip(part.labels, seen.inflation, strict=True) if factor > 10
+        )
+        found.append(
+            f"the regressors can hardly be told apart: scaled condition number {seen.condition:.3g}, above "
+            f"{CONDITION:g}; variance inflation {worst or 'spread over all'}. Their sum "
+            "may be right where none of them is"
+        )
+    if seen.ramp > TRENDING:
+        found.append(
+            f"the regressors trend: they explain {100 * seen.ramp:.3g} % of a steady drift, so that a rate ramp R "
+            "cannot be told from their effect in this record (trend=True, --trend, estimates one along); a record in "
+            "which they come back would tell"
+        )
+    return found

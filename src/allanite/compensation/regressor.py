@@ -1,0 +1,164 @@
+"""Regressor: a column that an error may depend on, made of a channel by a few plain rules."""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import DataError, UnitError, UsageError
+from allanite.record import Record, Recording
+from allanite.units import convert
+
+from .slope import local_slope
+
+FloatArray = NDArray[np.float64]
+
+TREND = "time"
+"""Name of the regressor that is no channel: seconds, counted from the middle of the record."""
+
+
+@dataclass(frozen=True)
+class Regressor:
+    """One column of a regression: a power of a channel less its centre, perhaps of earlier, or its rate of change.
+
+    Attributes
+    ----------
+    channel, unit : str
+        Where it comes from, and in what unit its readings are taken.
+    centre : float
+        Reading at which the column is zero, in `unit`; 0 for a rate of change.
+    power : int
+        1, 2, 3 ...
+    lag : float
+        The reading of so many seconds earlier counts.
+    smooth : float or None
+        Seconds of the Hann window in which a rate of change is the slope; None for readings.
+
+    Examples
+    --------
+    >>> square = Regressor("temp", "degC", centre=20.0, power=2)
+    >>> square.label, square.column_unit
+    ('temp^2', 'degC^2')
+    >>> temp = Record([20.0, 21.0, 23.0], rate=1.0, unit="degC", name="temp")
+    >>> gyro = Record([1.0, 2.0, 3.0], rate=1.0, unit="deg/h", name="z")
+    >>> square.column(gyro, Recording((temp,))).tolist()
+    [0.0, 1.0, 9.0]
+    """
+
+    channel: str
+    unit: str
+    centre: float = 0.0
+    power: int = 1
+    lag: float = 0.0
+    smooth: float | None = None
+
+    @property
+    def is_trend(self) -> bool:
+        """Whether it is time itself, which is estimated along and never taken off."""
+        return self.channel == TREND
+
+    @property
+    def label(self) -> str:
+        """How it is called in tables."""
+        name = self.channel if self.power == 1 else f"{self.channel}^{self.power}"
+        name = name if self.smooth is None else f"d {name}/dt"
+        return name if not self.lag else f"{name}, {self.lag:g} s before"
+
+    @property
+    def column_unit(self) -> str:
+        """Unit of its values."""
+        if self.smooth is not None:
+            return "1/s" if self.unit == "1" else f"{self.unit}/s"
+        return self.unit if self.power == 1 or self.unit == "1" else f"{self.unit}^{self.power}"
+
+    def column(self, record: Record, along: Recording | None) -> FloatArray:
+        """Its values at the intervals of `record`, shape (record.size,); NaN where the channel has none.
+
+        Raises
+        ------
+        UsageError
+            The channel is missing.
+        UnitError
+            It measures something else than it did.
+        DataError
+            It is not on the record's clock.
+        """
+        if self.is_trend:
+            return np.asarray((np.arange(record.size) - (record.size - 1) / 2) / record.rate, dtype=np.float64)
+        x = readings(self.channel, self.unit, record, along)
+        if self.smooth is not None:
+            x = local_slope(x, record.rate, self.smooth)
+        steps = round(self.lag * record.rate)
+        if steps >= x.size:
+            raise DataError(f"a lag of {self.lag:g} s is longer than {record.name!r}")
+        if steps:
+            x = np.concatenate((np.full(steps, np.nan), x[:-steps]))
+        return np.asarray((x - self.centre) ** self.power)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Regressor":
+        """The regressor that `to_dict` has written."""
+        smooth = data["smooth"]
+        return cls(
+            str(data["channel"]),
+            str(data["unit"]),
+            _number(data["centre"]),
+            int(data["power"]),
+            _number(data["lag"]),
+            None if smooth is None else _number(smooth),
+        )
+
+
+def _number(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(value)
+    return number
+
+
+def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
+    """Readings of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
+    if along is None or channel not in along.channels:
+        there = "no channels came along" if along is None else f"there are {', '.join(along.channels)}"
+        raise UsageError(f"the regressor {channel!r} is missing: {there}")
+    found = along[channel]
+    demand_clock(record, found)
+    own = found.unit if found.kind == "rate" else found.signal.unit
+    if unit != own and "degC" in (unit, own):
+        raise UnitError(f"{channel!r} was in {unit} and is in {own}: their zeros differ; give it in {unit}")
+    x = np.asarray(found.values if found.kind == "rate" else found.rate_values, dtype=np.float64)
+    if found.kind == "rate" and found.scale is not None:
+        x = x * found.scale
+    factor = 1.0 if unit == own else convert(1.0, own, unit)
+    x = x if factor == 1.0 else x * factor
+    return np.asarray((x[1:] + x[:-1]) / 2) if x.size == record.size + 1 else x
+
+
+def demand_clock(record: Record, other: Record) -> None:
+    """Make sure that a channel is on the record's clock.
+
+    Raises
+    ------
+    DataError
+        Rate, start or length differ.
+    """
+    same_rate = math.isclose(record.rate, other.rate, rel_tol=1e-9)
+    apart = 0.0 if record.start is None or other.start is None else abs(record.start - other.start)
+    lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)
+    if same_rate and apart < 0.5 / record.rate and other.size in lengths:
+        return
+    raise DataError(
+        f"{other.name!r} ({_clock(other)}) is not on the clock of {record.name!r} ({_clock(record)}); bring it there "
+        "with compensation.aligned (--interpolate), which interpolates"
+    )
+
+
+def _clock(record: Record) -> str:
+    start = "" if record.start is None else f" from {record.start:.9g} s"
+    return f"{record.rate:.9g} Hz, {record.size} readings{start}"

@@ -1,0 +1,1 @@
+"""A compensation for people: table, figure, page; and for machines: CSV."""

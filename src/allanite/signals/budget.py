@@ -1,0 +1,280 @@
+"""Budget: what rounding adds to the noise of a rate, stage by stage, beside the noise that was measured."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from allanite.errors import UsageError
+from allanite.finding import Finding
+from allanite.fit import Fit
+from allanite.model import coefficient_factor
+from allanite.noise import identify
+from allanite.prepare.view import View
+from allanite.record import Record
+from allanite.statistics.rounding import NO_DITHER, rounding
+from allanite.terms import TERMS
+from allanite.units import Signal, unit_of
+
+from .codes import Codes, codes
+from .stage import Stage, demand_unclipped
+from .torque import TorqueScale, positive, rate_from_current
+
+MATTERS = 0.01
+"""Share of the measured noise's square below which a stage does not matter."""
+
+
+@dataclass(frozen=True)
+class StageNoise:
+    """What one stage adds.
+
+    Attributes
+    ----------
+    stage : Stage
+    symbol : {"N", "Q"}
+        What it makes: white noise of the rate, or quantization noise of the angle.
+    signal : Signal
+    step : float
+        Worth of its last bit: rate or angle, SI.
+    coefficient : float
+        step / sqrt(12), for N times the square root of the sample interval; SI.
+    measured : float or None
+        What the record has of it, SI; None where it was not found.
+    limit : float or None
+        Upper limit of what the record has of it, where it was not found.
+    enough : int or None
+        Bits at which its share would be below 1 % of what was measured, or of the limit.
+    clipped : int
+        Readings at the ends of its range.
+    codes : Codes or None
+        Readings on its grid; None if they lie on no grid of its step.
+    """
+
+    stage: Stage
+    symbol: str
+    signal: Signal
+    step: float
+    coefficient: float
+    measured: float | None
+    limit: float | None
+    enough: int | None
+    clipped: int
+    codes: Codes | None
+
+    @property
+    def share(self) -> float | None:
+        """Of the square of what was measured; None where nothing was."""
+        return None if self.measured is None else (self.coefficient / self.measured) ** 2
+
+    @property
+    def matters(self) -> bool | None:
+        """Whether that share is 1 % or more."""
+        return None if self.share is None else self.share >= MATTERS
+
+    def to(self, value: float | None) -> float | None:
+        """A coefficient in its data-sheet unit."""
+        return None if value is None else value / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
+
+    @property
+    def sheet_unit(self) -> str:
+        """Data-sheet unit of the coefficient."""
+        return self.signal.sheet[TERMS[self.symbol].power]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        shown = {name: self.to(getattr(self, name)) for name in ("coefficient", "measured", "limit")}
+        return {
+            "name": self.stage.name,
+            "bits": self.stage.bits,
+            "full_scale": self.stage.full_scale,
+            "unit": self.stage.unit,
+            "step": self.stage.step,
+            "makes": self.symbol,
+            "step_SI": self.step,
+            "coefficient": self.coefficient,
+            "measured": self.measured,
+            "limit": self.limit,
+            "share": self.share,
+            "bits_enough": self.enough,
+            "clipped": self.clipped,
+            "codes": None if self.codes is None else self.codes.to_dict(),
+            "shown": {**shown, "unit": self.sheet_unit},
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Budget:
+    """Noise of rounding beside the noise of a rate record; see `budget`.
+
+    `record` is the rate, `fit` its noise, `stages` what each adds, `findings` what must be known beside them.
+    """
+
+    record: Record
+    fit: Fit
+    stages: tuple[StageNoise, ...]
+    findings: tuple[Finding, ...] = field(default=())
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, the coefficients in data-sheet units."""
+        headings = [
+            "stage", "bits", "full scale", "step", "unit", "makes", "coefficient", "measured", "coefficient unit",
+            "share %", "bits enough", "distinct codes", "missing codes", "clipped",
+        ]  # fmt: skip
+        rows = []
+        for s in self.stages:
+            seen = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
+            share = None if s.share is None else 100 * s.share
+            rows.append([
+                s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
+                s.to(s.coefficient), s.to(s.measured), s.sheet_unit, share, s.enough, *seen, s.clipped,
+            ])  # fmt: skip
+        return headings, rows
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI, with data-sheet units under "shown"."""
+        return {
+            "allanite": 1,
+            "type": "Budget",
+            "name": self.record.name,
+            "rate": self.record.rate,
+            "size": self.record.size,
+            "history": list(self.record.history),
+            "stages": [s.to_dict() for s in self.stages],
+            "findings": [f.to_dict() for f in self.findings],
+            "fit": self.fit.to_dict(level),
+        }
+
+
+def budget(
+    record: Record,
+    stages: Sequence[Stage],
+    *,
+    scale: TorqueScale | float | None = None,
+    sense: float | None = None,
+    fit: Fit | None = None,
+) -> Budget:
+    r"""What the rounding of each stage adds to the noise of a record.
+
+    Rounding a rate to steps s adds errors that are uniform and, with enough noise before the rounding, independent:
+    white noise of the rate with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
+    Q = s / sqrt(12).
+
+    Parameters
+    ----------
+    record : Record
+        A rate (angle, increments, counts), or a current, a voltage or codes with what makes a rate of them.
+    stages : sequence of Stage
+        In the order of the signal path; codes are worth what the first one says.
+    scale : TorqueScale or float, optional
+        Of the torquer, or rad/s per A; needed for currents.
+    sense : float, optional
+        Of the current's sensor, V per A; needed for voltages.
+    fit : Fit, optional
+        The noise of the rate; identified if left out.
+
+    Returns
+    -------
+    Budget
+
+    Raises
+    ------
+    UsageError
+        A constant is missing or not positive.
+    DataError
+        More than 0.1 % of the readings are clipped, or the record does not support identification.
+
+    References
+    ----------
+    W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446; B. Widrow, I. Kollar, Quantization Noise (Cambridge 2008).
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> noise = al.simulate(al.N(2.525648, "deg/sqrt(h)"), 20_000, 1000.0, rng=np.random.default_rng(1))
+    >>> found = budget(noise, [Stage("output", 12, 500.0, "deg/s")])
+    >>> [round(found.stages[0].to(found.stages[0].coefficient), 3), found.stages[0].matters]
+    [0.134, False]
+    """
+    if not stages:
+        raise UsageError("name at least one stage, for example Stage('ADC', 12, 5.0, 'V') (--stage 'ADC 12 5V')")
+    rate = _rate(record, stages[0], scale, sense)
+    found = fit or identify(rate)
+    clipped = [demand_unclipped(record, stage) for stage in stages]
+    rows = [_noise(stage, rate, found, _per(stage, scale, sense), n) for stage, n in zip(stages, clipped, strict=True)]
+    notes = [f for row in rows for f in _findings(row, rate)]
+    return Budget(rate, found, tuple(rows), tuple(notes))
+
+
+def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense: float | None) -> Record:
+    if record.signal.inertial:
+        return record
+    if scale is None:
+        raise UsageError(
+            f"{record.name!r} is in {record.unit!r}: say what rate it means, with the torquer's constants or its scale "
+            "factor (scale=, --torquer, --scale-factor)"
+        )
+    return rate_from_current(record, scale, sense=sense, stage=first)
+
+
+def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -> float:
+    """SI rate (angle) per unit of the stage."""
+    unit = unit_of(stage.unit)
+    if unit.dimension in (unit_of("A").dimension, unit_of("V").dimension):
+        if scale is None:
+            raise UsageError(
+                f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale (scale=)"
+            )
+        factor = scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
+        if unit.dimension == unit_of("V").dimension:
+            if sense is None:
+                raise UsageError(f"the stage {stage.name!r} is in {stage.unit}: pass sense= (--sense) in V per A")
+            factor /= positive(sense, "sense gain", "V per A")
+        return factor * unit.factor
+    return unit.factor
+
+
+def _noise(stage: Stage, rate: Record, fit: Fit, per: float, clipped: int) -> StageNoise:
+    symbol = "Q" if stage.rounds_angle else "N"
+    step = stage.step * per
+    coefficient = step / math.sqrt(12) * (1.0 if symbol == "Q" else math.sqrt(rate.interval))
+    there = {e.symbol: e for e in fit}
+    measured, limit = (there[symbol].value, there[symbol].upper) if symbol in there else (None, None)
+    beside = measured if measured is not None else limit
+    enough = None
+    if beside:
+        # each bit halves the coefficient
+        enough = max(1, stage.bits + math.floor(math.log2(coefficient / (math.sqrt(MATTERS) * beside))) + 1)
+    readings = rate.rate_values / step if symbol == "N" else rate.rate_values * rate.interval / step
+    return StageNoise(
+        stage, symbol, rate.signal, step, coefficient, measured, limit if measured is None else None, enough, clipped,
+        codes(readings),
+    )  # fmt: skip
+
+
+def _findings(row: StageNoise, rate: Record) -> list[Finding]:
+    found = []
+    name = row.stage.name
+    worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
+    if row.codes is not None and _undithered(rate, worth):
+        found.append(Finding(
+            "no dither", f"the signal's noise is below {NO_DITHER:g} of the step of {name}",
+            "its rounding errors are no noise: they depend on the signal, and this budget does not hold",
+            "amplify before it, or add noise",
+        ))  # fmt: skip
+    if row.codes is not None and row.codes.missing:
+        found.append(Finding(
+            "missing codes", f"{row.codes.missing} codes of {name} never occur, though their neighbours often do",
+            "its steps are not even, and its noise is larger than the budget says", "check the converter",
+        ))  # fmt: skip
+    if row.clipped:
+        found.append(Finding(
+            "clipped", f"{row.clipped} readings lie at the ends of {row.stage}",
+            "the noise beyond is missing", "use a wider range",
+        ))  # fmt: skip
+    return found
+
+
+def _undithered(rate: Record, step: float) -> bool:
+    """Whether there is too little fast noise to make rounding errors of a rate on a grid of `step` random."""
+    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit))
+    return view.fast < NO_DITHER * step or rounding(view.steps, view.fast).nearby <= 2

@@ -1,0 +1,125 @@
+"""Stage: a place in the signal path where a number is rounded. How much noise that makes, and what was clipped."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import DataError, UnitError, UsageError
+from allanite.record import Record
+from allanite.units import convert, signal_with, unit_of
+
+FloatArray = NDArray[np.float64]
+
+CLIPPED = 1e-3
+"""Share of clipped readings above which no noise coefficient means anything."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A converter or register of so many bits over -full_scale to +full_scale.
+
+    What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white noise of the rate; or
+    an angle (velocity), whose rounding errors are quantization noise.
+
+    Raises
+    ------
+    UsageError
+        A number is not positive.
+    UnitError
+        The unit is that of no signal, and of no integral of one.
+
+    Examples
+    --------
+    >>> Stage("ADC", 12, 5.0, "V").step
+    0.00244140625
+    >>> str(Stage.parse("ADC 12 5V"))
+    'ADC, 12 bits over +-5 V'
+    """
+
+    name: str
+    bits: int
+    full_scale: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
+            raise UsageError(f"the bits of {self.name!r} are a whole number from 1 to 64, not {self.bits!r}")
+        if not (math.isfinite(self.full_scale) and self.full_scale > 0):
+            raise UsageError(f"the full scale of {self.name!r} is a positive number, not {self.full_scale!r}")
+        dimension = unit_of(self.unit).dimension
+        signals = signal_with(dimension), signal_with(dimension, 1)
+        if not (signals[0] or (signals[1] and signals[1].inertial)):
+            raise UnitError(
+                f"the full scale of {self.name!r} is in {self.unit!r}: a rate, angle, current or voltage is wanted"
+            )
+
+    @classmethod
+    def parse(cls, text: str) -> "Stage":
+        """A stage as it is written on the command line: name, bits, full scale with its unit."""
+        name, bits, scale = ([*text.split(maxsplit=2), "", "", ""])[:3]
+        number = scale.lstrip("+-±").strip()
+        at = next((i for i, c in enumerate(number) if not (c.isdigit() or c in ".eE-+")), len(number))
+        at -= number[:at][-1:] in ("e", "E")
+        try:
+            return cls(name, int(bits), float(number[:at]), number[at:].strip() or "1")
+        except (UsageError, UnitError):
+            raise
+        except ValueError:
+            raise UsageError(
+                f"a stage is a name, its bits and its full scale with a unit, as 'ADC 12 5V' or 'output 16 100deg/s', "
+                f"not {text!r}"
+            ) from None
+
+    @property
+    def step(self) -> float:
+        """Worth of the last bit, in `unit`."""
+        return float(2.0 * self.full_scale / 2.0**self.bits)
+
+    @property
+    def rounds_angle(self) -> bool:
+        """Whether it rounds the integral of a rate."""
+        return signal_with(unit_of(self.unit).dimension) is None
+
+    def __str__(self) -> str:
+        return f"{self.name}, {self.bits} bits over +-{self.full_scale:g} {self.unit}"
+
+
+def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
+    """Readings of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
+
+    A converter's largest code stands for the full scale less one step, or less half a step, its smallest for the
+    negative full scale, or that plus half a step.
+    """
+    worth = 1.0 if record.scale is None else record.scale
+    if record.signal.name == "dimensionless":
+        half = 2.0 ** (stage.bits - 1)
+        return (-half + 0.51) / worth, (half - 1.01) / worth
+    if unit_of(stage.unit).dimension != unit_of(record.unit).dimension:
+        return None
+    scale, step = (convert(v, stage.unit, record.unit) / worth for v in (stage.full_scale, stage.step))
+    return -scale + 0.51 * step, scale - 1.01 * step
+
+
+def demand_unclipped(record: Record, stage: Stage) -> int:
+    """How many readings lie at the ends of the stage's range.
+
+    Raises
+    ------
+    DataError
+        More than 0.1 % do.
+    """
+    limits = limits_of(record, stage)
+    if limits is None:
+        return 0
+    values = record.values
+    with np.errstate(invalid="ignore"):
+        count = int(((values <= limits[0]) | (values >= limits[1])).sum())
+    if count > CLIPPED * values.size:
+        raise DataError(
+            f"{count} of {values.size} readings of {record.name!r} ({100 * count / values.size:.2g} %) are clipped at "
+            f"the ends of {stage}: what lies beyond is missing, and noise comes out too small. Use a wider range, or a "
+            "window without them (--from, --until)"
+        )
+    return count

@@ -1,0 +1,167 @@
+"""The rate of a gyro whose rotor is held by a measured force: from the current of its torquer."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from allanite.errors import UsageError
+from allanite.record import Record
+
+from .stage import Stage, demand_unclipped
+
+
+@dataclass(frozen=True)
+class TorqueScale:
+    r"""Scale factor of a Lorentz-force torquer: the rate that a current means.
+
+    The torque of the coils, k_L n B L l_m i, turns the angular momentum J_z Omega of the rotor at the rate w, so that
+    w = K_i i with
+
+        K_i = k_L n B L l_m / (J_z Omega)        rad/s per A.
+
+    Parameters
+    ----------
+    turns : float
+        n, of a coil.
+    field : float
+        B at the coils, T.
+    span : float
+        L, length of a coil side in the field, m.
+    radius : float
+        l_m, of the torquer, m.
+    inertia : float
+        J_z, polar moment of inertia of the rotor, kg m^2.
+    spin : float
+        Omega, rotor speed, rad/s.
+    sides : float
+        k_L: active coil sides of an axis, or twice as many where two coils push; 1 if the other constants hold for all
+        of them together.
+
+    Raises
+    ------
+    UsageError
+        A constant is not a positive number.
+
+    References
+    ----------
+    Technical equation of the gyro and force of the Lorentz-force magnetic bearing, as for the magnetically suspended
+    control and sensing gyro (Ren, Chen et al., IEEE Trans. Ind. Electron. 65 (2018) 4921).
+
+    Examples
+    --------
+    >>> scale = TorqueScale(turns=100, field=0.4, span=0.05, radius=0.05, inertia=2e-3, spin=1000.0, sides=4)
+    >>> round(scale.factor, 12)
+    0.2
+    """
+
+    turns: float
+    field: float
+    span: float
+    radius: float
+    inertia: float
+    spin: float
+    sides: float = 1.0
+
+    def __post_init__(self) -> None:
+        for constant in fields(self):
+            value = getattr(self, constant.name)
+            fine = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+            if not (fine and math.isfinite(value) and value > 0):
+                raise UsageError(f"the {constant.name} of a torquer is a positive number, not {value!r}")
+
+    @property
+    def factor(self) -> float:
+        """K_i, rad/s per A."""
+        force = self.sides * self.turns * self.field * self.span  # N per A
+        return force * self.radius / (self.inertia * self.spin)
+
+    def __str__(self) -> str:
+        return f"K_i = {self.factor:.6g} rad/s per A"
+
+
+def rate_from_current(
+    record: Record, scale: TorqueScale | float, *, sense: float | None = None, stage: Stage | None = None
+) -> Record:
+    """The rate record that a record of a torquer's current means.
+
+    Parameters
+    ----------
+    record : Record
+        The current (A, mA); or the voltage of a sense resistor or amplifier, with `sense`; or the codes of a converter
+        (unit "1"), with its `stage`.
+    scale : TorqueScale or float
+        The torquer, or rad/s per A.
+    sense : float, optional
+        V per A.
+    stage : Stage, optional
+        The converter: its full scale says which readings are clipped, and what a code is worth.
+
+    Returns
+    -------
+    Record
+        Rate in rad/s, with what was done in its history. NaN stays NaN.
+
+    Raises
+    ------
+    UsageError
+        A constant is not positive, or one that is needed is missing.
+    DataError
+        More than 0.1 % of the readings are clipped.
+
+    Examples
+    --------
+    >>> current = Record([1.0, -2.0, 0.5], rate=1000.0, unit="mA", name="ix")
+    >>> rate = rate_from_current(current, 0.2)
+    >>> rate.values.round(12).tolist(), rate.unit, rate.history
+    ([0.0002, -0.0004, 0.0001], 'rad/s', ('rate from current: 0.2 rad/s per A',))
+    """
+    factor = scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
+    per_unit, said = _ampere(record, sense, stage)
+    clipped = 0
+    if stage is not None:
+        clipped = demand_unclipped(record, stage)
+    words = f"rate from {said}: {factor:.6g} rad/s per A" + (f", {clipped} readings clipped" if clipped else "")
+    readings = record.values if record.kind == "count" else np.asarray(record.values, dtype=np.float64)
+    worth = 1.0 if record.scale is None else record.scale
+    return Record(
+        readings * (worth * per_unit * factor), record.rate, "rad/s", name=record.name, start=record.start,
+        history=(*record.history, words),
+    )  # fmt: skip
+
+
+def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
+    """A per unit of the readings, and where that is known from."""
+    from allanite.units import unit_of
+
+    own = unit_of(record.unit).factor
+    if record.signal.name == "current":
+        return own, "current"
+    if record.signal.name == "dimensionless" and stage is not None:
+        unit = unit_of(stage.unit)
+        volts = unit.dimension == unit_of("V").dimension
+        if not volts and unit.dimension != unit_of("A").dimension:
+            raise UsageError(f"codes become a current by a full scale in A or V, not in {stage.unit}")
+        size = stage.step * unit.factor
+        return (size / _sense(sense) if volts else size), f"codes of {stage}"
+    if record.signal.name == "voltage":
+        return own / _sense(sense), f"voltage at {sense:g} V per A"
+    raise UsageError(
+        f"{record.name!r} is in {record.unit!r}: a rate is made of a current (A), of a voltage (V) with the gain of "
+        "its sensor in V per A, or of codes (unit '1') with the bits and full scale of their converter"
+    )
+
+
+def _sense(sense: float | None) -> float:
+    if sense is None:
+        raise UsageError("a voltage becomes a current by its sensor's gain: pass sense=0.5 (--sense 0.5) in V per A")
+    return positive(sense, "sense gain", "V per A")
+
+
+def positive(value: float, what: str, unit: str) -> float:
+    """`value`, once it is found to be a positive number."""
+    if isinstance(value, bool) or not (
+        isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0
+    ):
+        raise UsageError(f"the {what} is a positive number of {unit}, not {value!r}")
+    return float(value)

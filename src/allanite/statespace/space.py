@@ -1,0 +1,237 @@
+"""StateSpace: a model of the sensor's error for a Kalman filter."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.errors import UsageError
+from allanite.model import Model, Term
+from allanite.statistics import expected
+
+from .blocks import Block
+from .build import MEASUREMENTS, Matrices, continuous, equivalent, states_of
+from .markov import MarkovSum, flicker_sum
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+NEGLIGIBLE = 0.01
+"""Relative deviation of the Allan variance below which the mean over an interval is taken for the rate at its end."""
+
+
+PER_OCTAVE = 4
+"""Averaging times at which a state space is compared with the model."""
+
+
+@dataclass(frozen=True, eq=False)
+class StateSpace:
+    """Errors of a sensor as states: x' = Phi x + w, reading = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
+
+    Attributes
+    ----------
+    Phi, Qd, P0 : arrays, shape (s, s)
+    H : array, shape (1, s)
+    R : array, shape (1, 1)
+    F, Qc : arrays, shape (c, c)
+        Continuous time, of the first c states: dx = F x dt + noise of density Qc. The others are of discrete time.
+    states, units : tuples of str
+        What each state is, and its SI unit.
+    rate : float
+        Steps per second, Hz.
+    measurement : {"mean", "sample"}
+        See `MEASUREMENTS`.
+    model, equivalent : Model
+        What was asked for, and what it became: flicker by Gauss-Markov processes.
+    tau : (low, high)
+        Range of averaging times in which it stands for the model, s.
+    ripple : float
+        Largest relative deviation of its Allan deviation from the model's in that range.
+    notes : tuple of str
+        What is left out, and what must be set by whoever uses it.
+    """
+
+    Phi: FloatArray
+    Qd: FloatArray
+    H: FloatArray
+    R: FloatArray
+    P0: FloatArray
+    F: FloatArray
+    Qc: FloatArray
+    states: tuple[str, ...]
+    units: tuple[str, ...]
+    rate: float
+    measurement: str
+    model: Model
+    equivalent: Model
+    tau: tuple[float, float]
+    ripple: float
+    notes: tuple[str, ...]
+
+    def allan(self, m: IntArray) -> FloatArray:
+        """Allan variance of the readings at averaging factors `m`, SI, exactly, from the matrices alone."""
+        return Matrices(self.Phi, self.Qd, self.H, self.R, self.P0).allan(m)
+
+    @property
+    def factors(self) -> IntArray:
+        """Averaging factors at octaves, from 1 to the end of the range."""
+        last = max(1, math.floor(self.tau[1] * self.rate))
+        return 2 ** np.arange(last.bit_length(), dtype=np.int64)
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: the states."""
+        headings = ["state", "unit", "Phi", "Qd", "P0", "H"]
+        diagonals = (np.diag(self.Phi), np.diag(self.Qd), np.diag(self.P0), self.H[0])
+        columns = (self.states, self.units, *(d.tolist() for d in diagonals))
+        return headings, [list(row) for row in zip(*columns, strict=True)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI."""
+        matrices = {name: getattr(self, name).tolist() for name in ("Phi", "Qd", "H", "R", "P0", "F", "Qc")}
+        m = self.factors
+        return {
+            "allanite": 1,
+            "type": "StateSpace",
+            **matrices,
+            "states": list(self.states),
+            "units": list(self.units),
+            "rate": self.rate,
+            "measurement": self.measurement,
+            "model": self.model.to_dict(),
+            "equivalent": self.equivalent.to_dict(),
+            "tau": list(self.tau),
+            "ripple": self.ripple,
+            "notes": list(self.notes),
+            "allan": {"m": m.tolist(), "tau": (m / self.rate).tolist(), "variance": self.allan(m).tolist()},
+        }
+
+
+def state_space(
+    model: Model | Term,
+    rate: float,
+    *,
+    tau: tuple[float, float] = (1.0, 1000.0),
+    ripple: float = 0.02,
+    order: int | None = None,
+    turn_on: float = 0.0,
+    measurement: str = "auto",
+) -> StateSpace:
+    """A state space of a model's noise, discretised exactly at a rate.
+
+    White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its
+    slope. Gauss-Markov noise is a state each. Flicker, which no finite filter has, becomes a sum of Gauss-Markov
+    processes that has its Allan variance between two averaging times. Quantization is white noise of the angle: a
+    state, whose difference over the interval the reading gets. A sinusoid is an oscillator of known frequency.
+
+    Parameters
+    ----------
+    model : Model or Term
+    rate : float
+        Of the filter's steps and of its readings, Hz.
+    tau : (low, high)
+        Averaging times between which flicker is matched, s; low is at least an interval.
+    ripple : float
+        Wanted relative deviation from the Allan deviation of flicker; it sets the number of processes.
+    order : int, optional
+        Number of processes that stand for flicker, instead.
+    turn_on : float
+        Standard deviation of the constant bias from switch-on to switch-on, SI; the noise says nothing about it.
+    measurement : {"auto", "mean", "sample"}
+        Whether the mean over the interval is a state of its own ("mean", exact), or the rate at the end is taken for it
+        ("sample"); "auto" takes the latter where it changes the Allan variance by less than 1 %.
+
+    Returns
+    -------
+    StateSpace
+
+    Raises
+    ------
+    UsageError
+        The model has nothing to be a state, or an option is impossible.
+
+    Examples
+    --------
+    >>> from allanite.model import B, N
+    >>> space = state_space(N(0.01, "deg/sqrt(h)") + B(0.5, "deg/h"), 100.0, tau=(10.0, 1000.0))
+    >>> space.Phi.shape, space.measurement, space.ripple < 0.02
+    ((3, 3), 'sample', True)
+    """
+    model = model if isinstance(model, Model) else Model((model,))
+    if not (math.isfinite(rate) and rate > 0) or not turn_on >= 0:
+        raise UsageError(f"the rate is above 0 Hz and the bias at switch-on not negative, unlike {rate!r}, {turn_on!r}")
+    if measurement not in ("auto", *MEASUREMENTS):
+        raise UsageError(f"a measurement is auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
+    low, high = max(tau[0], 1 / rate), tau[1]
+    fitted = flicker_sum((low, high), ripple=ripple, order=order) if any(t.symbol == "B" for t in model) else None
+    replaced = equivalent(model, fitted)
+    blocks = states_of(replaced, turn_on, 1 / rate)
+    white = np.array([[sum(t.value**2 for t in replaced if t.symbol == "N") * rate]])
+    if not blocks:
+        raise UsageError(
+            f"{model} is noise of the measurement alone, of variance {white[0, 0]:g} ({model.signal.unit})^2"
+        )
+    chosen = _chosen(measurement, blocks, white, (replaced, rate, high))
+    built = MEASUREMENTS[chosen].build(blocks, white)
+    m = _factors(low, high, rate)
+    off = np.sqrt(built.allan(m) / expected(model, "oadev", m / rate)) - 1
+    names = [name for block in blocks for name in block.names]
+    names += [("mean rate over the interval", 0.0)] if len(built.Phi) > len(names) else []
+    F, Qc = continuous(blocks)
+    return StateSpace(
+        **vars(built),
+        F=F,
+        Qc=Qc,
+        states=tuple(name for name, _ in names),
+        units=tuple(model.signal.si[power] for _, power in names),
+        rate=float(rate),
+        measurement=chosen,
+        model=model,
+        equivalent=replaced,
+        tau=(low, high),
+        ripple=float(np.abs(off).max()),
+        notes=tuple(_notes(model, fitted, (low, high), turn_on)),
+    )
+
+
+def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
+    """The measurement that was asked for, or for "auto" the simpler one if it is good enough."""
+    model, rate, high = how
+    angle = any(t.symbol == "Q" and t.value for t in model)
+    if measurement == "sample" and angle:
+        raise UsageError("noise of the angle is a difference over the interval: it needs measurement='mean'")
+    if measurement != "auto":
+        return measurement
+    m = _factors(1 / rate, high, rate)
+    off = MEASUREMENTS["sample"].build(blocks, white).allan(m) / expected(model, "oadev", m / rate) - 1
+    return "mean" if angle or np.abs(off).max() > NEGLIGIBLE else "sample"
+
+
+def _factors(low: float, high: float, rate: float) -> IntArray:
+    """Averaging factors from one averaging time to another."""
+    first, last = max(1.0, low * rate), max(1.0, high * rate)
+    count = max(2, math.ceil(PER_OCTAVE * math.log2(last / first)) + 1)
+    return np.unique(np.rint(np.geomspace(first, last, count)).astype(np.int64))
+
+
+def _notes(model: Model, fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
+    symbols = {t.symbol for t in model}
+    if fitted is not None:
+        k = int((fitted.sizes > 0).sum())
+        yield (
+            f"flicker is {k} Gauss-Markov processes, within {100 * fitted.ripple:.2g} % of its Allan deviation from "
+            f"{tau[0]:g} to {tau[1]:g} s; below it has too little power, and beyond it the bias wanders no further"
+        )
+    if "Q" in symbols:
+        yield (
+            "quantization is taken for white Gaussian noise of the angle; that it is bounded by half a step, and "
+            "depends on the angle itself, is left out"
+        )
+    if "R" in symbols:
+        yield "the ramp is a state whose start has the standard deviation |R|, and no noise of its own"
+    if "Sine" in symbols:
+        yield "a sinusoid is an oscillator without noise: its frequency must be known and steady"
+    if not turn_on:
+        yield "the constant bias from switch-on to switch-on is no noise: it is 0 in P0 until you give it (turn_on)"

@@ -1,0 +1,91 @@
+"""What the page on compensation and signals shows is run."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "compensation.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+
+
+COMMANDS = [line for block in blocks("sh") for line in block.replace("\\\n", " ").splitlines()]
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    """A week of a gyro with a thermometer, and a voltage."""
+    folder = tmp_path_factory.mktemp("week")
+    model = al.N(0.1, "deg/sqrt(h)") + al.K(1.0, "deg/h/sqrt(h)")
+    for seed, day in enumerate(("monday", "tuesday", "wednesday"), 1):
+        rng = np.random.default_rng(seed)
+        t = np.arange(1800)
+        temp = 25 + 5 * np.sin(t / 300 + seed)
+        gx = np.degrees(al.simulate(model, t.size, 1.0, rng=rng).values) * 3600 + 3 * temp
+        rows = np.column_stack([t, gx, temp])
+        np.savetxt(folder / f"{day}.csv", rows, "%.9g", ",", header="time [s],gx [deg/h],temp [degC]", comments="")
+    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 5000, 1000.0, rng=np.random.default_rng(4)).values / 0.2
+    rows = np.column_stack([np.arange(5000) / 1000, volts])
+    np.savetxt(folder / "current.csv", rows, ["%.3f", "%.10g"], ",", header="time [s],ux [V]", comments="")
+    return folder
+
+
+@pytest.mark.parametrize("block", blocks("python"), ids=range(len(blocks("python"))))
+def test_python_prints_what_it_says(block):
+    done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    said = re.findall(r"^print\(.*\)  # (.*)$", block, re.MULTILINE)
+    assert said
+    assert done.stdout.splitlines() == said
+
+
+def test_commands_run_one_after_the_other(desk, monkeypatch):
+    monkeypatch.chdir(desk)
+    assert len(COMMANDS) == 3
+    for command in COMMANDS:
+        words = shlex.split(command)[1:]
+        done = CliRunner().invoke(main, words)
+        assert done.exit_code == 0, done.output
+        for option in ("--report", "--save", "--corrected"):
+            if option in words:
+                assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+def test_the_figures_of_the_page_are_those_of_the_formula():
+    rows = re.findall(r"^\| ±(\d+) \| ([\d.]+) \| ([\d.]+) % \|$", PAGE, re.MULTILINE)
+    assert [float(row[0]) for row in rows] == [10, 100, 500]
+    for scale, n, share in rows:
+        step = al.Stage("ADC", 12, float(scale), "deg/s").step
+        adds = 60 * step / 12**0.5 * 1e-3**0.5
+        assert float(n) == pytest.approx(adds, rel=0.02)
+        assert float(share) == pytest.approx(100 * (adds / 2.525648) ** 2, rel=0.2)
+
+
+def test_the_page_quotes_the_table():
+    lines = (ROOT / "benchmarks" / "results" / "compensation.md").read_text(encoding="utf-8").splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| table 2 ")]
+    temp = [row for row in rows if row[2] == "temp"]
+    words = " ".join(PAGE.split())
+
+    def spread(rows, column):
+        found = [float(row[column]) for row in rows if row[column]]
+        return f"{min(found):.0f} to {max(found):.0f} %"
+
+    assert f"is seen in {spread(rows, 3)} of 400 records (ordinary least squares: {spread(temp, 4)})" in words
+    low, high = (f(float(row[6]) for row in rows) for f in (min, max))
+    assert (round(low), round(high + 0.5)) == (94, 97)
+    assert f"hold a simulated effect in {low:.0f} to {high + 0.5:.0f} %" in words
+    gains = [float(row[8]) for row in temp]
+    assert f"in {int(min(gains))} to {max(gains):.0f} %" in words

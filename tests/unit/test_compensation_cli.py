@@ -1,0 +1,183 @@
+"""The verbs compensate and budget: what is printed, written, refused."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
+STAGE = "ADC 12 5V"
+TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def day(path, seed, n=2400):
+    rng = np.random.default_rng(seed)
+    t = np.arange(n)
+    temp = 25 + 5 * np.sin(2 * np.pi * t / 900 + seed) + 0.02 * rng.standard_normal(n)
+    gx, gy = (np.degrees(al.simulate(MODEL, n, 1.0, rng=rng).values) * 3600 for _ in "xy")
+    columns = np.column_stack([t, gx + 20 * temp, gy, temp, 40 + 0.1 * rng.standard_normal(n)])
+    header = "time [s],gx [deg/h],gy [deg/h],temp [degC],hum"
+    np.savetxt(path, columns, delimiter=",", fmt="%.9g", header=header, comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def days(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("days")
+    return [day(folder / f"day{seed}.csv", seed) for seed in (1, 2)]
+
+
+@pytest.fixture(scope="module")
+def current(tmp_path_factory):
+    path = tmp_path_factory.mktemp("current") / "current.csv"
+    rng = np.random.default_rng(1)
+    volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 20_000, 1000.0, rng=rng).values / 0.2
+    step = 10 / 2**12
+    columns = np.column_stack([np.arange(20_000) / 1000, np.round(volts / step) * step])
+    np.savetxt(path, columns, delimiter=",", fmt=["%.3f", "%.10g"], header="time [s],ux [V]", comments="")
+    return path
+
+
+def test_everything_of_a_compensation_is_written(days, tmp_path):
+    names = {
+        "save": "r.json",
+        "corrected": "c.csv",
+        "report": "p.html",
+        "plot": "f.svg",
+        "json": "a.json",
+        "csv": "t.csv",
+    }
+    paths = {name: tmp_path / file for name, file in names.items()}
+    asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
+    done = run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--apply", days[1], *asked)
+    assert done.exit_code == 0, done.stderr
+    assert "gx depends on temp" in done.stdout
+    assert "could be expected" in done.stdout
+    assert done.stdout.splitlines()[-1] == f"corrected: {paths['corrected']}"
+    data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert [r["name"] for r in data["regressions"]] == ["gx"]
+    effect = data["regressions"][0]["effects"][0]
+    assert effect["low"] < np.radians(20 / 3600) < effect["high"]
+    assert data["applied"][0]["gain"]["explained"] > 0.5
+    rows = list(csv.DictReader(io.StringIO(paths["csv"].read_text(encoding="utf-8"))))
+    assert {row["of"] for row in rows} == {"fitted", "applied"}
+    page = paths["report"].read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert page.count("<svg") == 2
+    assert paths["plot"].read_text(encoding="utf-8").count("<path") > 10
+    corrected = al.read(paths["corrected"])
+    assert corrected.channels == ("gx",)
+    assert corrected["gx"].history[-1].startswith("corrected: regression on temp")
+    whole = al.read(days[1], along=["temp"])
+    again = al.compensation.load(paths["save"])[0].apply(whole["gx"], whole)
+    np.testing.assert_allclose(corrected["gx"].values, again.values, rtol=1e-9)
+
+
+def test_a_channel_that_does_not_follow_is_said_to(days):
+    done = run("compensate", days[0], "--regressors", "temp", "--rate-of", "temp", "--channels", "gy")
+    assert "gy shows no dependence on temp, d temp/dt" in done.stdout
+    assert "not shown" in done.stdout
+
+
+def test_what_was_saved_is_used(days, tmp_path):
+    saved = tmp_path / "r.json"
+    run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
+    done = run("compensate", days[1], "--use", saved, "--channels", "gx,gy", "--json", "-")
+    data = json.loads(done.stdout)
+    assert data["fitted"][0]["gain"]["met"] is True
+    assert data["fitted"][1]["refusal"].startswith("no regression of this name")
+    assert run("compensate", days[1], "--use", saved, "--regressors", "temp").exit_code == 2
+    assert run("compensate", days[1], "--use", days[0]).exit_code == 3
+    # what is read is never overwritten
+    assert run("compensate", days[1], "--use", saved, "--json", saved, "--force").exit_code == 2
+
+
+def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_path):
+    slow = tmp_path / "slow.csv"
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[::10, [0, 3]]
+    np.savetxt(slow, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
+    asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--beside", slow)
+    refused = run(*asked)
+    assert refused.exit_code == 3
+    assert "is not on the clock of 'gx'" in refused.stderr
+    assert "--interpolate" in refused.stderr
+    # the last readings lie behind the last temperature
+    done = run(*asked, "--interpolate", "--split-gaps")
+    assert done.exit_code == 0, done.stderr
+    assert "gx depends on temp" in done.stdout
+
+
+REFUSED = [
+    (("--regressors", "flux"), 2, "no column 'flux'; there are"),
+    ((), 2, "name what the rate may depend on"),
+    (("--regressors", "temp", "--degree", "9"), 2, "from 1 to 6"),
+    (("--regressors", "temp", "--lags", "a"), 2, "seconds are wanted"),
+    (("--rate-of", "temp", "--smooth", "5"), 2, "60 s or more"),
+    (("--regressors", "temp", "--terms", "R"), 2, "noise terms"),
+    (("--regressors", "temp", "--least", "1e6"), 3, "effective samples"),
+    (("--regressors", "temp", "--corrected", "c.xyz"), 2, ".xyz"),
+]
+
+
+@pytest.mark.parametrize(("options", "code", "words"), REFUSED)
+def test_wrong_usage_of_compensate(days, options, code, words):
+    done = run("compensate", days[0], *options)
+    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+
+
+def test_everything_of_a_budget_is_written(current, tmp_path):
+    names = {"rates": "rates.csv", "report": "p.html", "plot": "f.png", "json": "a.json", "csv": "t.csv"}
+    paths = {name: tmp_path / file for name, file in names.items()}
+    asked = [part for name, path in paths.items() for part in (f"--{name}", path)]
+    done = run("budget", current, "--unit", "V", "--stage", STAGE, "--torquer", TORQUER, "--sense", 5, *asked)
+    assert done.exit_code == 0, done.stderr
+    assert "K_i = 0.2 rad/s per A, of 4 coil side(s)" in done.stdout
+    assert "more bits would change nothing" in done.stdout
+    data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert data["channels"][0]["budget"]["stages"][0]["codes"]["missing"] == 0
+    rate = al.read(paths["rates"])["ux"]
+    assert rate.unit == "rad/s"
+    assert rate.values.std() == pytest.approx(np.radians(2.5 / 60) * np.sqrt(1000), rel=0.02)
+    assert next(csv.reader(io.StringIO(paths["csv"].read_text(encoding="utf-8"))))[:2] == ["channel", "stage"]
+    assert "How this was computed" in paths["report"].read_text(encoding="utf-8")
+    assert paths["plot"].read_bytes().startswith(b"\x89PNG")
+
+
+WRONG = [
+    (("--stage", STAGE), 2, "say what rate it means"),
+    (("--stage", STAGE, "--scale-factor", 0.2), 2, "gain"),
+    (("--stage", STAGE, "--scale-factor", -1, "--sense", 1), 2, "positive number"),
+    (("--stage", STAGE, "--torquer", "turns=1"), 2, "missing field"),
+    (("--stage", STAGE, "--torquer", "turns=x"), 2, "a name and a number"),
+    (("--stage", STAGE, "--torquer", TORQUER, "--scale-factor", 1), 2, "given twice"),
+    (("--stage", "ADC"), 2, "a stage is a name"),
+    ((), 2, "at least one stage"),
+    (("--stage", "ADC 12 0.5V", "--scale-factor", 0.2, "--sense", 5), 3, "clipped"),
+]
+
+
+@pytest.mark.parametrize(("options", "code", "words"), WRONG)
+def test_wrong_usage_of_budget(current, options, code, words):
+    done = run("budget", current, "--unit", "V", *options)
+    assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
+
+
+def test_a_current_is_read_by_its_unit(tmp_path):
+    path = tmp_path / "i.csv"
+    path.write_text("time [s],i [mA],temp [degC]\n" + "".join(f"{i / 10},{i % 7},{20 + i % 3}\n" for i in range(300)))
+    assert al.read(path, unit="mA").channels == ("i",)
+    assert al.read(path, channels=["i"])["i"].unit == "mA"
+    both = al.read(path, unit="mA", along=["temp"])
+    assert [record.unit for record in both] == ["mA", "degC"]
+    with pytest.raises(al.UsageError, match="no unit of a gyroscope"):
+        al.read(path)

@@ -1,0 +1,54 @@
+"""Models as text."""
+
+import pytest
+
+import allanite as al
+
+
+@pytest.mark.parametrize(
+    ("text", "model"),
+    [
+        ("N 0.003 deg/sqrt(h)", al.Model((al.N(0.003, "deg/sqrt(h)"),))),
+        ("Q=0.2arcsec, R = -1e-3 deg/h/s", al.Q(0.2, "arcsec") + al.R(-1e-3, "deg/h/s")),
+        ("GM 1 deg/h 2 min, GM 1 deg/h 3", al.GM(1, "deg/h", time_constant=120) + al.GM(1, "deg/h", time_constant=3)),
+        ("Sine 3 deg/h 0.5Hz", al.Model((al.Sine(3.0, "deg/h", frequency=0.5),))),
+    ],
+)  # fmt: skip
+def test_what_people_write(text, model):
+    assert al.parse_model(text) == model
+
+
+def test_what_is_printed_is_understood():
+    model = (
+        al.N(1.0, "deg/sqrt(h)")
+        + al.Sine(1.0, "deg/h", frequency=2.0, phase=0.5)
+        + al.GM(1.0, "deg/h", time_constant=3.0)
+        + al.R(-0.5, "deg/h^2")
+    )
+    assert al.parse_model(str(model)) == model
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "nothing in '' is no noise term"),
+        ("X 3 deg/h", "a term is a symbol .Q, N, B, K, R, GM, Sine."),
+        ("N 3", "N has a number, a unit"),
+        ("N three deg", "'three' .* stands where a number is wanted"),
+        ("N 1 deg/h", "is no unit of N"),
+        ("GM 0.1 deg/h", "GM has time_constant in s"),
+        ("N 1 deg/sqrt(h) 3 s", "is no noise term"),
+        ("GM 0.1 deg/h 3 deg", "cannot be converted"),
+        ("N 1 deg/sqrt(h), N 2 deg/sqrt(h)", "may stand once"),
+    ],
+)
+def test_what_is_refused(text, words):
+    with pytest.raises(al.UsageError, match=words):
+        al.parse_model(text)
+
+
+def test_typical_sensors():
+    for name in al.SENSORS:
+        assert al.sensor(name.upper()).signal.name == "gyro"
+    with pytest.raises(al.UsageError, match="known are mems, fog, rlg"):
+        al.sensor("hrg")

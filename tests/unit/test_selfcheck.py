@@ -1,0 +1,128 @@
+"""The check of the identification on simulated records: its counts, its limits, the verb."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.noise.selfcheck import SelfCheck, TermCheck
+
+MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(60.0, "deg/h/sqrt(h)")
+
+
+@pytest.fixture(scope="module")
+def check():
+    return al.selfcheck(MODEL, 4000, 10.0, records=40, rng=np.random.default_rng(1), terms="NBK")
+
+
+def test_the_bound_is_reached(check):
+    """40 records: spread within 5 standard errors, the mean error too (false alarms below 1e-5)."""
+    assert [c.symbol for c in check.terms] == ["N", "B", "K"]
+    N = check["N"]
+    assert N.bound == al.bound(MODEL, 4000, 10.0)["N"]
+    assert abs(N.spread[0] - N.bound) < 5 * N.spread[1]
+    assert abs(N.bias[0]) < 5 * N.bias[1]
+    assert N.found[0] == 1.0
+    assert check["B"].truth == 0
+    assert math.isnan(check["B"].bound)
+    assert check["B"].found[0] <= 0.25
+
+
+def test_the_same_seed_gives_the_same_and_a_fit_stands_for_its_model(check):
+    fit = al.Fit((), "", MODEL.signal, MODEL)
+    again = al.selfcheck(fit, 4000, 10.0, records=40, rng=np.random.default_rng(1), terms="NBK")
+    assert str(again.to_dict()) == str(check.to_dict())  # NaN is not equal to itself
+
+
+def made(symbol="N", truth=2.0, *, value=(2.0, 2.2), low=(1.0, 2.1), high=(3.0, 3.0), claimed=(True, True)):
+    arrays = (np.array(part, dtype=float) for part in (value, low, high))
+    return TermCheck(symbol, MODEL.signal, truth, 0.1, *arrays, np.array(claimed))
+
+
+def test_the_counts_are_those_of_the_definition():
+    check = made()
+    assert check.bias == pytest.approx((0.05, 0.05))
+    assert check.spread == pytest.approx((0.0707107, 0.05), rel=1e-5)
+    assert check.coverage == pytest.approx((0.5, math.sqrt(0.25 / 2)))
+    assert check.found == pytest.approx((1.0, math.sqrt(0.75 * 0.25 / 2)))
+    assert np.isnan(made(truth=0.0).bias).all()
+
+
+def test_limits_are_exceeded_beyond_chance_only():
+    many = 400
+    wrong = made(
+        value=np.linspace(2.19, 2.21, many), low=np.full(many, 1.0), high=np.full(many, 2.1), claimed=[True] * many
+    )
+    absent = made(
+        "B", 0.0, value=np.zeros(many), low=np.zeros(many), high=np.ones(many), claimed=[True] * 40 + [False] * 360
+    )
+    check = SelfCheck(MODEL, 100, 1.0, many, 0.95, (wrong, absent), (0.0, 0.0))
+    assert check.exceeded() == []
+    assert check.exceeded(bias=0.11, coverage=0.9, missed=0.0, false=0.09) == []
+    said = check.exceeded(bias=0.09, coverage=0.9, false=0.05)
+    assert said == ["N: bias 10 +- 0.014 %, beyond 9 %", "B: falsely found in 10 +- 1.5 %, beyond 5 %"]
+    uncovered = made(low=np.full(many, 2.05), high=np.full(many, 3.0), value=np.full(many, 2.1), claimed=[False] * many)
+    broken = SelfCheck(MODEL, 100, 1.0, many, 0.95, (uncovered,), (0.0, 0.0)).exceeded(coverage=0.9, missed=0.1)
+    assert [words.split(":")[1].split()[0] for words in broken] == ["coverage", "missed"]
+
+
+def test_terms_that_cannot_be_compared_are_named():
+    pair = al.parse_model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
+    check = al.selfcheck(pair, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
+    assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not found in any record",)
+    with pytest.raises(al.UsageError, match="'GM' was not looked for"):
+        _ = check["GM"]
+    with pytest.raises(al.UsageError, match="at least 2 records"):
+        al.selfcheck(pair, 400, 10.0, records=1, rng=np.random.default_rng(1))
+
+
+def test_time_constants_and_sinusoids():
+    """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
+    model = al.parse_model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
+    check = al.selfcheck(model, 12_000, 10.0, records=10, rng=np.random.default_rng(1))
+    for symbol in ("N", "GM", "Sine", "GM time constant"):
+        found = check[symbol]
+        assert found.found[0] == 1.0
+        assert abs(found.bias[0]) < 5 * found.bias[1] + 0.2 * found.bound
+        assert found.bound == al.bound(model, 12_000, 10.0)[symbol]
+    assert check["Sine"].spread[0] == pytest.approx(check["Sine"].bound, rel=1)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["selfcheck", *map(str, arguments)])
+
+
+FEW = ("--model", "N 0.1 deg/sqrt(h)", "--rate", 10, "--samples", 1000, "--records", 10)
+
+
+def test_the_verb_prints_the_table_and_ends_well():
+    result = run(*FEW, "--min-coverage", 50, "--max-missed", 1, "--max-bias", 20)
+    assert result.exit_code == 0, result.stderr
+    assert "check  10 records of 1000 readings at 10 Hz (100 s), intervals at 95 %" in result.stdout
+    assert "Q  absent" in result.stdout
+
+
+def test_the_verb_ends_with_4_where_a_limit_is_exceeded():
+    result = run(*FEW, "--terms", "QB", "--max-false", 1, "--json", "-")
+    assert result.exit_code == 4
+    assert "limit exceeded: Q: falsely found in" in result.stderr
+    (channel,) = json.loads(result.stdout)["channels"]
+    assert channel["records"] == 10
+    assert [t["term"] for t in channel["terms"]] == ["Q", "B"]
+    assert channel["terms"][0]["found"] > 0.5 > channel["terms"][0]["found_error"] > 0
+
+
+def test_the_verb_takes_the_length_of_a_recording(tmp_path):
+    record = al.simulate(MODEL, 3000, 10.0, rng=np.random.default_rng(1), unit="deg/h", name="gx")
+    al.write(record, tmp_path / "one.npz")
+    result = run(tmp_path / "one.npz", "--records", 3)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith("gx  3 records of 3000 readings at 10 Hz (5 min)")
+
+
+def test_the_verb_needs_a_length():
+    assert run("--sensor", "fog", "--rate", 10).exit_code == 2

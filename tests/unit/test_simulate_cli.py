@@ -1,0 +1,98 @@
+"""``allanite simulate``: every format, every fault, what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.readers.formats import WRITERS
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["simulate", *map(str, arguments)])
+
+
+@pytest.mark.parametrize("suffix", list(WRITERS))
+def test_every_format_is_written_and_read_again(tmp_path, suffix):
+    path = tmp_path / f"out{suffix}"
+    result = run(path, "--sensor", "fog", "--rate", 100, "--duration", "10 s", "--channels", 2, "--seed", 3)
+    assert result.exit_code == 0, result.stderr
+    assert f"written: {path}" in result.stdout
+    recording = al.read(path)
+    assert recording.channels == ("gx", "gy")
+    rng = np.random.default_rng(3)
+    for record in recording:
+        again = al.simulate(al.sensor("fog"), 1000, 100.0, rng=rng, unit="deg/h")
+        np.testing.assert_allclose(record.values, again.values, rtol=1e-12, atol=1e-12)
+        assert (record.unit, record.rate, record.kind) == ("deg/h", 100.0, "rate")
+
+
+def test_all_faults_at_once(tmp_path):
+    path = tmp_path / "out.npz"
+    result = run(
+        path, "--model", "N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s", "--rate", 100, "--samples", 5000, "--constant",
+        "10 deg/h", "--low-pass", "20 Hz 2", "--noise-step", 2, "--outliers", "0.1% 20", "--clip", "300 deg/h",
+        "--quantize", "angle 0.1 arcsec", "--dither", "9 Hz 20", "--gaps", "1% 0.2s", "--json", "-",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    truth = json.loads(result.stdout)
+    steps = truth["channels"][0]["history"]
+    begins = ["simulated", "constant", "low-pass", "noise", "", "0 readings clipped", "angle rounded", ""]
+    assert all(step.startswith(begin) for step, begin in zip(steps, begins, strict=True))
+    assert truth["model"]["terms"][1]["time_constant"] == 20.0
+    assert (truth["seed"], truth["size"], truth["rate"]) == (1, 5000, 100.0)
+    assert list(al.read(path)[0].history) == steps
+
+
+def test_a_rounded_rate_is_in_the_unit_of_its_step(tmp_path):
+    path = tmp_path / "out.parquet"
+    run(path, "--sensor", "mems", "--rate", 50, "--samples", 500, "--quantize", "rate 0.0625 deg/s")
+    record = al.read(path)[0]
+    assert record.unit == "deg/s"
+    np.testing.assert_array_equal(record.values / 0.0625, np.rint(record.values / 0.0625))
+
+
+def test_accelerometers_have_their_names_and_units(tmp_path):
+    run(tmp_path / "out.npz", "--model", "N 60 ug/sqrt(Hz)", "--rate", 50, "--samples", 500, "--channels", 4)
+    recording = al.read(tmp_path / "out.npz")
+    assert recording.channels == ("a1", "a2", "a3", "a4")
+    assert recording[0].unit == "ug"
+
+
+USUAL = ("--sensor", "rlg", "--rate", "100")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("out.npz", *USUAL), "either by --duration or by --samples"),
+        (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "either by --duration or by --samples"),
+        (("out.npz", "--rate", "100", "--samples", "99"), "--model or --sensor"),
+        (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
+        (("out.txt", *USUAL, "--samples", "99"), "no format is written to files that end in '.txt'"),
+        (("there.csv", *USUAL, "--samples", "99"), "exists already"),
+        (("out.npz", *USUAL, "--samples", "1"), "at least 2 samples"),
+        (("out.npz", *USUAL, "--samples", "99", "--channels", "0"), "at least one channel"),
+        (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
+        (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),
+        (("out.npz", *USUAL, "--samples", "99", "--gaps", "1%"), "--gaps is given as '1% 5 s', not '1%'"),
+        (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "no unit of rates"),
+        (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "is an integer, not 2.5"),
+        (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
+        (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),
+        (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "positive number of Hz, not nan"),
+        (("out.npz", *USUAL, "--duration", "a while"), "stands where a number is wanted"),
+        (("out.npz", *USUAL, "--duration", "-3 s"), "a duration is wanted"),
+    ],
+)
+def test_what_is_refused(tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.csv").write_text("mine")
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["there.csv"]
+    assert (tmp_path / "there.csv").read_text() == "mine"

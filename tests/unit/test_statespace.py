@@ -1,0 +1,211 @@
+"""State spaces: exact discretisation, Allan curves from the matrices, filters that work."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.linalg import expm
+
+import allanite as al
+from allanite.cli import main
+from allanite.statespace.blocks import angle_noise, markov, oscillator, walk
+from allanite.statespace.markov import flicker_sum
+
+BLOCKS = {
+    "slow": markov(2.0, 1e4, 0.01),
+    "near": markov(2.0, 0.05, 0.01),
+    "fast": markov(2.0, 0.003, 0.01),
+    "walk": walk(0.3, None, 1.0, 0.5),
+    "ramp": walk(0.3, 0.2, 0.0, 0.5),
+    "sine": oscillator(2.0, 0.7, 0.3),
+}
+STEP = {"walk": 0.5, "ramp": 0.5, "sine": 0.3}
+
+
+@pytest.mark.parametrize("name", list(BLOCKS))
+def test_the_discretisation_is_that_of_numerical_integration(name):
+    """Gauss-Legendre over the interval of what an impulse of noise leaves in the states and in the mean."""
+    block, h = BLOCKS[name], STEP.get(name, 0.01)
+    np.testing.assert_allclose(block.Phi, expm(block.F * h), rtol=1e-12, atol=1e-15)
+    x, w = np.polynomial.legendre.leggauss(24)
+    at, weight = (x + 1) / 2 * h, w / 2 * h
+
+    def mean_after(s):
+        """Row that gives the mean over the whole interval of what is there at the time h - s."""
+        return sum(v * expm(block.F * u)[0] for u, v in zip(at * s / h, weight * s / h, strict=True)) / h
+
+    np.testing.assert_allclose(block.mean, mean_after(h), rtol=1e-10, atol=1e-15)
+    total = np.zeros_like(block.Q)
+    for s, v in zip(at, weight, strict=True):
+        G = np.vstack([expm(block.F * s), mean_after(s)])
+        total += v * G @ block.Qc @ G.T
+    np.testing.assert_allclose(block.Q, total, rtol=1e-9, atol=1e-14 * max(np.abs(total).max(), 1e-30))
+
+
+def test_noise_of_the_angle_is_a_difference():
+    """e and (e' - e) / h, e of variance Q^2."""
+    block = angle_noise(2.0, 0.5)
+    np.testing.assert_allclose(block.Q, [[4.0, 8.0], [8.0, 16.0]])
+    assert block.mean.tolist() == [-2.0]
+
+
+EXACT = {
+    "N": "N 1 rad/sqrt(s), K 0 rad/s^1.5",
+    "QK": "Q 0.3 rad, K 0.02 rad/s^1.5",
+    "NKR": "N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2",
+    "GM": "N 0.2 rad/sqrt(s), GM 1 rad/s 3 s, GM 2 rad/s 300 s",
+    "Sine": "N 1 rad/sqrt(s), Sine 0.4 rad/s 0.11 Hz",
+    "all": "Q 0.3 rad, N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2, GM 1 rad/s 3 s, Sine 0.4 rad/s 0.11 Hz",
+}
+
+
+@pytest.mark.parametrize("name", list(EXACT))
+@pytest.mark.parametrize("rate", [1.0, 50.0])
+def test_the_allan_variance_of_the_matrices_is_that_of_the_model(name, rate):
+    model = al.parse_model(EXACT[name])
+    space = al.state_space(model, rate, measurement="mean", tau=(1.0, 400.0))
+    m = np.array([1, 2, 3, 7, 50, 391])
+    np.testing.assert_allclose(space.allan(m), al.expected(model, "oadev", m / rate), rtol=2e-8)
+    assert space.ripple < 1e-8
+    assert np.linalg.eigvalsh(space.Qd).min() >= -1e-12 * np.abs(space.Qd).max()
+
+
+def simulated(space, n, rng):
+    """The recursion itself."""
+
+    def draw(C, count):
+        values, vectors = np.linalg.eigh(C)
+        return rng.standard_normal((count, len(C))) @ (vectors * np.sqrt(np.maximum(values, 0))).T
+
+    x, w = draw(space.P0, 1)[0], draw(space.Qd, n)
+    y = np.empty(n)
+    for k in range(n):
+        x = space.Phi @ x + w[k]
+        y[k] = space.H[0] @ x
+    return y + np.sqrt(space.R[0, 0]) * rng.standard_normal(n)
+
+
+@pytest.mark.parametrize("measurement", ["mean", "sample"])
+def test_the_recursion_has_the_curve_of_the_matrices(measurement):
+    """12 records of 4096 steps; every octave within 5 standard errors of the mean: one failure in 1e5."""
+    model = al.parse_model("N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
+    if measurement == "mean":
+        model = model + al.Q(0.4, "rad")
+    space = al.state_space(model, 2.0, tau=(1.0, 200.0), measurement=measurement)
+    rng = np.random.default_rng(1)
+    records = [al.Record(simulated(space, 4096, rng), 2.0, "rad/s") for _ in range(12)]
+    curves = [al.deviation(record, "oadev", noise=model) for record in records]
+    keep = curves[0].tau <= 200
+    mean = np.mean([c.variance for c in curves], axis=0)[keep]
+    error = np.sqrt(2 / curves[0].edf / len(records))[keep]
+    assert np.all(np.abs(mean / space.allan(curves[0].m[keep]) - 1) < 5 * error)
+    exact = al.expected(model, "oadev", curves[0].tau[keep])
+    if measurement == "mean":
+        np.testing.assert_allclose(space.allan(curves[0].m[keep]), exact, rtol=0.05)
+
+
+@pytest.mark.parametrize("symbols", ["NK", "QNK", "NKG"])
+def test_a_filter_with_these_matrices_is_consistent(symbols):
+    """Normalised innovations of exact records are white with variance 1: within 5 standard errors."""
+    terms = {"Q": "Q 0.3 rad", "N": "N 1 rad/sqrt(s)", "K": "K 0.1 rad/s^1.5", "G": "GM 1 rad/s 5 s"}
+    model = al.parse_model(", ".join(terms[s] for s in symbols))
+    space = al.state_space(model, 4.0, turn_on=10.0, measurement="mean")
+    record = al.simulate(model, 6000, 4.0, rng=np.random.default_rng(1))
+    x, P, innovations = np.zeros(len(space.Phi)), space.P0, []
+    for y in record.values:
+        x, P = space.Phi @ x, space.Phi @ P @ space.Phi.T + space.Qd
+        S = space.H @ P @ space.H.T + space.R
+        gain = (P @ space.H.T / S)[:, 0]
+        innovation = y - space.H[0] @ x
+        innovations.append(innovation / np.sqrt(S[0, 0]))
+        x, P = x + gain * innovation, P - np.outer(gain, space.H[0] @ P)
+    z = np.array(innovations[100:])
+    assert z.var() == pytest.approx(1, abs=5 * np.sqrt(2 / z.size))
+    for lag in (1, 2, 10):
+        assert abs(np.mean(z[lag:] * z[:-lag])) < 5 / np.sqrt(z.size)
+
+
+@pytest.mark.parametrize(("tau", "ripple"), [((1.0, 1000.0), 0.02), ((0.1, 1e4), 0.005), ((3.0, 8.0), 0.02)])
+def test_the_sum_is_flicker_in_its_range(tau, ripple):
+    """By the exact expectation of the terms, on a grid of its own."""
+    found = flicker_sum(tau, ripple=ripple)
+    pairs = zip(found.sizes, found.time_constants, strict=True)
+    terms = tuple(al.GM(size, "1", time_constant=T) for size, T in pairs if size > 0)
+    at = np.geomspace(*tau, 97)
+    ratio = np.sqrt(al.expected(al.Model(terms), "oadev", at) / al.expected(al.B(1.0, "1"), "oadev", at)) - 1
+    assert np.abs(ratio).max() <= 1.01 * found.ripple <= 1.01 * ripple
+    assert ratio.max() > 0.8 * found.ripple
+    assert ratio.min() < -0.8 * found.ripple
+    assert flicker_sum(tau, order=found.sizes.size).ripple == found.ripple
+
+
+def test_the_deviation_from_the_model_is_told():
+    space = al.state_space(al.sensor("fog"), 100.0, tau=(1.0, 1000.0), ripple=0.02)
+    at = np.unique(np.rint(np.geomspace(100, 100_000, 60)).astype(int))
+    off = np.sqrt(space.allan(at) / al.expected(space.model, "oadev", at / 100)) - 1
+    assert np.abs(off).max() == pytest.approx(space.ripple, rel=0.1)
+    assert 0.001 < space.ripple < 0.02
+    assert space.measurement == "mean"  # because of Q
+    assert len(space.states) == len(space.units) == len(space.Phi) == 8
+    assert (space.units[1], space.units[6]) == ("rad/s^2", "rad")
+    assert space.F.shape == (6, 6)
+    assert len(space.notes) == 4
+
+
+def test_the_simpler_measurement_is_taken_where_it_does():
+    slow = al.parse_model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
+    fast = al.parse_model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
+    assert al.state_space(slow, 100.0).measurement == "sample"
+    assert al.state_space(fast, 100.0).measurement == "mean"
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        ("N 1 deg/sqrt(h)", {}, "noise of the measurement alone"),
+        ("Q 1 arcsec", {"measurement": "sample"}, "needs measurement='mean'"),
+        ("B 1 deg/h", {"tau": (10.0, 1.0)}, "0 < low < high"),
+        ("B 1 deg/h", {"order": 0}, "between 1 and 40"),
+        ("B 1 deg/h", {"ripple": 0.0}, "above 0"),
+        ("B 1 deg/h", {"measurement": "median"}, "auto, mean or sample"),
+        ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "not negative"),
+    ],
+)
+def test_what_is_refused(text, options, words):
+    with pytest.raises(al.UsageError, match=words):
+        al.state_space(al.parse_model(text), 10.0, **options)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["statespace", *map(str, arguments)])
+
+
+def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
+    result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
+    assert result.exit_code == 0, result.stderr
+    pasted = {}
+    block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  - ")]
+    exec("\n".join(line[2:] if line[2] != " " else line for line in block.splitlines()), {}, pasted)  # noqa: S102
+    space = al.state_space(al.sensor("mems"), 50.0, turn_on=30 * np.pi / 180 / 3600)
+    for name, matrix in pasted.items():
+        np.testing.assert_array_equal(np.array(matrix, dtype=float), getattr(space, name))
+    assert set(pasted) == {"Phi", "Qd", "H", "R", "P0"}
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_the_verb_takes_a_recording(tmp_path):
+    record = al.simulate(al.sensor("mems"), 40_000, 20.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
+    al.write(record, tmp_path / "one.npz")
+    result = run(tmp_path / "one.npz", "--tau", "1 s,10 min", "--json", "-", "--plot", tmp_path / "a.svg")
+    assert result.exit_code == 0, result.stderr
+    (channel,) = json.loads(result.stdout)["channels"]
+    assert channel["name"] == "gz"
+    assert channel["model"] == al.identify(record).model.to_dict()
+    assert channel["tau"] == [1.0, 600.0]
+    assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("arguments", [("--tau", "1"), ("--tau", "0,3"), ("--turn-on", "3"), ("--order", "99")])
+def test_wrong_options_are_refused(arguments):
+    assert run("--sensor", "mems", "--rate", 10, *arguments).exit_code == 2
