@@ -268,7 +268,8 @@ def draw(times: dict[str, list[float]], found: dict[str, Peer], path: Path) -> N
             ax.loglog(job.sizes, [times[name][-1] * n / job.sizes[-1] for n in job.sizes], ":", color="#9AA3AD")
             ax.set_title(job.title, loc="left", fontsize=9)
             ax.grid(which="major", color="#D8DCE0", lw=0.6)
-        axes[0].legend(fontsize=7)
+        for which in ("oadev log", "dynamic"):
+            axes[list(JOBS).index(which)].legend(fontsize=7)
         figure.supxlabel("samples (dotted: in proportion to them)")
         figure.supylabel("processor time (s)")
         figure.savefig(path, metadata={"Date": None})
