@@ -10,10 +10,13 @@ from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
 from .compensation import compensation_page
+from .methods import efficiencies, methods_page
 from .reference import api_page, help_pages, units_page
 from .statistics import statistic_index, statistic_page
 from .terms import term_index, term_page
-from .tutorial import run_tutorial
+from .tutorial import beside, run_tutorial
+
+RESULTS = Path("benchmarks", "results", "methods.md")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -38,6 +41,8 @@ def write_pages(docs: Path) -> None:
     _write(root / "help.md", help_pages())
     _write(root / "api.md", api_page())
     _write(root / "compensation_paper.md", compensation_page(root))
+    _write(root / "methods.md", methods_page(root))
+    _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
     run_tutorial(docs, root / "tutorial")
 
 

@@ -11,10 +11,15 @@ from pathlib import Path
 SAMPLE = Path("examples", "tactical_gyro.csv")
 
 
+def beside(docs: Path, name: Path) -> Path:
+    """A file of the project that the documentation lies in."""
+    return next(parent / name for parent in docs.resolve().parents if (parent / name).is_file())
+
+
 def run_tutorial(docs: Path, folder: Path) -> None:
     """Run the Python of the tutorial in a folder that has the sample, and keep the figures that it writes."""
     blocks = re.findall(r"^```python\n(.*?)^```", (docs / "tutorial.md").read_text("utf-8"), re.DOTALL | re.MULTILINE)
-    sample = next(parent / SAMPLE for parent in Path(__file__).resolve().parents if (parent / SAMPLE).is_file())
+    sample = beside(docs, SAMPLE)
     with tempfile.TemporaryDirectory() as place:
         desk = Path(place)
         (desk / "examples").mkdir()

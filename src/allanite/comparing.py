@@ -21,7 +21,7 @@ from .noise.joint import Joint, common_band, demand_one_kind, joint
 from .noise.ramps import RampContrast, ramp_law
 from .prepare import inspect
 from .record import Record, Recording
-from .statistics import deviation
+from .statistics import deviation, robust
 from .statistics.ratio import ratio_law, shared_factors
 from .study import Recipe, Study, provenance_of, recording_of
 from .terms import TERMS
@@ -211,10 +211,11 @@ def demand_fit(records: Sequence[Record]) -> list[str]:
 def gathered(records: Sequence[Record], recipe: Recipe) -> tuple[Joint, tuple[Fit, ...], list[str]]:
     """The joint likelihood of records, the fit of each, and what must stand beside the numbers.
 
-    Sinusoids are taken out as the fits found them. Where one record has Gauss-Markov noise it is asked of all, and
-    compared at one time constant.
+    Outliers are left out, and sinusoids taken out as the fits found them. Where one record has Gauss-Markov noise it is
+    asked of all, and compared at one time constant.
     """
     demand_one_kind(records)
+    records, notes = _without_outliers(records, recipe)
     symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
     band = common_band(records, recipe.band)
     fits = _fits(records, recipe.terms, band, recipe)
@@ -224,7 +225,7 @@ def gathered(records: Sequence[Record], recipe: Recipe) -> tuple[Joint, tuple[Fi
     constants = [e.shape[0] for fit in fits for e in fit if e.shape]
     constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
     quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
-    notes = [
+    notes += [
         f"record {i + 1}: sinusoids were taken out, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
         for i, fit in enumerate(fits)
         if fit.lines
@@ -239,7 +240,20 @@ def _fits(records: Sequence[Record], terms: str, band: tuple[float, float], reci
     low, high = band
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     used = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else recipe.band
-    return tuple(identify(record, terms=terms, band=used) for record in records)
+    return tuple(identify(record, terms=terms, band=used, outliers="keep") for record in records)
+
+
+def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[Record], list[str]]:
+    """The records with their outliers lost, unless the recipe keeps them, and what is said of that."""
+    if (recipe.outliers or "mark") != "mark":
+        return list(records), []
+    found = [robust.outliers(record) for record in records]
+    notes = [
+        f"record {i + 1}: {outliers.words(record.rate)}: left out of the comparison"
+        for i, (record, outliers) in enumerate(zip(records, found, strict=True))
+        if outliers.at.size
+    ]
+    return [robust.marked(record, outliers) for record, outliers in zip(records, found, strict=True)], notes
 
 
 def _without_lines(record: Record, fit: Fit) -> Record:

@@ -42,6 +42,9 @@ class Estimate:
         Interval as `interval` gives it; None where the method has none.
     profile : level -> (low, high)
         Two-sided limits, whether the term was found or not; None where the method has none.
+    shape : tuple of float
+        Values of the `parameters` of the term's row: the time constant of GM, s.
+    shape_limits : level -> (low, high) of each of them
     """
 
     symbol: str
@@ -54,9 +57,7 @@ class Estimate:
     limits: Callable[[float], tuple[float, float]] | None = None
     profile: Callable[[float], tuple[float, float]] | None = None
     shape: tuple[float, ...] = ()
-    """Values of the `parameters` of the term's row: the time constant of GM, s."""
     shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
-    """level -> (low, high) of each of them."""
 
     @property
     def unit(self) -> str:

@@ -19,7 +19,8 @@ FloatArray = NDArray[np.float64]
 class Term:
     """One noise term with its coefficient in SI.
 
-    Terms add up to a model, each symbol at most once.
+    Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
+    constant of GM, frequency and phase of Sine.
 
     Examples
     --------
@@ -32,7 +33,6 @@ class Term:
     value: float
     signal: Signal
     shape: tuple[float, ...] = ()
-    """Values of the row's `parameters`, SI: the time constant of GM, frequency and phase of Sine."""
 
     @property
     def row(self) -> NoiseTerm:

@@ -138,7 +138,8 @@ def truncation(
 
 def _whole(pair: Pair, recording: Recording, recipe: Recipe) -> Fit:
     """The fit of the whole, of the terms that were compared."""
-    return identify(recording[pair.name], terms=",".join(c.symbol for c in pair.changes), band=recipe.band)
+    terms = ",".join(c.symbol for c in pair.changes)
+    return identify(recording[pair.name], terms=terms, band=recipe.band, outliers=recipe.outliers or "mark")
 
 
 def _channels(recordings: Sequence[Recording]) -> list[tuple[str, tuple[Record, ...]]]:

@@ -10,7 +10,7 @@ from .curve import Curve
 from .errors import DataError, UsageError
 from .finding import Quality
 from .fit import Fit
-from .noise import identify
+from .noise import METHODS, identify
 from .noise.residuals import residuals
 from .noise.shared import shared
 from .prepare import inspect, mark_outliers, quiet_window, trim
@@ -265,9 +265,24 @@ def recording_of(source: Recording | Record | str | os.PathLike[str], recipe: Re
 
 
 def fitted(record: Record, recipe: Recipe) -> Fit:
-    """The noise of a channel as the recipe wants it identified."""
-    outliers = recipe.outliers or "mark"
-    return identify(record, method=recipe.method, terms=recipe.terms, band=recipe.band, outliers=outliers)
+    """The noise of a channel as the recipe wants it identified.
+
+    A method that reads a curve reads that of the recipe's statistic, or the fit says that it cannot.
+    """
+    row = METHODS.get(recipe.method)
+    readable = row is not None and recipe.statistic in row.allowed
+    fit = identify(
+        record,
+        method=recipe.method,
+        terms=recipe.terms,
+        statistic=recipe.statistic if readable else None,
+        band=recipe.band,
+        outliers=recipe.outliers or "mark",
+    )
+    if row is None or readable or not row.allowed:
+        return fit
+    note = f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
+    return replace(fit, notes=(*fit.notes, note))
 
 
 def _whole(source: Recording | Record | str | os.PathLike[str], recipe: Recipe) -> Recording:

@@ -17,6 +17,7 @@ from allanite.cli import VERBS
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
+RESULTS = Path("benchmarks", "results", "methods.md")
 
 
 def blocks(page, language):
@@ -40,6 +41,8 @@ def site(tmp_path_factory):
     shutil.copytree(DOCS, place / "docs", ignore=shutil.ignore_patterns("generated"))
     (place / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, place / SAMPLE)
+    (place / RESULTS).parent.mkdir(parents=True)
+    shutil.copy(ROOT / RESULTS, place / RESULTS)
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
     done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -96,6 +99,14 @@ def test_the_verdict_on_a_papers_before_and_after(site):
     assert "67.35 %, and it prints 36.80 %" in page
     assert "is more than chance" in page
     assert (site / "_images" / "compensation_paper.svg").stat().st_size > 10_000
+
+
+def test_every_method_has_its_values_and_its_efficiency(site):
+    page = text(site, "methods.html")
+    for name, row in al.METHODS.items():
+        assert page.count(f" {name} ") >= 5
+        assert row.efficiency in page
+    assert (site / "_images" / "methods.svg").stat().st_size > 5000
 
 
 def test_units_are_those_of_the_table(site):

@@ -38,7 +38,9 @@ def info(file: str, *, json: str | None, force: bool, **choices: Any) -> None:
 @click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [oadev]")
 @click.option("--taus", callback=taus, metavar="GRID", help="octave, decade, log, all, or seconds as 1,10,100.  [log]")
 @click.option("--terms", metavar="QNBKR", help="Terms to look for.  [auto]")
-@click.option("--method", metavar="NAME", help="How the coefficients are found.  [whittle]")
+@click.option(
+    "--method", metavar="NAME", help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]"
+)
 @click.option("--band", callback=band, metavar="LO,HI", help="Frequencies that are used, Hz.")
 @outliers
 @click.option("--level", type=float, help="Confidence level of intervals.  [0.95]")

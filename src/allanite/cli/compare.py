@@ -8,7 +8,7 @@ import click
 from allanite.report.outputs import STDOUT, demand_outputs
 
 from .output import print_table, put
-from .reading import READING, band, names, taus
+from .reading import READING, band, names, outliers, taus
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +30,7 @@ KINDS = ("report", "plot", "json", "csv")
 @click.option("--taus", callback=taus, metavar="GRID", help="octave, decade, log, or seconds as 1,10,100.  [octave]")
 @click.option("--terms", metavar="QNBKR", help="Terms to compare.  [auto]")
 @click.option("--band", callback=band, metavar="LO,HI", help="Frequencies that are used, Hz.")
+@outliers
 @click.option("--level", type=float, help="Confidence level; a change has p below 1 - level.  [0.95]")
 @click.option("--report", metavar="PATH", type=click.Path(), help="Write the HTML page.")
 @click.option("--plot", metavar="PATH", type=click.Path(), help="Write the figure: .png, .svg or .pdf.")
@@ -97,7 +98,7 @@ def _found(
             f"{files[0]!r} has one channel, {recording[0].name!r}, and nothing to compare it with; give a second file, "
             "more channels, or --part to hold its beginning against the rest"
         )
-    plain = Recipe(**{key: getattr(recipe, key) for key in ("statistic", "taus", "terms", "band", "level")})
+    plain = Recipe(**{key: getattr(recipe, key) for key in ("statistic", "taus", "terms", "band", "level", "outliers")})
     if len(channels) == 2:
         return compared(channels[0], channels[1], plain, progress=progress)
     return pool(channels, plain, progress=progress)

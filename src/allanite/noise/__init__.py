@@ -1,8 +1,8 @@
 """Identification of noise: from a record or a curve to coefficients."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import overload
+from typing import Any, overload
 
 from allanite.curve import Curve
 from allanite.errors import DataError, UsageError
@@ -11,26 +11,88 @@ from allanite.record import Record, Recording
 from allanite.statistics import deviation, robust
 from allanite.terms import TERMS
 
+from .gls import CORRELATED, gls
+from .hadamard import joint
 from .identify import whittle
 from .leastsquares import least_squares, slopes
+from .nonnegative import READABLE, nnls
+from .piecewise import piecewise
+from .reading import ALLAN
 
 AUTOMATIC = "QNBKR"
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way to identify: what it is, whether it needs the record or a curve, and the function."""
+    """A way to identify.
+
+    Attributes
+    ----------
+    title : str
+    takes : type
+        Whether it needs the record or a curve.
+    fit : (source, symbols, ...) -> Fit
+    efficiency : str
+        Root mean square error over the Cramer-Rao bound of the coefficients, smallest and largest where that bound is
+        at most 12 %, measured with the true terms known (benchmarks/methods.py).
+    statistic, taus : str
+        The curve that is made of a record; empty where none is read.
+    allowed : tuple of str
+        Statistics that it can read; none for a method that takes the record.
+    options : tuple of str
+        What may be said beside the terms.
+    shapes : bool
+        Whether it finds terms with a shape: Gauss-Markov noise, sinusoids.
+    """
 
     title: str
     takes: type
     fit: Callable[..., Fit]
+    efficiency: str
+    statistic: str = ""
+    taus: str = ""
+    allowed: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    shapes: bool = False
 
 
 METHODS: dict[str, Method] = {
-    "whittle": Method("likelihood of the cosine transform's binned powers, profile intervals", Record, whittle),
-    "ls": Method("unweighted least squares of the Allan variance (for comparison with papers)", Curve, least_squares),
-    "slopes": Method("lines of the textbook slopes on the Allan deviation (for comparison)", Curve, slopes),
-}
+    "whittle": Method(
+        "likelihood of the cosine transform's binned powers, profile intervals", Record, whittle,
+        efficiency="0.93 to 1.14 times the Cramer-Rao bound",
+        options=("band", "lines", "rival"), shapes=True,
+    ),
+    "gls": Method(
+        "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,
+        efficiency="0.96 to 1.19 times the Cramer-Rao bound",
+        statistic="oadev", taus="octave", allowed=(*CORRELATED, "theo1"),
+    ),
+    "joint": Method(
+        "non-negative fit of Allan and Hadamard variance together, weights by degrees of freedom", Record, joint,
+        efficiency="0.96 to 1.38 times the Cramer-Rao bound",
+        statistic="oadev and ohdev", taus="octave",
+    ),
+    "nnls": Method(
+        "non-negative least squares with equal relative weights up to T/10 (for comparison with programs)", Curve, nnls,
+        efficiency="1.11 to 9.73 times the Cramer-Rao bound",
+        statistic="oadev", taus="log", allowed=READABLE,
+    ),
+    "piecewise": Method(
+        "lines of the textbook slopes through ranges of averaging times (for comparison)", Curve, piecewise,
+        efficiency="3.91 to 84.9 times the Cramer-Rao bound",
+        statistic="oadev", taus="octave", allowed=ALLAN, options=("ranges",),
+    ),
+    "ls": Method(
+        "unweighted least squares of the Allan variance (for comparison with papers)", Curve, least_squares,
+        efficiency="1.13 to 151 times the Cramer-Rao bound",
+        statistic="oadev", taus="octave", allowed=ALLAN,
+    ),
+    "slopes": Method(
+        "lines of the textbook slopes on the Allan deviation (for comparison)", Curve, slopes,
+        efficiency="1.85 to 65100 times the Cramer-Rao bound",
+        statistic="oadev", taus="octave", allowed=ALLAN,
+    ),
+}  # fmt: skip
 
 
 @overload
@@ -39,8 +101,10 @@ def identify(
     method: str | None = ...,
     *,
     terms: str = ...,
+    statistic: str | None = ...,
     band: tuple[float, float] | None = ...,
     lines: bool = ...,
+    ranges: Mapping[str, tuple[float, float]] | None = ...,
     outliers: str = ...,
 ) -> Fit: ...
 
@@ -51,8 +115,10 @@ def identify(
     method: str | None = ...,
     *,
     terms: str = ...,
+    statistic: str | None = ...,
     band: tuple[float, float] | None = ...,
     lines: bool = ...,
+    ranges: Mapping[str, tuple[float, float]] | None = ...,
     outliers: str = ...,
 ) -> dict[str, Fit]: ...
 
@@ -62,11 +128,13 @@ def identify(
     method: str | None = None,
     *,
     terms: str = "auto",
+    statistic: str | None = None,
     band: tuple[float, float] | None = None,
     lines: bool = True,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
     outliers: str = "mark",
 ) -> Fit | dict[str, Fit]:
-    """Find the noise coefficients of a record, or of an Allan curve.
+    """Find the noise coefficients of a record, or of a curve of it.
 
     Lost readings (NaN) are cut out, and what the joints do to each term is accounted for.
 
@@ -74,19 +142,23 @@ def identify(
     ----------
     source : Record, Curve or Recording
         A recording is identified channel by channel.
-    method : {"whittle", "ls", "slopes"}, optional
-        "whittle" for a record, the default there: reaches the Cramer-Rao bound and gives intervals. The others read an
-        Allan curve (that of the record, at octaves, if a record is given) and give numbers only; "ls" is the default
-        for a curve.
+    method : {"whittle", "gls", "joint", "nnls", "piecewise", "ls", "slopes"}, optional
+        "whittle" for a record, the default there: reaches the Cramer-Rao bound and gives intervals. "gls", the default
+        for a curve, is the best that reads one, and gives standard errors. The others are what papers and programs do,
+        for comparison: numbers only. `METHODS` says how far each is from the bound.
     terms : str
         "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) takes the place of flicker if the record clearly says
-        so; or symbols, for example "QNK" or "N,GM,K", which are obeyed.
+        so ("whittle" only); or symbols, for example "QNK" or "N,GM,K", which are obeyed.
+    statistic : str, optional
+        Of the curve that is made of a record, for methods that read one; oadev if left out.
     band : (low, high), optional
         Frequencies that count, Hz ("whittle" only).
     lines : bool
         Whether sinusoids are found, taken out and reported before the noise is identified ("whittle" only).
+    ranges : mapping of symbol to (low, high), optional
+        Averaging times, s, that a term is read from ("piecewise" only).
     outliers : {"mark", "keep"}
-        Whether outliers count as lost ("whittle" only); `Fit.notes` say how many and where.
+        Whether outliers count as lost ("whittle" and "joint" only); `Fit.notes` say how many and where.
 
     Returns
     -------
@@ -97,7 +169,7 @@ def identify(
     Raises
     ------
     UsageError
-        Unknown method or term, or an option the method does not have.
+        Unknown method or term, or an option, a statistic or a term that the method does not have.
     DataError
         The record is too short or constant, holds infinite readings, or too little of it is left; of a recording,
         none of its channels supports the job.
@@ -116,30 +188,72 @@ def identify(
     if isinstance(source, Recording):
 
         def one(record: Record) -> Fit:
-            return identify(record, method, terms=terms, band=band, lines=lines, outliers=outliers)
+            return identify(
+                record,
+                method,
+                terms=terms,
+                statistic=statistic,
+                band=band,
+                lines=lines,
+                ranges=ranges,
+                outliers=outliers,
+            )
 
         return _by_channel(source, one)
-    name = method or ("whittle" if isinstance(source, Record) else "ls")
+    name = method or ("whittle" if isinstance(source, Record) else "gls")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     robust.demand_choice(outliers)
     row = METHODS[name]
     symbols = symbols_of(terms)
-    if row.takes is not Record and (band is not None or not lines):
+    said = {"band": band, "lines": None if lines else False, "ranges": ranges}
+    options: dict[str, Any] = {key: value for key, value in said.items() if value is not None}
+    _demand(name, symbols, options)
+    if "rival" in row.options:
+        options["rival"] = terms == "auto"
+    readable = _source(source, name, statistic)
+    if not isinstance(readable, Record):
+        return row.fit(readable, symbols, **options)
+    found = robust.outliers(readable) if outliers == "mark" else None
+    fit = row.fit(robust.marked(readable, found) if found else readable, symbols, **options)
+    return _noted(fit, found, readable.rate) if found else fit
+
+
+def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:
+    """Options and terms must be such as the method has."""
+    row = METHODS[name]
+    for key in options:
+        if key not in row.options:
+            have = ", ".join(repr(other) for other, one in METHODS.items() if key in one.options)
+            raise UsageError(f"{key} is for method {have}, not for {name!r}")
+    shaped = [s for s in symbols if TERMS[s].parameters]
+    if shaped and not row.shapes:
+        able = ", ".join(repr(other) for other, one in METHODS.items() if one.shapes)
         raise UsageError(
-            f"a band, and whether lines are taken out, is for methods that work on the record, not for {name!r}"
+            f"method {name!r} finds coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has a shape as well: "
+            f"use method {able}"
         )
-    if isinstance(source, Curve) and row.takes is Record:
-        raise UsageError(f"method {name!r} needs the record, not a curve of it")
-    if isinstance(source, Record) and row.takes is Curve:
-        source = deviation(source, "oadev")
-    if row.takes is Curve:
-        return row.fit(source, symbols)
-    assert isinstance(source, Record)  # noqa: S101 - a curve was refused above
-    found = robust.outliers(source) if outliers == "mark" else None
-    record = robust.marked(source, found) if found else source
-    fit = row.fit(record, symbols, band, lines=lines, rival=terms == "auto")
-    return _noted(fit, found, source.rate) if found else fit
+
+
+def _source(source: Record | Curve, name: str, statistic: str | None) -> Record | Curve:
+    """The record, or the curve that the method reads."""
+    row = METHODS[name]
+    if row.takes is Record:
+        if statistic is not None:
+            raise UsageError(f"method {name!r} reads no curve of a statistic that could be chosen")
+        if isinstance(source, Curve):
+            raise UsageError(f"method {name!r} needs the record, not a curve of it")
+        return source
+    wanted = statistic or (source.statistic if isinstance(source, Curve) else row.statistic)
+    if wanted not in row.allowed:
+        others = [other for other, one in METHODS.items() if wanted in one.allowed]
+        able = f" (those that read {wanted}: {', '.join(others)})" if others else ""
+        raise UsageError(f"method {name!r} reads {', '.join(row.allowed)}, not {wanted}{able}")
+    if isinstance(source, Record):
+        return deviation(source, wanted, taus=row.taus)
+    if wanted != source.statistic:
+        raise UsageError(f"the curve is one of {source.statistic}, not of {wanted}")
+    return source
 
 
 def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str, Fit]:

@@ -1,20 +1,19 @@
 """The classical fits of an Allan variance curve, for comparison: neither gives intervals or evidence."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from allanite.curve import Curve
-from allanite.errors import DataError, UsageError
 from allanite.fit import Estimate, Fit
-from allanite.model import Model, Term
 from allanite.terms import TERMS
-from allanite.units import SIGNALS, Signal
+from allanite.units import Signal
 
-ALLAN = ("adev", "oadev")
+from .reading import result, signal_of
 
 
-def least_squares(curve: Curve, symbols: str) -> Fit:
+def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Unweighted least squares of the variance by powers of tau, as in much of the literature.
 
     Every point counts the same in absolute terms, so the shortest tau decides everything: measured against the
@@ -24,10 +23,10 @@ def least_squares(curve: Curve, symbols: str) -> Fit:
     ----------
     curve : Curve
         adev or oadev, SI.
-    symbols : str
+    symbols : sequence of str
         Keys of `TERMS`.
     """
-    signal = _allan_signal(curve, len(symbols))
+    signal = signal_of(curve, len(symbols))
     columns = np.column_stack([TERMS[s].level * curve.tau ** (2 * TERMS[s].slope) for s in symbols])
     size = np.abs(columns).max(axis=0)
     squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
@@ -38,12 +37,12 @@ def least_squares(curve: Curve, symbols: str) -> Fit:
         for e in estimates
         if e.status == "negative"
     ]
-    return _fit(curve, estimates, signal, "ls", notes)
+    return result(curve, estimates, "ls", notes=notes)
 
 
-def slopes(curve: Curve, symbols: str) -> Fit:
+def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Coefficients read off lines of the textbook slopes, each laid through the point where the curve is most alike."""
-    signal = _allan_signal(curve, 2)
+    signal = signal_of(curve, 2)
     log_tau, log_sigma = np.log10(curve.tau), np.log10(curve.deviation)
     local = np.diff(log_sigma) / np.diff(log_tau)
     estimates, notes = [], []
@@ -51,32 +50,16 @@ def slopes(curve: Curve, symbols: str) -> Fit:
         row = TERMS[symbol]
         at = int(np.argmin(np.abs(local - row.slope)))
         intercept = log_sigma[at] - row.slope * log_tau[at]
-        value = 10.0**intercept / math.sqrt(row.level)
+        value = float(10.0**intercept) / math.sqrt(row.level)
         estimates.append(Estimate(symbol, signal, value, None, "reported", None, "slopes"))
         if abs(local[at] - row.slope) > 0.25:
             notes.append(
                 f"{symbol}: no part of the curve has slope {row.slope:+g}, the nearest is {local[at]:+.2f}; "
                 "the value is no evidence of the term"
             )
-    return _fit(curve, estimates, signal, "slopes", notes)
-
-
-def _allan_signal(curve: Curve, points: int) -> Signal:
-    if curve.statistic not in ALLAN:
-        raise UsageError(f"this method reads an Allan curve ({', '.join(ALLAN)}), not {curve.statistic}")
-    if curve.tau.size < points or not np.all(curve.variance > 0):
-        raise DataError(f"this method needs at least {points} points, none of them zero")
-    for signal in SIGNALS:
-        if signal.unit == curve.unit:
-            return signal
-    raise UsageError(f"this method needs a curve in SI, not in {curve.unit}; leave out .to()")
+    return result(curve, estimates, "slopes", notes=notes)
 
 
 def _of_square(symbol: str, signal: Signal, square: float) -> Estimate:
     status = "reported" if square >= 0 else "negative"
     return Estimate(symbol, signal, math.copysign(math.sqrt(abs(square)), square), None, status, None, "ls")
-
-
-def _fit(curve: Curve, estimates: list[Estimate], signal: Signal, method: str, notes: list[str]) -> Fit:
-    terms = tuple(Term(e.symbol, e.value, signal) for e in estimates if e.value is not None and e.value > 0)
-    return Fit(tuple(estimates), method, signal, Model(terms), name=curve.name, curve=curve, notes=tuple(notes))

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from allanite.fit import Estimate, Fit
-from allanite.noise import METHODS
+from allanite.noise import METHODS, Method
 from allanite.study import Channel, Recipe, Study
 from allanite.terms import TERMS
 from allanite.whiteness import Residuals, chance
@@ -37,12 +37,20 @@ EXPLAINED = {
         "whatever the other coefficients are and whichever of the other terms are there. A term that was not "
         "found has a one-sided 95 % upper limit instead of a value.",
     ),
+    "gls": (
+        "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
+        "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
+        "points (generalised least squares, iterated). A term is called found where the quadratic form rises by more "
+        "than 4 without it. Standard errors come from the same covariance and suppose Gaussian errors.",
+    ),
 }
 """How a method works, in a few sentences; without them its title is enough."""
 
-CURVE = (
-    "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it. Its limits are "
-    "chi-square limits with the exact equivalent degrees of freedom under the model that was found."
+CURVE = "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it."
+READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
+LIMITS = (
+    "The limits of the curve are chi-square limits with the exact equivalent degrees of freedom under the model that "
+    "was found."
 )
 
 _LATEX = (
@@ -69,15 +77,27 @@ def _content(study: Study) -> dict[str, Any]:
         "channels": [_channel(channel, level, i) for i, channel in enumerate(study.channels)],
         "shared": _shared(study),
         "statuses": {s: meaning for s, meaning in words.STATUS.items() if s in statuses},
-        "method": f"{recipe.method}, {METHODS[recipe.method].title}" if recipe.method in METHODS else recipe.method,
+        "method": _method(METHODS[recipe.method], recipe.method) if recipe.method in METHODS else recipe.method,
         "explained": EXPLAINED.get(recipe.method, ()),
-        "curve_explained": CURVE,
+        "curve_explained": _curve_explained(recipe),
         "definitions": _definitions(fits),
         "notes": study.notes,
         "recipe": toml(recipe),
         "provenance": study.provenance,
         "level": words.percent(level),
     }
+
+
+def _method(row: Method, name: str) -> str:
+    return f"{name}, {row.title}; measured: {row.efficiency}"
+
+
+def _curve_explained(recipe: Recipe) -> str:
+    row = METHODS.get(recipe.method)
+    if row is None or not row.statistic:
+        return f"{CURVE} {LIMITS}"
+    statistic = recipe.statistic if recipe.statistic in row.allowed else row.statistic
+    return f"{READ.format(statistic=statistic)} {LIMITS}"
 
 
 def _channel(channel: Channel, level: float, i: int) -> dict[str, Any]:

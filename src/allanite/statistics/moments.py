@@ -130,14 +130,18 @@ def covariance(row: Statistic, model: Model, m: IntArray, size: int, rate: float
 
     For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
     """
-    model = noise_of(model)
+    return np.asarray(covariance_by_term(row, noise_of(model), m, size, rate).sum(axis=(2, 3)))
+
+
+def covariance_by_term(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
+    """What each pair of terms of a model without sinusoids adds to `covariance`, shape (k, k, t, t)."""
     terms = [t.sampled(rate) for t in model]
     powers = np.array([t.power(rate) for t in model]) / rate**2
     scale = row.norm(m) * (m / rate) ** 2.0 / (m * row.tau_factor / rate) ** (2.0 * row.power)
-    result = np.empty((m.size, m.size))
-    for i, j in np.ndindex(result.shape):
+    result = np.empty((m.size, m.size, len(terms), len(terms)))
+    for i, j in np.ndindex(m.size, m.size):
         if i <= j:
             pair = int(min(m[i], m[j])), int(max(m[i], m[j]))
             T = lagsums.products(row, terms, pair, [(size, 1)])
-            result[i, j] = result[j, i] = 2 * powers @ T @ powers / (scale[i] * scale[j])
+            result[i, j] = result[j, i] = 2 * np.outer(powers, powers) * T / (scale[i] * scale[j])
     return result

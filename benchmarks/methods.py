@@ -1,0 +1,107 @@
+"""How good is each method: error, bias and coverage against the Cramer-Rao bound, on the same records.
+
+    python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--write PATH]
+
+The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others.
+A term that a method does not find counts as 0, or as what its model has of it.
+"""
+
+import argparse
+import itertools
+import math
+import platform
+import subprocess
+import sys
+import time
+from datetime import date
+from multiprocessing import Pool
+from pathlib import Path
+
+import numpy as np
+from identification import RATE, SENSORS, Job, asked, bounds
+
+import allanite as al
+
+WAYS = {name: (name, None) for name in al.METHODS} | {
+    f"gls of {statistic}": ("gls", statistic) for statistic in ("ohdev", "mdev", "theo1")
+}
+"""Method and statistic, by the name in the table."""
+
+HEADINGS = ("sensor", "n", "term", "bound %", "method", "rmse", "bias", "cover %")
+
+Found = dict[str, list[tuple[float, float, float]]]
+
+
+def identified(job: Job) -> Found:
+    """(value, low, high) of every term, by way."""
+    record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng(job.seed))
+    found = {}
+    for way, (method, statistic) in WAYS.items():
+        fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic)
+        model = {t.symbol: t.value for t in fit.model}
+        found[way] = [(model.get(e.symbol, 0.0) if e.value is None else e.value, *e.interval(0.95)) for e in fit]
+    return found
+
+
+def rows_of(sensor: str, n: int, records: list[Found]) -> list[tuple[str, ...]]:
+    """Rows of the table, one a term and way."""
+    limits = bounds(SENSORS[sensor], n)
+    rows = []
+    for (i, term), way in itertools.product(enumerate(SENSORS[sensor]), WAYS):
+        value, low, high = np.array([record[way][i] for record in records]).T
+        relative, bound = value / term.value - 1, limits[term.symbol]
+        covered = f"{100 * ((low <= term.value) & (term.value <= high)).mean():.0f}" if np.isfinite(low[0]) else "-"
+        rmse, bias = np.sqrt((relative**2).mean()) / bound, relative.mean() / bound
+        rows.append((sensor, str(n), term.symbol, f"{100 * bound:.2f}", way, f"{rmse:.2f}", f"{bias:+.2f}", covered))
+    return rows
+
+
+def table(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str, ...]]:
+    """All rows."""
+    rows = []
+    with Pool() as pool:
+        for n, sensor in itertools.product(sizes, sensors):
+            found = pool.map(identified, [Job("known", sensor, n, seed) for seed in seeds], chunksize=2)
+            rows += rows_of(sensor, n, found)
+            print(f"{sensor} {n} done", file=sys.stderr, flush=True)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
+    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
+    parser.add_argument("--records", type=int, default=100)
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    start = time.perf_counter()
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    rows = table(options.sensors, options.sizes, range(1, options.records + 1))
+    lines = [
+        "# Methods of identification against the Cramer-Rao bound",
+        "",
+        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
+        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
+        f"- command: `python benchmarks/methods.py --sensors {' '.join(options.sensors)} "
+        f"--sizes {' '.join(map(str, options.sizes))} --records {options.records}`",
+        f"- seeds 1..{options.records}, the same records for every method; 100 Hz; the true terms are known",
+        "- rmse, bias: of the coefficient, over the bound; cover: the 95 % interval as printed holds the truth (from 0 "
+        "to the one-sided limit for a term not found), - for a method without intervals. Monte-Carlo standard error: "
+        f"{100 / math.sqrt(2 * options.records):.0f} % of an rmse, "
+        f"{100 * math.sqrt(0.05 * 0.95 / options.records):.0f} % of a coverage of 95 %.",
+        "",
+        "| " + " | ".join(HEADINGS) + " |",
+        "|" + "---|" * len(HEADINGS),
+        *("| " + " | ".join(row) + " |" for row in rows),
+        "",
+    ]
+    text = "\n".join(lines)
+    print(text)
+    if options.write:
+        options.write.write_text(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,302 @@
+"""The methods that read a curve: against exact curves, simulated truth, and each other."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.noise.gls import moments_of, octaves, standard_errors
+from allanite.noise.hadamard import drift
+from allanite.noise.nonnegative import solve
+from allanite.statistics import covariance, edf, statistic_named
+from allanite.study import Recipe
+
+UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
+TRUTH = {"Q": 3.0, "N": 1.0, "B": 0.2, "K": 0.02, "R": 2e-4}
+RATE, SIZE = 2.0, 2**14
+
+
+def model_of(**coefficients):
+    return al.Model(tuple(al.model.term(s, v, UNIT[s]) for s, v in coefficients.items()))
+
+
+def record_of(model, seed=1, size=SIZE):
+    return al.simulate(model, size, RATE, rng=np.random.default_rng(seed))
+
+
+def exact(statistic, model=None, taus="octave"):
+    """A curve without scatter: the expectation of the model."""
+    model = model or model_of(**TRUTH)
+    curve = al.deviation(record_of(model), statistic, taus=taus)
+    return replace(curve, variance=al.expected(model, statistic, curve.tau, rate=RATE, size=SIZE))
+
+
+READING = [(name, statistic) for name, row in al.METHODS.items() for statistic in row.allowed]
+
+
+def test_the_table_is_complete():
+    for name, row in al.METHODS.items():
+        assert row.title, name
+        assert row.efficiency, name
+        assert (row.takes is al.Curve) == bool(row.allowed)
+        assert not row.allowed or row.statistic in row.allowed
+
+
+@pytest.mark.parametrize(("method", "statistic"), [r for r in READING if r[0] in ("gls", "nnls", "ls")])
+def test_an_exact_curve_gives_its_coefficients(method, statistic):
+    curve = exact(statistic)
+    fit = al.identify(curve, method, terms="QNBKR")
+    seen = {t.symbol: t.value for t in fit.model}
+    wanted = {s: v for s, v in TRUTH.items() if s != "R" or statistic not in ("ohdev", "hdev")}
+    for symbol, value in wanted.items():
+        assert seen[symbol] == pytest.approx(value, rel=2e-3)
+    if len(wanted) < len(TRUTH):
+        assert (fit["R"].status, fit["R"].value, fit["R"].upper) == ("absent", None, None)
+        assert any(note == f"R: {statistic} does not see a rate ramp" for note in fit.notes)
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev"])
+def test_moments_are_those_of_the_statistics(statistic):
+    m = (1, 2, 8, 64, 1024)
+    theta = np.array([v**2 for v in TRUTH.values()])
+    moments = moments_of(statistic, tuple(TRUTH), m, SIZE, RATE)
+    row, model = statistic_named(statistic), model_of(**TRUTH)
+    C = covariance(row, model, np.array(m), SIZE, RATE)
+    np.testing.assert_allclose(moments.covariance(theta), C, rtol=1e-12)
+    E = moments.columns @ theta
+    np.testing.assert_allclose(2 * E**2 / np.diag(C), edf(row, model, np.array(m), SIZE, RATE), rtol=1e-6)
+
+
+def test_weights_of_theo1_are_its_degrees_of_freedom():
+    m = (2, 8, 64, 1024)
+    theta = np.array([v**2 for v in TRUTH.values()])
+    moments = moments_of("theo1", tuple(TRUTH), m, SIZE, RATE)
+    C = moments.covariance(theta)
+    assert np.count_nonzero(C) == len(m)
+    found = 2 * (moments.columns @ theta) ** 2 / np.diag(C)
+    wanted = edf(statistic_named("theo1"), model_of(**TRUTH), np.array(m), SIZE, RATE)
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+
+
+def test_the_solution_is_that_of_the_normal_equations_and_never_negative():
+    rng = np.random.default_rng(1)
+    X = rng.uniform(1, 2, (9, 3))
+    root = rng.standard_normal((9, 9))
+    C = root @ root.T + np.eye(9)
+    weight = np.linalg.inv(C)
+    V = X @ [1.0, 2.0, 3.0] + 0.01 * rng.standard_normal(9)
+    F = X.T @ weight @ X
+    np.testing.assert_allclose(solve(X, V, C), np.linalg.solve(F, X.T @ weight @ V), rtol=1e-8)
+    np.testing.assert_allclose(standard_errors(X, V, C), np.sqrt(np.diag(np.linalg.inv(F))), rtol=1e-8)
+    wanted = solve(X, np.abs(X @ [1.0, -0.3, 1.0]), C)
+    assert wanted.min() >= 0
+
+
+def test_standard_errors_of_gls_are_those_of_simulation():
+    """60 records: the standard deviation of each value within 45 % of the mean standard error (5 sigma)."""
+    model = model_of(N=1.0, B=0.3)
+    fits = [al.identify(record_of(model, seed), "gls", terms="NB") for seed in range(1, 61)]
+    for symbol, value in (("N", 1.0), ("B", 0.3)):
+        found = np.array([fit[symbol].value for fit in fits])
+        error = np.mean([fit[symbol].standard_error for fit in fits])
+        assert found.std() == pytest.approx(error, rel=0.45)
+        assert abs(found.mean() - value) < 5 * error / np.sqrt(60) + 0.1 * error
+        # binomial, 60 records of 95 %: below 48 with a probability of 1e-5
+        assert sum(low <= value <= high for low, high in (fit[symbol].interval() for fit in fits)) >= 48
+
+
+def test_gls_says_what_it_is_sure_of():
+    fit = al.identify(record_of(model_of(N=1.0)), "gls", terms="QNBKR")
+    assert fit["N"].status == "identified"
+    low, high = fit["N"].interval(0.95)
+    assert low < fit["N"].value < high < 1.1
+    assert low < fit["N"].interval(0.5)[0] < fit["N"].interval(0.5)[1] < high
+    for symbol in "QBKR":
+        e = fit[symbol]
+        assert (e.status, e.value, e.standard_error) == ("absent", None, None)
+        assert e.interval(0.95) == (0.0, pytest.approx(e.upper))
+        assert e.words().startswith("not identified, below ")
+        assert e.profile(0.95)[1] > e.upper
+    notes = " ".join(fit.notes)
+    assert "read from 13 points of oadev, 0.5 to 2048 s" in notes
+    assert "chi-square" in notes
+    assert "too seldom" in notes
+    assert al.Fit.to_dict(fit)["method"] == "gls"
+
+
+def test_a_claim_is_a_rise_of_four():
+    """An absent term is claimed in about 2.3 % of records: more than 12 of 100 with a probability below 1e-5."""
+    model = model_of(N=1.0)
+    claimed = sum(al.identify(record_of(model, s), "gls", terms="NB")["B"].claimed for s in range(1, 101))
+    assert claimed <= 12
+
+
+def test_the_ramp_of_a_curve_has_no_sign():
+    model = model_of(N=1.0, R=-2e-3)
+    fit = al.identify(record_of(model), "gls", terms="NR")
+    assert fit["R"].value == pytest.approx(2e-3, rel=0.05)
+    assert any("R is without its sign" in note for note in fit.notes)
+
+
+def test_a_dense_curve_is_read_at_octaves():
+    record = record_of(model_of(**TRUTH))
+    dense, sparse = al.deviation(record, taus="log"), al.deviation(record, taus="octave")
+    fit = al.identify(dense, "gls")
+    assert any("more between these octaves" in note for note in fit.notes)
+    tau = dense.tau[octaves(dense)]
+    assert tau[-1] <= SIZE / RATE / 4
+    assert np.all(np.diff(np.log2(tau)) > 0.8)
+    assert np.array_equal(sparse.m[octaves(sparse)], 2 ** np.arange(13))
+    reference = al.identify(sparse, "gls")
+    assert fit["N"].value == pytest.approx(reference["N"].value, rel=0.02)
+
+
+def test_gls_of_a_curve_with_gaps_scatters_more():
+    record = record_of(model_of(N=1.0))
+    values = record.values.copy()
+    values[4000:9000] = np.nan
+    gaps = al.Record(values, RATE, record.unit)
+    whole, lost = (al.identify(r, "gls", terms="NB") for r in (record, gaps))
+    assert any("gaps" in note for note in lost.notes)
+    assert not any("gaps" in note for note in whole.notes)
+    assert 1.1 < lost["N"].standard_error / whole["N"].standard_error < 1.4
+
+
+def test_a_corrected_bias_is_taken_back():
+    record = record_of(model_of(N=1.0, B=0.5))
+    plain, corrected = (al.deviation(record, "theo1", bias=bias) for bias in (None, "published"))
+    assert not np.allclose(plain.variance, corrected.variance, rtol=0.1)
+    for method in ("gls", "nnls"):
+        a, b = (al.identify(curve, method, terms="NB")["B"].value for curve in (plain, corrected))
+        assert a == pytest.approx(b, rel=1e-9)
+
+
+def test_statistics_may_be_chosen():
+    record = record_of(model_of(N=1.0, B=0.5))
+    for statistic in al.METHODS["gls"].allowed:
+        fit = al.identify(record, "gls", terms="NB", statistic=statistic)
+        assert fit.curve.statistic == statistic
+        assert fit["N"].value == pytest.approx(1.0, rel=0.1)
+        assert fit["B"].value == pytest.approx(0.5, rel=0.3)
+    theo1 = al.identify(record, "gls", terms="NB", statistic="theo1")
+    assert {e.status for e in theo1} == {"reported"}
+    assert "no standard errors" in " ".join(theo1.notes)
+    assert al.identify(al.deviation(record)).method == "gls"
+
+
+WRONG = [
+    ({"statistic": "oadev"}, "reads no curve"),
+    ({"method": "joint", "statistic": "ohdev"}, "reads no curve"),
+    ({"method": "gls", "statistic": "adev"}, r"reads oadev, ohdev, mdev, theo1, not adev \(those that read adev: nnls"),
+    ({"method": "gls", "statistic": "theoh"}, "not theoh$"),
+    ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
+    ({"method": "gls", "ranges": {"N": (1, 2)}}, "ranges is for method 'piecewise', not for 'gls'"),
+    ({"method": "piecewise", "ranges": {"X": (1, 2)}}, "a range for X"),
+    ({"method": "piecewise", "ranges": {"N": (0.1, 0.2)}}, "no point of the curve lies in the range 0.1 to 0.2 s of N"),
+]
+
+
+@pytest.mark.parametrize(("options", "words"), WRONG, ids=str)
+def test_what_a_method_does_not_have_is_said(options, words):
+    with pytest.raises(al.UsageError, match=words):
+        al.identify(record_of(model_of(N=1.0)), **options)
+
+
+@pytest.mark.parametrize("method", [name for name, row in al.METHODS.items() if not row.shapes])
+@pytest.mark.parametrize("symbol", ["GM", "Sine"])
+def test_terms_with_a_shape_are_refused(method, symbol):
+    with pytest.raises(al.UsageError, match=f"{symbol} .* has a shape as well: use method 'whittle'"):
+        al.identify(record_of(model_of(N=1.0)), method, terms=f"N,{symbol}")
+
+
+def test_curves_that_cannot_be_read():
+    curve = al.deviation(record_of(model_of(N=1.0)))
+    with pytest.raises(al.UsageError, match="one of oadev, not of mdev"):
+        al.identify(curve, "gls", statistic="mdev")
+    with pytest.raises(al.UsageError, match="needs the record"):
+        al.identify(curve, "joint")
+    with pytest.raises(al.UsageError, match="length of the record"):
+        al.identify(replace(curve, size=0), "gls")
+    with pytest.raises(al.DataError, match="too few for 5 terms"):
+        al.identify(al.deviation(record_of(model_of(N=1.0)), m=[1, 2]), "gls")
+    with pytest.raises(al.DataError, match="none of them zero"):
+        al.identify(replace(curve, variance=0 * curve.variance), "gls")
+    with pytest.raises(al.DataError, match="a ramp alone"):
+        al.identify(replace(curve, variance=curve.tau**2), "gls", terms="NR")
+
+
+def test_nnls_reads_up_to_a_tenth_and_never_below_zero():
+    fit = al.identify(record_of(model_of(N=1.0)), "nnls")
+    assert all(e.value >= 0 and e.status == "reported" for e in fit)
+    last = float(re.search(r"up to (\d+) s, a tenth of the record", fit.notes[0])[1])
+    assert 0.9 * SIZE / RATE / 10 < last <= SIZE / RATE / 10
+
+
+def test_nnls_minimises_the_relative_residuals():
+    record = record_of(model_of(N=1.0, B=0.3))
+    curve = al.deviation(record, taus="log")
+    fit = al.identify(record, "nnls", terms="NB")
+    which = curve.tau <= SIZE / RATE / 10
+
+    def misfit(N, B):
+        return np.sum((1 - al.expected(model_of(N=N, B=B), "oadev", curve.tau[which]) / curve.variance[which]) ** 2)
+
+    N, B = fit["N"].value, fit["B"].value
+    least = misfit(N, B)
+    for a, b in ((1.01, 1), (0.99, 1), (1, 1.02), (1, 0.98)):
+        assert misfit(a * N, b * B) > least
+
+
+def test_piecewise_is_the_mean_line_over_its_range():
+    curve = al.deviation(record_of(model_of(N=2.0)), taus="log")
+    fit = al.identify(curve, "piecewise", terms="N", ranges={"N": (1.0, 10.0)})
+    which = (curve.tau >= 1.0) & (curve.tau <= 10.0)
+    line = np.mean(np.log(curve.deviation[which]) + 0.5 * np.log(curve.tau[which]))
+    assert fit["N"].value == pytest.approx(np.exp(line), rel=1e-12)
+    assert fit["N"].value == pytest.approx(2.0, rel=0.05)
+    assert fit.notes == ("N: read from 1 to 10 s",)
+
+
+def test_piecewise_identifies_only_where_the_slope_is():
+    fit = al.identify(exact("oadev", model_of(N=1.0, K=0.01)), "piecewise")
+    for symbol, value in (("N", 1.0), ("K", 0.01)):
+        assert fit[symbol].status == "reported"
+        assert value < fit[symbol].value < 1.3 * value
+    for symbol in "QR":
+        assert (fit[symbol].status, fit[symbol].value) == ("absent", None)
+        assert fit[symbol].words() == "not identified"
+        assert any(note.startswith(f"{symbol}: no part of the curve") for note in fit.notes)
+    with pytest.raises(al.DataError, match="none of the terms asked for"):
+        al.identify(exact("oadev", model_of(N=1.0)), "piecewise", terms="K")
+
+
+def test_joint_tells_a_ramp_from_a_random_walk():
+    truth = {"N": 1.0, "K": 0.05, "R": 0.002}
+    fit = al.identify(record_of(model_of(**truth)), "joint", terms="NKR")
+    for symbol, value in truth.items():
+        assert fit[symbol].value == pytest.approx(value, rel=0.25)
+    assert "below the 0.707 of a random walk" in " ".join(fit.notes)
+    plain = al.identify(record_of(model_of(N=1.0, K=0.1)), "joint", terms="NKR")
+    assert "proves no drift" in " ".join(plain.notes)
+
+
+def test_drift_is_the_ramp_of_exact_curves():
+    truth = model_of(K=0.02, R=1e-3)
+    note = drift(exact("oadev", truth), exact("ohdev", truth), fitted=True)[0]
+    assert "a ramp, of about 0.001 1/s if only a random walk" in note
+    walk = model_of(N=0.3, K=0.02)
+    note = drift(exact("oadev", walk), exact("ohdev", walk), fitted=True)[0]
+    assert 0.7071 <= float(re.search(r"is (0\.\d+) of the Allan", note)[1]) < 0.72
+    assert note.endswith("the R of the fit is no evidence of one")
+
+
+def test_a_recipe_has_its_statistic_read():
+    record = record_of(model_of(N=1.0, B=0.5))
+    for statistic, read in (("theo1", "theo1"), ("oadev", "oadev"), ("totdev", "oadev")):
+        study = al.analyze(record, Recipe(method="gls", statistic=statistic, terms="NB"))
+        fit = study.channels[0].fit
+        assert any(f"points of {read}, " in note for note in fit.notes)
+        assert study.channels[0].curve.statistic == statistic
+        assert any("does not read totdev" in note for note in fit.notes) == (statistic == "totdev")
