@@ -17,7 +17,7 @@ from allanite.cli import VERBS
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
-RESULTS = Path("benchmarks", "results", "methods.md")
+RESULTS = Path("benchmarks", "results")
 
 
 def blocks(page, language):
@@ -41,8 +41,7 @@ def site(tmp_path_factory):
     shutil.copytree(DOCS, place / "docs", ignore=shutil.ignore_patterns("generated"))
     (place / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, place / SAMPLE)
-    (place / RESULTS).parent.mkdir(parents=True)
-    shutil.copy(ROOT / RESULTS, place / RESULTS)
+    shutil.copytree(ROOT / RESULTS, place / RESULTS)
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
     done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
