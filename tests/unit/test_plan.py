@@ -35,17 +35,17 @@ def script():
 @pytest.mark.parametrize(
     ("name", "n", "rate", "ramp"),
     [
-        ("mems", 600, 1.0, False), ("fog", 2048, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
+        ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
         ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
     ],
 )  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
-    """It is the same to 0.2 % (at 600 readings to 0.5 %)."""
+    """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
     model = al.parse_model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
     errors, slope = script().dense(noise, n, rate, ramp)
-    close = 2e-3 if n > 2000 else 5e-3
+    close = 5e-3
     np.testing.assert_allclose(found.errors[: errors.size], errors, rtol=close)
     if ramp:
         assert found.ramp == pytest.approx(slope, rel=close)
