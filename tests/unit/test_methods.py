@@ -235,7 +235,7 @@ def test_nnls_reads_up_to_a_tenth_and_never_below_zero():
 
 
 def test_nnls_is_no_evidence():
-    """White noise alone: quantization comes out above zero in 87 of 100; fewer than 4 of 10 has a probability of 1e-5."""
+    """Of white noise alone quantization is above zero in 87 of 100; in fewer than 4 of 10 with a probability of 1e-4."""
     fits = [al.identify(record_of(model_of(N=1.0), seed, 2**16), "nnls", terms="QNBK") for seed in range(1, 11)]
     assert sum(fit["Q"].value > 0 for fit in fits) >= 4
 
