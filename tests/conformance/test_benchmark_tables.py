@@ -27,6 +27,7 @@ def rows_of(name):
         "bound.md",
         "noise_identification.md",
         "speed.md",
+        "growth.md",
         "angle.md",
         "coverage.md",
         "compensation.md",
@@ -106,6 +107,26 @@ def test_a_part_made_again_agrees(sensor, terms):
 
 def test_speed_meets_its_demands():
     assert {row["measured"] and list(row.values())[3] for row in rows_of("speed.md")} == {"met"}
+
+
+def test_growth_meets_its_demands():
+    verdicts = [list(row.values())[5] for row in rows_of("growth.md")]
+    assert verdicts.count("met") >= 11
+    assert set(verdicts) <= {"met", "reached", "not reached"}
+    assert (RESULTS / "growth.svg").stat().st_size > 10_000
+
+
+def test_a_part_of_the_growth_made_again_agrees():
+    """The errors of every tau and of Theo1 for a shorter record, and the memory of one."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    try:
+        import growth
+    finally:
+        sys.path.pop(0)
+    for _, allan, theo in growth.errors(5000):
+        assert allan < 1e-9
+        assert theo < 1e-9
+    assert growth.memory("oadev", "all", 400_000) < 20
 
 
 def test_damaged_files_of_every_format_are_read_or_refused():

@@ -29,6 +29,7 @@ def dynamic(
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
     noise: Model | None = None,
+    threads: int = 1,
 ) -> Surface:
     """A statistic in windows that slide along a record: what changes with time.
 
@@ -43,6 +44,8 @@ def dynamic(
         Both are rounded to whole samples.
     taus, m, noise
         As of `deviation`, for a record of one window.
+    threads : int
+        How many to use at most, where windows are dealt with one by one; the numbers are the same.
 
     Returns
     -------
@@ -70,6 +73,8 @@ def dynamic(
     ((19, 9), 3.0)
     """
     row = statistic_named(statistic)
+    if threads < 1:
+        raise UsageError(f"threads are 1 or more, not {threads!r}")
     samples, stride = _samples(record, window, step)
     first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
@@ -77,7 +82,7 @@ def dynamic(
         found = _all_at_once(record, row, first, stride)
     else:
         parts = [_part(record, int(start), samples) for start in starts]
-        found = _one_by_one(parts, row, first)
+        found = _one_by_one(parts, row, first, threads)
     return Surface(
         statistic=row.name,
         time=np.asarray((starts + samples / 2) / record.rate),
@@ -131,19 +136,29 @@ def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> E
     return Estimate(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
 
 
-def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve) -> Estimate:
+def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve, threads: int) -> Estimate:
+    from concurrent.futures import ThreadPoolExecutor
+
     shape = (len(parts), first.m.size)
     found = Estimate(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
     reason: DataError | None = None
-    for i, part in enumerate(parts):
-        try:
-            angle = integrated(part, row.order)
-            variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
-        except DataError as error:  # this window has lost too much; the others have not
-            reason = error
-            continue
-        found.variance[i] = variance * (angle.scale / part.interval ** (1 - row.power)) ** 2
-        found.number[i], found.factor[i] = number, factor
+    with ThreadPoolExecutor(threads) as pool:
+        each = pool.map if threads > 1 else map
+        for i, one in enumerate(each(lambda part: _one(part, row, first), parts)):
+            if isinstance(one, DataError):
+                reason = one
+                continue
+            found.variance[i], found.number[i], found.factor[i] = one
     if reason is not None and not found.number.any():
         raise DataError(f"no window of {parts[0].name!r} supports {row.name}: {reason}") from None
     return found
+
+
+def _one(part: Record, row: Statistic, first: Curve) -> Estimate | DataError:
+    """A window by itself; the reason where it has lost too much: the others have not."""
+    try:
+        angle = integrated(part, row.order)
+        variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
+    except DataError as error:
+        return error
+    return Estimate(variance * (angle.scale / part.interval ** (1 - row.power)) ** 2, number, factor)

@@ -47,17 +47,20 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
             f"{row.name} folds the record back at its ends and has no meaning in one with gaps; take another statistic "
             "(oadev, theo1, mtotdev), or cut a window without gaps (prepare.trim, --from, --until)"
         )
-    order = np.argsort(m, kind="stable")
+    if m.size > 1 and not np.all(m[1:] >= m[:-1]):
+        order = np.argsort(m, kind="stable")
+        variance, number, factor = windows(row, angle, m[order], threads)
+        back = np.argsort(order)
+        return Estimate(variance[back], number[back], factor[back])
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
-        found, number = _piece(row, Piece(start, x), m[order], threads)
+        found, number = _piece(row, Piece(start, x), m, threads)
         sums = np.maximum(sums, found) if row.extreme else sums + found
         count += number
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
-    back = np.argsort(order)
-    variance = mean[back] / (row.norm(m) * np.asarray(m, dtype=np.float64) ** 2)
-    return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count[back], np.ones(m.size))
+    variance = mean / (row.norm(m) * np.asarray(m, dtype=np.float64) ** 2)
+    return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count, np.ones(m.size))
 
 
 def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[FloatArray, IntArray]:

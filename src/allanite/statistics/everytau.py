@@ -11,10 +11,11 @@ windows: little cancels. The modified Allan variance is the third difference of 
 
 import math
 from collections.abc import Callable
+from itertools import combinations
 
 import numpy as np
 
-from .frames import Frames, framed, triangles
+from .frames import Edges, framed, triangles
 from .row import FloatArray, IntArray, interleaved
 
 FIRST = 64
@@ -52,16 +53,20 @@ def dense(
     if m.size <= PAYS:
         return np.asarray(direct(x, m))
     points = x.size + summed
-    fit = points - order * m
+    result = np.empty(m.shape)
     todo = np.ones(m.shape, dtype=bool)
-    result = np.zeros(m.shape)
-    for low, high in groups(points, order, summed=summed):
-        here = (m >= low) & (m < high) & (fit > FEW * points)
-        if here.sum() > PAYS:
-            frames = framed(x, order * int(m[here][-1]), order - 1, summed=summed, whole=order * high >= points)
-            result[here] = _of_frames(frames, m[here], order)
+    # the largest first: what it needs most memory for, the others find freed
+    for low, high in groups(points, order, summed=summed)[::-1]:
+        here = slice(*np.searchsorted(m, (low, min(high, int((1 - FEW) * points) // order))))
+        if here.stop - here.start > PAYS:
+            reach, whole = order * int(m[here][-1]), order * high >= points
+            products, edges = framed(x, reach, order - 1, summed=summed, whole=whole)
+            result[here] = _by_lag(products, m[here], order)
+            squares = float(products[0])
+            del products  # as long as the record
+            _less_edges(result[here], edges, m[here], order)
             # what is left of so much more has lost its digits: a strong vibration at whole periods
-            todo[here] = result[here] < LEFT_OVER * frames.products[0]
+            todo[here] = result[here] < LEFT_OVER * squares
     result[todo] = direct(x, m[todo])
     return result
 
@@ -88,18 +93,28 @@ def split(order: int, *, summed: bool = False) -> Callable[[int, IntArray, int],
     return parts
 
 
-def _of_frames(frames: Frames, m: IntArray, order: int) -> FloatArray:
-    c = [(-1) ** a * math.comb(order, a) for a in range(order + 1)]
-    count = int(m[-1]) + 1
-    total = sum(v * v for v in c) * frames.products[0] * np.ones(m.shape)
-    squares = [(sign, prefix(e)) for e, sign in zip(frames.edges, frames.signs, strict=True)]
-    for a in range(order + 1):
-        total -= c[a] ** 2 * sum(sign * square[a * m] for sign, square in squares)
-        for b in range(a + 1, order + 1):
-            total += 2 * c[a] * c[b] * frames.products[(b - a) * m]
-            if a:
-                total -= 2 * c[a] * c[b] * triangles(frames, (a, b - a, 0), count)[m]
-    return np.asarray(total)
+def _coefficients(order: int) -> list[int]:
+    return [(-1) ** a * math.comb(order, a) for a in range(order + 1)]
+
+
+def _by_lag(products: FloatArray, m: IntArray, order: int) -> FloatArray:
+    """Sums over the windows, were there no edges."""
+    c = _coefficients(order)
+    total = np.full(m.shape, sum(v * v for v in c) * products[0])
+    for a, b in combinations(range(order + 1), 2):
+        total += 2 * c[a] * c[b] * products[(b - a) * m]
+    return total
+
+
+def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> None:
+    """Take the windows that hang over the edges from the sums, in place."""
+    c = _coefficients(order)
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
+        squares = prefix(e)
+        for a in range(1, order + 1):
+            total -= sign * c[a] ** 2 * squares[a * m]
+    for a, b in combinations(range(1, order + 1), 2):
+        total -= 2 * c[a] * c[b] * triangles(edges, (a, b - a, 0), int(m[-1]) + 1)[m]
 
 
 def prefix(e: FloatArray) -> FloatArray:

@@ -38,24 +38,23 @@ RADIX = 16
 """Blocks into which a triangle is cut."""
 
 
-class Frames(NamedTuple):
-    """What all windows of a record need of it.
+class Edges(NamedTuple):
+    """The first points of a record, its last ones backward, and what stands for the seams between frames.
 
     Attributes
     ----------
-    products : array, shape (reach + 1,)
-        R(l).
     edges : list of arrays, shape (reach,)
     signs : list of float
         The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
     """
 
-    products: FloatArray
     edges: list[FloatArray]
     signs: list[float]
 
 
-def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False) -> Frames:
+def framed(
+    x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False
+) -> tuple[FloatArray, Edges]:
     """The products of a record at lags up to `reach`, and its edges.
 
     Parameters
@@ -68,6 +67,12 @@ def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False, whol
         Of the polynomials that the form does not see.
     summed, whole : bool
         `whole`: in one frame.
+
+    Returns
+    -------
+    products : array, shape (reach + 1,)
+        R(l).
+    edges : Edges
     """
     from allanite.kernels.frames import cut
 
@@ -90,24 +95,17 @@ def framed(x: FloatArray, reach: int, degree: int, *, summed: bool = False, whol
     tail = np.empty(points - count * step)
     cut(x, count * step, degree, summed, tail)
     seams.begin(tail[:reach])
-    _add(total, _blocks(tail, block), block, -(-tail.size // block))
+    _add_one(total, tail, block)
     edges, signs = seams.edges()
-    return Frames(_lags(total, block)[: reach + 1], [*edges, tail[::-1][:reach]], [*signs, 1.0])
+    return _lags(total, block)[: reach + 1], Edges([*edges, tail[::-1][:reach]], [*signs, 1.0])
 
 
 def autocorrelation(z: FloatArray) -> FloatArray:
     """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
     block = min(fast(z.size), BLOCK)
     total = np.zeros((-(-z.size // block), 2 * block + 2))
-    _add(total, _blocks(z, block), block, total.shape[0])
+    _add_one(total, z, block)
     return _lags(total, block)[: z.size]
-
-
-def _blocks(z: FloatArray, block: int) -> FloatArray:
-    """One frame, filled up with zeros to whole blocks."""
-    row = np.zeros((1, -(-z.size // block) * block))
-    row[0, : z.size] = z
-    return row
 
 
 def _add(total: FloatArray, rows: FloatArray, block: int, left: int) -> None:
@@ -116,6 +114,19 @@ def _add(total: FloatArray, rows: FloatArray, block: int, left: int) -> None:
 
     spectra = np.fft.rfft(rows.reshape(rows.shape[0], -1, block), 2 * block)
     add_products(total, spectra.view(np.float64), left)
+
+
+def _add_one(total: FloatArray, z: FloatArray, block: int) -> None:
+    """Add the cross spectra of a frame that is followed by nothing, of any length."""
+    from allanite.kernels.frames import add_products
+
+    whole, rest = divmod(z.size, block)
+    spectra = np.empty((1, whole + (rest > 0), block + 1), dtype=np.complex128)
+    if whole:
+        np.fft.rfft(z[: whole * block].reshape(whole, block), 2 * block, out=spectra[0, :whole])
+    if rest:
+        np.fft.rfft(z[whole * block :], 2 * block, out=spectra[0, whole])
+    add_products(total, spectra.view(np.float64), spectra.shape[1])
 
 
 def _lags(total: FloatArray, block: int) -> FloatArray:
@@ -187,7 +198,7 @@ def fast(n: int) -> int:
     return best
 
 
-def triangles(frames: Frames, steps: tuple[int, int, int], count: int) -> FloatArray:
+def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArray:
     """Sum over edges e of sign sum over i < a m of e[i] e[i + d m + offset], m = 0 ... count - 1.
 
     Cut into blocks of h averaging factors: a block of m and a block of i that lies wholly below make a rectangle, which
@@ -195,7 +206,7 @@ def triangles(frames: Frames, steps: tuple[int, int, int], count: int) -> FloatA
 
     Parameters
     ----------
-    frames : Frames
+    edges : Edges
     steps : (a, d, offset)
     count : int
     """
@@ -210,13 +221,13 @@ def triangles(frames: Frames, steps: tuple[int, int, int], count: int) -> FloatA
         parents = max(1, BLOCK // (h * blocks))
         for begin in range(0, out.size, parents * blocks * h):
             part = out[begin : begin + parents * blocks * h].reshape(-1, blocks, h)
-            part += _rectangles(frames, steps, begin, part.shape)
-    for e, sign in zip(frames.edges, frames.signs, strict=True):
+            part += _rectangles(edges, steps, begin, part.shape)
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
         add_leaves(out[:count], np.ascontiguousarray(e), sign, steps, LEAF)
     return out[:count]
 
 
-def _rectangles(frames: Frames, steps: tuple[int, int, int], begin: int, shape: tuple[int, int, int]) -> FloatArray:
+def _rectangles(edges: Edges, steps: tuple[int, int, int], begin: int, shape: tuple[int, int, int]) -> FloatArray:
     """What the blocks of i below give to each block of m, shape (parents, blocks, h)."""
     from allanite.kernels.frames import add_rectangles
 
@@ -227,13 +238,14 @@ def _rectangles(frames: Frames, steps: tuple[int, int, int], begin: int, shape: 
     total = np.zeros((parents, blocks, 2 * (size // 2 + 1)))
     # a I + d J with 0 <= I < J < blocks
     places = sorted({a * low + d * high for high in range(blocks) for low in range(high)})
-    for e, sign in zip(frames.edges, frames.signs, strict=True):
-        rows = np.array([_stretch(e, a * start, a * blocks * h) for start in starts.tolist()])
-        near = np.fft.rfft(sign * rows.reshape(parents, blocks, a * h), size).view(np.float64)
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
+        rows = np.array([sign * _stretch(e, a * start, a * blocks * h) for start in starts.tolist()])
+        near = np.fft.rfft(rows.reshape(parents, blocks, a * h), size).view(np.float64)
         for place in places:
             first = (a + d) * starts + place * h + offset + min(d, 0) * (h - 1)
             far = np.fft.rfft(np.array([_stretch(e, k, size) for k in first.tolist()])).view(np.float64)
             add_rectangles(total, near, far, place, (a, d))
+        del rows, near  # each is as long as the edge
     lags = np.fft.irfft(total.view(np.complex128), size)[:, :, : abs(d) * h : abs(d)]
     return lags if d > 0 else lags[:, :, ::-1]
 

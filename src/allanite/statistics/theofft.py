@@ -18,7 +18,7 @@ from functools import cache
 import numpy as np
 
 from .everytau import LEFT_OVER, groups, prefix
-from .frames import Frames, autocorrelation, framed, triangles
+from .frames import Edges, autocorrelation, framed, triangles
 from .row import FloatArray, IntArray
 
 DIRECT, FRAMES = 0.16, 40.0
@@ -38,9 +38,9 @@ def theo1_sums(x: FloatArray, m: IntArray) -> FloatArray:
         here = (m >= low) & (m < high)
         most = int(m[here].max(initial=0))
         if cost[here].sum() > FRAMES * x.size + min(here.sum() * (ONE[0] + ONE[1] * most), EVERY * most**2):
-            frames = framed(x, most, 1, whole=high > x.size - 1)
-            result[here] = _of_frames(frames, m[here])
-            todo[here] = result[here] < LEFT_OVER * frames.products[0]
+            products, edges = framed(x, most, 1, whole=high > x.size - 1)
+            result[here] = _of_frames(products, edges, m[here])
+            todo[here] = result[here] < LEFT_OVER * products[0]
     result[todo] = theo1(x, m[todo])
     return result
 
@@ -51,27 +51,27 @@ def split(points: int, m: IntArray, threads: int) -> list[IntArray]:
     return [piece for piece in np.split(np.arange(m.size), ends)[::-1] if piece.size]
 
 
-def _of_frames(frames: Frames, m: IntArray) -> FloatArray:
-    most, R = int(m[-1]), frames.products
-    squares = np.sum([sign * prefix(e) for e, sign in zip(frames.edges, frames.signs, strict=True)], axis=0)
+def _of_frames(R: FloatArray, edges: Edges, m: IntArray) -> FloatArray:
+    most = int(m[-1])
+    squares = np.sum([sign * prefix(e) for e, sign in zip(edges.edges, edges.signs, strict=True)], axis=0)
     A, D = -2 * R - 0.5 * squares, -R[: most + 1 : 2]
     if m.size * (ONE[0] + ONE[1] * most) > EVERY * most**2:
         from allanite.kernels.theo import every_theo1
 
-        edges = np.array([e[:most] for e in frames.edges])
-        first, second = (sums[m // 2] for sums in every_theo1(A.copy(), D.copy(), edges, np.array(frames.signs)))
+        rows = np.array([e[:most] for e in edges.edges])
+        first, second = (sums[m // 2] for sums in every_theo1(A.copy(), D.copy(), rows, np.array(edges.signs)))
     else:
-        pairs = [_pairs(frames, A, D, int(k)) for k in m]
+        pairs = [_pairs(edges, A, D, int(k)) for k in m]
         first, second = (np.array(sums) for sums in zip(*pairs, strict=True))
     return np.asarray(_harmonic(most // 2)[m // 2] * (4 * R[0] + 2 * R[m] - squares[m]) + 2 * (first - second))
 
 
-def _pairs(frames: Frames, A: FloatArray, D: FloatArray, m: int) -> tuple[float, float]:
+def _pairs(edges: Edges, A: FloatArray, D: FloatArray, m: int) -> tuple[float, float]:
     """What `every_theo1` gives, for one m."""
     k = m // 2
     weights = 1 / np.arange(1, k + 1)
-    A = A[:m] + sum(sign * autocorrelation(e[:m]) for e, sign in zip(frames.edges, frames.signs, strict=True))
-    mirrored = D[k - 1 :: -1] + triangles(frames, (1, -2, m), k + 1)[1:]
+    A = A[:m] + sum(sign * autocorrelation(e[:m]) for e, sign in zip(edges.edges, edges.signs, strict=True))
+    mirrored = D[k - 1 :: -1] + triangles(edges, (1, -2, m), k + 1)[1:]
     return float(weights @ A[1 : k + 1] + weights @ A[m - 1 : k - 1 : -1]), float(weights @ mirrored)
 
 
