@@ -235,13 +235,13 @@ def test_nnls_reads_up_to_a_tenth_and_never_below_zero():
 
 
 def test_nnls_is_no_evidence():
-    """Of white noise alone quantization is above zero in 87 of 100; in fewer than 4 of 10 with a probability of 1e-4."""
+    """Of white noise alone quantization is above zero in 87 of 100, fewer than 4 of 10 have 5e-5."""
     fits = [al.identify(record_of(model_of(N=1.0), seed, 2**16), "nnls", terms="QNBK") for seed in range(1, 11)]
     assert sum(fit["Q"].value > 0 for fit in fits) >= 4
 
 
 def test_ls_of_a_laser_gyro_is_negative():
-    """In 92 of 100 records; in fewer than 5 of 10 with a probability of 2e-5."""
+    """In 92 of 100 records; in fewer than 5 of 10 with a probability of 5e-5."""
     model = al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h")
     records = (al.simulate(model, 2**16, 100.0, rng=np.random.default_rng(seed)) for seed in range(1, 11))
     fits = [al.identify(record, "ls", terms="QNB") for record in records]
