@@ -234,6 +234,28 @@ def test_nnls_reads_up_to_a_tenth_and_never_below_zero():
     assert 0.9 * SIZE / RATE / 10 < last <= SIZE / RATE / 10
 
 
+def test_nnls_is_no_evidence():
+    """Of white noise alone quantization is above zero in 87 of 100, fewer than 4 of 10 have 5e-5."""
+    fits = [al.identify(record_of(model_of(N=1.0), seed, 2**16), "nnls", terms="QNBK") for seed in range(1, 11)]
+    assert sum(fit["Q"].value > 0 for fit in fits) >= 4
+
+
+def test_ls_of_a_laser_gyro_is_negative():
+    """In 92 of 100 records; in fewer than 5 of 10 with a probability of 5e-5."""
+    model = al.Q(0.5, "arcsec") + al.N(0.18, "arcsec/sqrt(s)") + al.B(0.05, "deg/h")
+    records = (al.simulate(model, 2**16, 100.0, rng=np.random.default_rng(seed)) for seed in range(1, 11))
+    fits = [al.identify(record, "ls", terms="QNB") for record in records]
+    assert sum(any(e.status == "negative" for e in fit) for fit in fits) >= 5
+
+
+def test_points_of_a_curve_are_not_equally_good():
+    """As the page of methods says: the standard deviation of the first and last variance of an hour at 100 Hz."""
+    model = al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")
+    first, last = np.sqrt(2 / edf(statistic_named("oadev"), model, np.array([1, 90_000]), 360_000, 100.0))
+    assert first == pytest.approx(0.003, rel=0.1)
+    assert 0.8 < last < 0.95
+
+
 def test_nnls_minimises_the_relative_residuals():
     record = record_of(model_of(N=1.0, B=0.3))
     curve = al.deviation(record, taus="log")
