@@ -125,8 +125,8 @@ def summary(job: Job, symbol: str, found: list[tuple]) -> tuple[str, ...]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
-    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18, 2**20])
-    parser.add_argument("--records", type=int, default=1000)
+    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
+    parser.add_argument("--records", type=int, default=400)
     parser.add_argument("--first", type=int, default=1, help="first seed")
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()

@@ -266,12 +266,12 @@ def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spec
     """Whether Gauss-Markov noise that nobody asked for describes the record, and takes no more than flicker's place.
 
     What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
-    At a short time constant it stands in for angle random walk too, which is there in any sensor: that needs as much
-    evidence once more.
+    At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
+    needs as much evidence once more.
     """
     penalty = penalties(len(noise))
-    fast = np.array([TERMS[symbol].slope < 0 for symbol in noise])
-    lost = int((fast & (plain.theta > 0) & (markov.theta == 0)).sum())
+    other = np.array([symbol != FLICKER for symbol in noise])
+    lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
         return False
     return goodness(where[0], markov.likelihood, markov.theta, where[1]).p >= EXPLAINED
