@@ -55,7 +55,10 @@ def _term(words: list[str], text: str) -> Term:
     quantities = split_quantities(words[1:])
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')} in {p.unit}" for p in parameters)
-        raise UsageError(f"{' '.join(words)!r} is no noise term: {symbol} has a number, a unit{wanted}")
+        raise UsageError(
+            f"{' '.join(words)!r} is no noise term: after {symbol} come a number and a unit{wanted}, as in "
+            "'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
+        )
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit, p.unit) for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))

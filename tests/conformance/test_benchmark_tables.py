@@ -41,8 +41,8 @@ def test_tables_say_how_they_were_made(name):
 
 
 SHORT = {
-    "known-FOG-262144-B": "1.17 of the bound, standard error 0.04: K, whose bound is 39 %, is left out of half the models, "
-    "and what it leaves goes to B",
+    "known-FOG-262144-B": "1.17 of the bound, standard error 0.04: K, whose bound is 39 %, is left out of half the "
+    "models, and what it leaves goes to B",
 }
 """Rows of identification.md that fall short, and why."""
 

@@ -163,13 +163,16 @@ def test_windows():
 def test_what_cannot_support_the_job_is_refused():
     y = record().values
     for values, words in [
-        (np.where(np.arange(5000) == 17, np.nan, y), "1 of 5000 readings are not finite, the first at sample 17"),
+        (np.where(np.arange(5000) > 170, np.nan, y), "4829 of 5000 readings are lost"),
         (np.full(5000, 2.0), "never changes"),
         (y[:50], "too few"),
         (np.full(5000, 1e308), "too large"),
     ]:
         assert words in inspect(al.Record(values, 1.0, "deg/s")).refusal
     assert inspect(record()).refusal == ""
+    gap = inspect(al.Record(np.where(np.arange(5000) == 17, np.nan, y), 1.0, "deg/s"))
+    assert gap.refusal == ""
+    assert "1 of 5000 readings are lost" in gap.findings[0].what
 
 
 def test_a_study_takes_no_more_than_six_times_the_records_memory():
