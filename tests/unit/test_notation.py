@@ -33,7 +33,7 @@ def test_what_is_printed_is_understood():
     [
         ("", "nothing in '' is no noise term"),
         ("X 3 deg/h", "a term is a symbol .Q, N, B, K, R, GM, Sine."),
-        ("N 3", "N has a number, a unit"),
+        ("N 3", "after N come a number and a unit"),
         ("N three deg", "'three' .* stands where a number is wanted"),
         ("N 1 deg/h", "is no unit of N"),
         ("GM 0.1 deg/h", "GM has time_constant in s"),
