@@ -23,11 +23,11 @@ import numpy as np
 from scipy.special import fdtr, fdtri
 
 import allanite as al
-from allanite.changes import holm
-from allanite.model import Model
-from allanite.noise.contrast import Contrast, chi_square, homogeneity, partly_common
-from allanite.noise.joint import Joint, joint
-from allanite.statistics.ratio import RatioLaw, ratio_law
+from allanite.comparison.change import holm
+from allanite.comparison.contrast import Contrast, chi_square, homogeneity, partly_common
+from allanite.comparison.joint import Joint, joint
+from allanite.comparison.ratio import RatioLaw, ratio_law
+from allanite.core.model import Model
 
 SAMPLES, RATE = 4096, 100.0
 MODELS = {

@@ -23,8 +23,8 @@ import numpy as np
 
 import allanite as al
 from allanite.compensation import compensate, gain_on
-from allanite.statistics.gls import Covariance, generalised_least_squares
-from allanite.units import convert
+from allanite.core.units import convert
+from allanite.statistics.moments.gls import Covariance, generalised_least_squares
 
 N, B, K = al.N(2.525648, "deg/sqrt(h)"), al.B(12.023988, "deg/h"), al.K(32.72457, "deg/h/sqrt(h)")
 NOISE = {

@@ -324,7 +324,7 @@ def _work(arguments, ours, theirs) -> None:
 def _fork_workers() -> None:
     import h5py  # noqa: F401  what is imported now need not be in each child
 
-    from allanite.readers import hdf5_process
+    from allanite.readers.sandbox import hdf5_process
 
     spec = importlib.util.spec_from_file_location("worker", Path(hdf5_process.__file__).with_name("hdf5_worker.py"))
     WORKER.append(importlib.util.module_from_spec(spec))

@@ -17,7 +17,7 @@ import numpy as np
 
 import allanite as al
 from allanite.statistics import STATISTICS, integrated
-from allanite.statistics.powerlaw import identify_power_law
+from allanite.statistics.confidence.powerlaw import identify_power_law
 
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
 SIMULATED = {

@@ -29,8 +29,8 @@ import allanite as al
 from allanite.rate import RATE_ESTIMATORS, Experiment, Options, Plan, experiment, predicted_standard_error
 from allanite.rate.measure import setting_of
 from allanite.rate.setting import TARGETS
-from allanite.ring_laser import GL1
-from allanite.statistics.gls import autocovariance
+from allanite.simulation.ring_laser import GL1
+from allanite.statistics.moments.gls import autocovariance
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from tests.reference.rate import descent
@@ -253,9 +253,9 @@ def lines(title: str, text: str, table: Table) -> Iterator[str]:
 
 def draw(path: Path) -> None:
     """The errors of the run with seed 1, as figure 10 of the paper."""
-    from allanite.rate_study import RateChannel
-    from allanite.report.rate import plot_rate
-    from allanite.report.style import encode
+    from allanite.rate.study import RateChannel
+    from allanite.reporting.rate import plot_rate
+    from allanite.reporting.style import encode
 
     record = al.simulate_ring_laser(GL1, TRUE, 3, RATE, rng=np.random.default_rng(1))
     figure = plot_rate(RateChannel(record, experiment=gl1_run(1)))

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import allanite as al
-from allanite.report import words
+from allanite.reporting import words
 
 HEADINGS = (
     "recording",

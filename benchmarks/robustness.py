@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 import allanite as al
-from allanite.noise.whittle import likelihood, spectrum
-from allanite.statistics.robust import marked, outliers
+from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.prepare.outliers import marked, outliers
 
 sys.path.insert(0, str(Path(__file__).parent))
 from identification import RATE, SENSORS, bounds

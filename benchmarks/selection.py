@@ -19,8 +19,8 @@ import numpy as np
 from identification import RATE, SENSORS, bounds
 
 import allanite as al
-from allanite.noise.selection import Profile, Subset
-from allanite.noise.whittle import likelihood, spectrum
+from allanite.identification.likelihood.selection import Profile, Subset
+from allanite.identification.likelihood.whittle import likelihood, spectrum
 
 N, K, MEMS = al.N(0.005, "deg/sqrt(s)"), al.K(3e-4, "deg/s/sqrt(s)"), SENSORS["MEMS"]
 HEADINGS = ("what", "model", "n", "value", "demand")

@@ -25,7 +25,7 @@ import numpy as np
 from numba import njit
 
 import allanite as al
-from allanite.noise.families import look
+from allanite.identification.likelihood.families import look
 
 INCORE = 1000
 

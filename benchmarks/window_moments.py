@@ -29,8 +29,9 @@ from identification import RATE, SENSORS
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
-from allanite.statistics import GRIDS, folded, windowed
-from allanite.statistics.compact import compact, mean_weights
+from allanite.statistics import GRIDS
+from allanite.statistics.moments import folded, windowed
+from allanite.statistics.moments.compact import compact, mean_weights
 
 ROWS = ["theo1", "mtotdev", "htotdev", "pdev", "totdev"]
 SYMBOLS = "QNBKR"

@@ -5,16 +5,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sphinx.application import Sphinx
+from x.compensation import compensation_page
+from x.methods import efficiencies, methods_page
+from x.reference import api_page, help_pages, units_page
+from x.statistics import statistic_index, statistic_page
+from x.terms import term_index, term_page
+from x.tutorial import beside, run_tutorial
 
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
-
-from .compensation import compensation_page
-from .methods import efficiencies, methods_page
-from .reference import api_page, help_pages, units_page
-from .statistics import statistic_index, statistic_page
-from .terms import term_index, term_page
-from .tutorial import beside, run_tutorial
 
 RESULTS = Path("benchmarks", "results", "methods.md")
 

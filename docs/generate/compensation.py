@@ -4,14 +4,13 @@ import math
 from pathlib import Path
 
 import numpy as np
+from x.markdown import figure, table
 
 import allanite as al
-from allanite.report.comparison.sheets import chance, change_of
-from allanite.report.digits import digits
-from allanite.report.words import printed_unit
-from allanite.units import convert
-
-from .markdown import figure, table
+from allanite.core.units import convert
+from allanite.reporting.comparison.sheets import chance, change_of
+from allanite.reporting.digits import digits
+from allanite.reporting.words import printed_unit
 
 UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "B": "deg/h", "K": "deg/h/sqrt(h)", "R": "deg/h^2"}
 TABLE_2 = {"Q": 0.963036, "N": 2.525648, "B": 12.023988, "K": 32.724570, "R": 38.789995}

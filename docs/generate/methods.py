@@ -4,10 +4,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from x.markdown import table
 
 import allanite as al
-
-from .markdown import table
 
 RATE, SIZE, SEED = 100.0, 2**18, 1
 
@@ -62,7 +61,7 @@ def _values(model: al.Model, fits: dict[str, al.Fit]) -> list[str]:
 
 def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
     """Value over truth, a panel a sensor."""
-    from allanite.report import style
+    from allanite.reporting import style
 
     path = folder / "methods.svg"
     with style.look():
@@ -82,7 +81,7 @@ def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
 
 
 def _dots(ax, row: int, model: al.Model, fit: al.Fit) -> None:
-    from allanite.report import style
+    from allanite.reporting import style
 
     for j, t in enumerate(model):
         e = fit[t.symbol]

@@ -4,13 +4,12 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from x.markdown import figure, sections, table
 
 import allanite as al
-from allanite.report.words import printed_unit
+from allanite.reporting.words import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.row import Statistic
-
-from .markdown import figure, sections, table
 
 EXAMPLE = (("Q", 3.0, "arcsec"), ("N", 0.1, "deg/sqrt(h)"), ("B", 1.0, "deg/h"), ("K", 10.0, "deg/h/sqrt(h)"))
 """The noise of the curves on the pages of the statistics."""

@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+from x.markdown import figure, sections, shown, table
 
 import allanite as al
-from allanite.report.words import printed_unit
+from allanite.core.units import SIGNALS, convert
+from allanite.reporting.words import printed_unit
 from allanite.terms import TERMS
-from allanite.units import SIGNALS, convert
-
-from .markdown import figure, sections, shown, table
 
 TYPICAL = {0.5: 0.1, 0: 1.0, -0.5: 10.0, -1: 10.0, 1: 0.5}
 """Coefficient of the example on a term's page, in the unit of data sheets, by the power of time it carries."""
@@ -98,7 +97,7 @@ def _arguments(symbol: str) -> str:
 
 def _term_figure(symbol: str, folder: Path) -> Path:
     """A stretch of simulated rate, and the deviation of all of it with the exact expectation."""
-    from allanite.report import style
+    from allanite.reporting import style
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from allanite.errors import AllaniteError
-from allanite.readers.column import Column
+from allanite.core.errors import AllaniteError
+from allanite.readers.columns.column import Column
+from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.table import Table
 
 SIZE = 20_000
 CLOCKS = {  # rate, resolution of the stamps, s

@@ -8,7 +8,7 @@ from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES
 
 import allanite as al
-from allanite.statistics.published import PUBLISHED_BIAS, published_bias
+from allanite.statistics.confidence.published import PUBLISHED_BIAS, published_bias
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "published_formulas.md"
 SIZE = 256

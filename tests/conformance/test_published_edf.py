@@ -13,7 +13,7 @@ from tests.reference.laws import LAWS, exact_edf
 
 import allanite as al
 from allanite.statistics import edf
-from allanite.statistics.powerlaw import SYMBOLS
+from allanite.statistics.confidence.powerlaw import SYMBOLS
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "published_formulas.md"
 SIZE = 256

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
-from allanite.statistics import folded
-from allanite.statistics.compact import compact, products, ratios
-from allanite.statistics.windowed import relative, response
+from allanite.statistics.moments import folded
+from allanite.statistics.moments.compact import compact, products, ratios
+from allanite.statistics.moments.windowed import relative, response
 
 ROWS = ["theo1", "mtotdev", "ttotdev", "htotdev", "pdev", "totdev"]
 TERMS = [al.TERMS[s] for s in "QNBKR"]

@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from allanite.cli import main
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 from allanite.readers import read
 
 

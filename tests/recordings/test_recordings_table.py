@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.prepare import trim
-from allanite.readers.formats import READERS
+from allanite.readers.formats.table import READERS
 
 
 class Row(NamedTuple):

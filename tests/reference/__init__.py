@@ -4,15 +4,15 @@ x holds the N + 1 points of the phase (angle), float64 or longdouble; a referee 
 term.
 """
 
-from .allan import adev, oadev
-from .hadamard import hdev, ohdev
-from .interval import mtie, tierms
-from .modified import mdev, tdev
-from .parabolic import pdev
-from .terms import UndefinedError
-from .theo import theo1, theobr, theoh
-from .total import htotdev, mtotdev, totdev, ttotdev
-from .wavelet import haar
+from x.allan import adev, oadev
+from x.hadamard import hdev, ohdev
+from x.interval import mtie, tierms
+from x.modified import mdev, tdev
+from x.parabolic import pdev
+from x.terms import UndefinedError
+from x.theo import theo1, theobr, theoh
+from x.total import htotdev, mtotdev, totdev, ttotdev
+from x.wavelet import haar
 
 REFEREES = {
     "adev": adev,

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import block_diag, null_space, toeplitz
 
-from allanite.statistics.gls import autocovariance
+from allanite.statistics.moments.gls import autocovariance
 
 
 def dense(y, X, stretches, terms, rate):

@@ -1,10 +1,9 @@
 """The total variances from the phase x_0 .. x_N: raw, without any factor for their bias."""
 
 import numpy as np
-
-from .hadamard import ohdev
-from .modified import mean_second_differences
-from .terms import indices, mean, rate, require
+from x.hadamard import ohdev
+from x.modified import mean_second_differences
+from x.terms import indices, mean, rate, require
 
 
 def totdev(x, m, tau0):

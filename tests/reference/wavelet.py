@@ -1,6 +1,6 @@
 """The Haar wavelet variance of the rate, by the pyramid of the maximal overlap transform."""
 
-from .terms import mean, rate, require
+from x.terms import mean, rate, require
 
 
 def haar(x, m, tau0):

@@ -1,8 +1,7 @@
 """The same statistics a second way: weights on the rate samples of one window, window after window, gaps left out."""
 
 import numpy as np
-
-from .terms import mean, require
+from x.terms import mean, require
 
 
 def _steps(m, *heights):

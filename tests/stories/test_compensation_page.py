@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from allanite.changes import OUTCOMES
+from allanite.comparison.change import OUTCOMES
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import allanite as al
-from allanite.changes import OUTCOMES
 from allanite.cli import VERBS
+from allanite.comparison.change import OUTCOMES
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"

@@ -120,7 +120,7 @@ def test_the_wheel_holds_what_the_package_needs(tmp_path):
     subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
     (wheel,) = tmp_path.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    for needed in ("allanite/py.typed", "allanite/report/page.html.j2", "allanite/cli/__init__.py"):
+    for needed in ("allanite/py.typed", "allanite/reporting/page.html.j2", "allanite/cli/__init__.py"):
         assert needed in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not [name for name in names if not name.startswith(("allanite/", "allanite-"))]

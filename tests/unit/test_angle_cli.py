@@ -174,7 +174,7 @@ def test_broken_files(tmp_path, gimbal):
 
 
 def test_known_harmonics_have_no_report():
-    from allanite.report.angle.text import render
+    from allanite.reporting.angle.text import render
 
     with pytest.raises(al.UsageError, match="given, not estimated"):
         render(al.angle.Harmonics.of({128: (1e-5, 0.0)}))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-import allanite.study
+import allanite.study.analysis
 from allanite.cli import main
 
 OUTPUTS = {"report": "out.html", "plot": "out.png", "json": "out.json", "csv": "out.csv"}
@@ -91,7 +91,7 @@ def test_the_choices_reach_the_recipe(monkeypatch):
         seen.append((path, recipe.to_dict()))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(allanite.study, "analyze", spy)
+    monkeypatch.setattr(allanite.study.analysis, "analyze", spy)
     choices = (
         "--rate 5 --unit g --kind rate --scale 2 --channels a,b --time t --from 1 --until 9 --statistic adev "
         "--taus decade --terms QN --method ls --band 0.1,2 --level 0.9"
@@ -143,7 +143,7 @@ def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, w
 def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, monkeypatch):
     path = tmp_path / OUTPUTS[name]
     path.write_text("old")
-    monkeypatch.setattr(allanite.study, "analyze", lambda *_, **__: pytest.fail("the work began"))
+    monkeypatch.setattr(allanite.study.analysis, "analyze", lambda *_, **__: pytest.fail("the work began"))
     result = run("analyze", file, f"--{name}", path)
     assert result.exit_code == 2
     assert "--force" in result.stderr
@@ -161,7 +161,7 @@ def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
     def broken(*_, **__):
         raise ZeroDivisionError("by zero")
 
-    monkeypatch.setattr(allanite.study, "analyze", broken)
+    monkeypatch.setattr(allanite.study.analysis, "analyze", broken)
     result = run("analyze", file)
     assert result.exit_code == 1
     assert "a defect of allanite (ZeroDivisionError: by zero)" in result.stderr
@@ -176,7 +176,7 @@ def test_too_little_memory_is_not_a_defect(file, monkeypatch):
     def greedy(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr(allanite.study, "analyze", greedy)
+    monkeypatch.setattr(allanite.study.analysis, "analyze", greedy)
     result = run("analyze", file)
     assert result.exit_code == 3
     assert "--from" in result.stderr

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.report import table
+from allanite.reporting import table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 

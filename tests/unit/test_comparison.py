@@ -8,11 +8,11 @@ import pytest
 from scipy.stats import f as fisher
 
 import allanite as al
-from allanite.changes import holm
-from allanite.noise.contrast import Contrast, gain, homogeneity
-from allanite.noise.joint import drawn, joint, reduced, tied
-from allanite.statistics.confidence import Points, mixtures
-from allanite.statistics.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.comparison.change import holm
+from allanite.comparison.contrast import Contrast, gain, homogeneity
+from allanite.comparison.joint import drawn, joint, reduced, tied
+from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.statistics.confidence.limits import Points, mixtures
 from allanite.statistics.table import statistic_named
 
 RATE = 100.0

@@ -14,8 +14,8 @@ from allanite.compensation import Handling, Mixture, Regressor, aligned, compens
 from allanite.compensation.mixture import mixture
 from allanite.compensation.restricted import restricted
 from allanite.compensation.slope import local_slope
-from allanite.model import Term
-from allanite.units import SIGNALS
+from allanite.core.model import Term
+from allanite.core.units import SIGNALS
 
 NOISE = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 HOUR = np.arange(3600.0)

@@ -8,12 +8,12 @@ import pytest
 import allanite as al
 from allanite.kernels.allan import second, third
 from allanite.kernels.summed import modified
-from allanite.report.listing import render
-from allanite.report.plain import to_csv
+from allanite.reporting.listing import render
+from allanite.reporting.plain import to_csv
 from allanite.statistics import _warn_of_long
-from allanite.statistics.everytau import PAYS, dense, groups
+from allanite.statistics.fast.everytau import PAYS, dense, groups
 from allanite.statistics.row import seconds
-from allanite.survey import survey
+from allanite.study.survey import survey
 
 N = 20_000
 KINDS = ("white", "flicker", "random walk", "ramp", "ramp and white", "quantization")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite import faults
+from allanite.simulation import faults
 
 RATE = 100.0
 ARCSEC = np.pi / 180 / 3600

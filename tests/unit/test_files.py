@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from allanite.errors import UsageError
-from allanite.files import demand_writable, write
+from allanite.core.errors import UsageError
+from allanite.core.files import demand_writable, write
 
 
 def test_an_existing_file_is_refused_and_kept(tmp_path):

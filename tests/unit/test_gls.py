@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import toeplitz
 
 import allanite as al
-from allanite.statistics.gls import FAR, Covariance, autocovariance, generalised_least_squares
+from allanite.statistics.moments.gls import FAR, Covariance, autocovariance, generalised_least_squares
 
 TERMS = {
     "Q": al.Q(0.3, "arcsec"),

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.noise.families import Search
-from allanite.noise.likelihood import Likelihood
-from allanite.noise.lines import BLOCKS, Wave
-from allanite.noise.whittle import likelihood, spectrum
+from allanite.identification.likelihood.families import Search
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.lines import BLOCKS, Wave
+from allanite.identification.likelihood.whittle import likelihood, spectrum
 
 RATE = 100.0
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
@@ -142,7 +142,7 @@ def test_lines_across_gaps():
     values = record.values.copy()
     for start in range(5000, 60000, 9000):
         values[start : start + 700] = np.nan
-    from allanite.noise.lines import levels, waves_of
+    from allanite.identification.likelihood.lines import levels, waves_of
 
     whole = spectrum(record, detrend=False)
     level = levels(whole, whole.power)

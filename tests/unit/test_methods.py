@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.noise.gls import moments_of, octaves, standard_errors
-from allanite.noise.hadamard import drift
-from allanite.noise.nonnegative import solve
+from allanite.identification.curves.allan_hadamard import drift
+from allanite.identification.curves.gls import moments_of, octaves, standard_errors
+from allanite.identification.curves.nonnegative import solve
 from allanite.statistics import covariance, edf, statistic_named
-from allanite.study import Recipe
+from allanite.study.analysis import Recipe
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 TRUTH = {"Q": 3.0, "N": 1.0, "B": 0.2, "K": 0.02, "R": 2e-4}

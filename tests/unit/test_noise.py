@@ -5,9 +5,9 @@ import pytest
 from scipy.fft import dct
 
 import allanite as al
-from allanite.noise.selection import Profile, select, subsets
-from allanite.noise.whittle import likelihood, spectrum
-from allanite.statistics.lags import lag_nodes, sum_nodes
+from allanite.identification.likelihood.selection import Profile, select, subsets
+from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.statistics.moments.lags import lag_nodes, sum_nodes
 from allanite.terms import TERMS, ramp_coefficients
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.noise import information
-from allanite.noise.information import nodes
+from allanite.planning import information
+from allanite.planning.information import nodes
 
 MODELS = {
     **al.SENSORS,

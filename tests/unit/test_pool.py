@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 import allanite as al
-from allanite.pooling import bartlett
+from allanite.comparison.pooling import bartlett
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 

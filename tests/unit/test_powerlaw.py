@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from tests.reference.laws import STRUCTURES
 
 import allanite as al
-from allanite.statistics import integrated, powerlaw
-from allanite.statistics.powerlaw import identify_power_law, local_term
+from allanite.statistics import integrated
+from allanite.statistics.confidence import powerlaw
+from allanite.statistics.confidence.powerlaw import identify_power_law, local_term
 
 OADEV, OHDEV = al.STATISTICS["oadev"], al.STATISTICS["ohdev"]
 NOISE = {2: al.Q(1.0, "rad"), 0: al.N(1.0, "rad/sqrt(s)"), -1: al.B(1.0, "rad/s"), -2: al.K(1.0, "rad/s^1.5")}

@@ -15,7 +15,7 @@ from allanite.rate.measure import setting_of
 from allanite.rate.optimal import white_and_angle
 from allanite.rate.predict import through_dither
 from allanite.rate.setting import Setting
-from allanite.statistics.gls import autocovariance
+from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600
 WHITE = al.N(3e-3, "deg/sqrt(h)")

@@ -14,7 +14,7 @@ import allanite as al
 from allanite.rate import RATE_ESTIMATORS, Options, Plan, by_duration, experiment, predicted_standard_error
 from allanite.rate.inputs import interval_of
 from allanite.rate.measure import in_si, setting_of
-from allanite.ring_laser import GL1
+from allanite.simulation.ring_laser import GL1
 
 ARCSEC = math.pi / 180 / 3600
 RUNS, N, RATE, PULSE = 400, 4800, 40.0, 0.33

@@ -18,8 +18,8 @@ from allanite.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.rate_study import RateChoices, measure_rates
-from allanite.ring_laser import GL1, RingLaser
+from allanite.rate.study import RateChoices, measure_rates
+from allanite.simulation.ring_laser import GL1, RingLaser
 
 DEG_H = math.pi / 180 / 3600
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.Q(0.2, "arcsec")

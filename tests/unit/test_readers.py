@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from allanite.errors import AllaniteError, DataError, UnitError, UsageError
+from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
+from allanite.core.record import KINDS
 from allanite.readers import read
-from allanite.readers.formats import READERS
-from allanite.record import KINDS
+from allanite.readers.formats.table import READERS
 
 GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.errors import DataError, UsageError
-from allanite.readers import guard
-from allanite.readers.formats import READERS
+from allanite.core.errors import DataError, UsageError
+from allanite.readers.formats.table import READERS
+from allanite.readers.sandbox import guard
 
 RNG = np.random.default_rng(3)
 GYRO, ACC = RNG.normal(size=(60, 3)), RNG.normal(size=(40, 3))
@@ -104,7 +104,7 @@ def test_a_dataset_that_claims_more_than_its_file(tmp_path):
 
 
 def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch, tmp_path):
-    from allanite.readers import hdf5_process
+    from allanite.readers.sandbox import hdf5_process
 
     def worker(code):
         (tmp_path / "hdf5_worker.py").write_text(code)
@@ -469,7 +469,7 @@ class Reader:
 @pytest.fixture
 def install(monkeypatch):
     def install(found):
-        monkeypatch.setattr("allanite.readers.plugins.entry_points", lambda group: [Entry(found)])
+        monkeypatch.setattr("allanite.readers.formats.plugins.entry_points", lambda group: [Entry(found)])
 
     return install
 

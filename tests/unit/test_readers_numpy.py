@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
 
 DATA = np.random.default_rng(5).normal(size=(50, 3))

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from allanite.errors import DataError, UsageError
-from allanite.readers import headers, layout, read
+from allanite.core.errors import DataError, UsageError
+from allanite.readers import read
+from allanite.readers.columns import headers, layout
 
 
 @pytest.fixture

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import allanite as al
-from allanite.errors import DataError, UsageError
-from allanite.readers.formats import WRITERS
-from allanite.record import KINDS
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import KINDS
+from allanite.readers.formats.table import WRITERS
 
 UNITS = {
     "rate": ["deg/s", "rad/s", "deg/h", "g", "m/s^2", "ug", "1"],

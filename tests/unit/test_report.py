@@ -10,21 +10,21 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from allanite.curve import Curve
-from allanite.errors import UsageError
-from allanite.finding import Finding, Quality
-from allanite.fit import Estimate, Fit, Goodness
-from allanite.model import B, N, R, term
-from allanite.record import Record
-from allanite.report import plot, report, table
-from allanite.report.goodness import plot_goodness
-from allanite.report.html import page, toml
-from allanite.report.plain import to_csv, to_json
-from allanite.report.style import encode
-from allanite.report.words import printed_unit, title, verdict
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding, Quality
+from allanite.core.fit import Estimate, Fit, Goodness
+from allanite.core.model import B, N, R, term
+from allanite.core.record import Record
+from allanite.core.units import signal_named
+from allanite.reporting import plot, report, table
+from allanite.reporting.goodness import plot_goodness
+from allanite.reporting.html import page, toml
+from allanite.reporting.plain import to_csv, to_json
+from allanite.reporting.style import encode
+from allanite.reporting.words import printed_unit, title, verdict
 from allanite.statistics import expected
-from allanite.study import Channel, Recipe, Study
-from allanite.units import signal_named
+from allanite.study.analysis import Channel, Recipe, Study
 
 HOSTILE = "<script>alert('x')</script>"
 

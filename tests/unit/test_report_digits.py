@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from allanite.report.digits import digits
+from allanite.reporting.digits import digits
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ from scipy.fft import dct
 from scipy.ndimage import median_filter
 
 import allanite as al
-from allanite.gaps import Gaps, joined, refusal
-from allanite.noise.whittle import likelihood, spectrum
+from allanite.identification.likelihood.whittle import likelihood, spectrum
 from allanite.prepare import inspect, mark_outliers
-from allanite.statistics.robust import outliers
+from allanite.prepare.gaps import Gaps, joined, refusal
+from allanite.prepare.outliers import outliers
 from allanite.terms import TERMS, ramp_coefficients
 
 SENSORS = {

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.noise.selfcheck import SelfCheck, TermCheck
+from allanite.planning.selfcheck import SelfCheck, TermCheck
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(60.0, "deg/h/sqrt(h)")
 

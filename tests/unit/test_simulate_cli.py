@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.readers.formats import WRITERS
+from allanite.readers.formats.table import WRITERS
 
 
 def run(*arguments):

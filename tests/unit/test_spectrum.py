@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy import signal
 
 import allanite as al
-from allanite.statistics.multitaper import LARGEST_TAPERS, slepian
-from allanite.statistics.spectrum import METHODS
-from allanite.statistics.welch import WINDOWS
+from allanite.statistics.spectra.multitaper import LARGEST_TAPERS, slepian
+from allanite.statistics.spectra.spectrum import METHODS
+from allanite.statistics.spectra.welch import WINDOWS
 
 ALL = [*METHODS, al.Welch(40.0, "blackman"), al.Multitaper(2.5, 3, "equal")]
 

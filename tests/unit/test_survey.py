@@ -10,9 +10,9 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.report import plot, table
-from allanite.report.style import encode
-from allanite.survey import survey
+from allanite.reporting import plot, table
+from allanite.reporting.style import encode
+from allanite.study.survey import survey
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
 

@@ -5,7 +5,7 @@ import pytest
 
 import allanite as al
 from allanite.kernels.theo import theo1
-from allanite.statistics.theofft import theo1_sums
+from allanite.statistics.fast.theofft import theo1_sums
 
 KINDS = {
     "white": lambda white: white,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import allanite as al
-from allanite.units import ATOMS, SIGNALS, convert, unit_of
+from allanite.core.units import ATOMS, SIGNALS, convert, unit_of
 
 DEGREE = math.pi / 180
 
@@ -84,7 +84,7 @@ def test_coefficient_units_are_signal_times_time_to_the_power(signal):
 
 @pytest.mark.parametrize("signal", SIGNALS, ids=lambda signal: signal.name)
 def test_units_of_a_signal_are_the_signal_times_a_power_of_time(signal):
-    from allanite.units import signal_with
+    from allanite.core.units import signal_with
 
     for table in (signal.si, signal.sheet):
         for power, unit in table.items():

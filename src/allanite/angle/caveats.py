@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.finding import Finding
+from allanite.core.finding import Finding
 
 from .gimbals import Gimbals
 from .solution import correlation_of

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 
 from .gimbals import ANGLES, EARTH_RATE, Gimbals
 from .harmonics import orders_of, waves

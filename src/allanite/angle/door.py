@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from allanite.errors import DataError
+from allanite.core.errors import DataError
 
 FloatArray = NDArray[np.float64]
 

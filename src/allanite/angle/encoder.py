@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from allanite.errors import DataError, UnitError, UsageError
-from allanite.finding import Finding
-from allanite.record import Record
-from allanite.units import unit_of
+from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.finding import Finding
+from allanite.core.record import Record
+from allanite.core.units import unit_of
 
 from .door import column
 from .estimate import part, too_large

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from allanite.errors import DataError, UnitError, UsageError
+from allanite.core.errors import DataError, UnitError, UsageError
 
 from .door import column, demand_increasing
 from .sway import Sway, sway_of

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from allanite.correction import Correction
-from allanite.errors import UsageError
-from allanite.record import Record, Recording
+from allanite.core.correction import Correction
+from allanite.core.errors import UsageError
+from allanite.core.record import Record, Recording
 
 from .solution import Solution, quantile
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .design import USUAL, Orders
 from .estimate import Prior

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
-from allanite.simulate_angle import readout_noise
+from allanite.core.errors import UsageError
+from allanite.simulation.gimbal import readout_noise
 
 from .design import NUISANCES
 from .gimbals import ANGLES, Gimbals

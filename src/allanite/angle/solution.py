@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
-from allanite.finding import Finding
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
 
 from .residuals import Check
 from .squareroot import SquareRoot

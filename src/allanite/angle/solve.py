@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 
 from .residuals import checks, level_check
 from .solution import History, Solution

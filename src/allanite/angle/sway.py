@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UnitError, UsageError
+from allanite.core.errors import UnitError, UsageError
 
 FloatArray = NDArray[np.float64]
 

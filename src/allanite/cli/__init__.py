@@ -3,16 +3,16 @@
 import click
 
 from allanite import __version__
-from allanite.verbs.angle import angle
-from allanite.verbs.budget import budget
-from allanite.verbs.compensate import compensate
-from allanite.verbs.rate import rate
 
 from .analyze import analyze, info
+from .angle import angle
+from .budget import budget
 from .compare import compare
+from .compensate import compensate
 from .curves import deviation, dynamic, spectrum
 from .front import Front
 from .plan import plan
+from .rate import rate
 from .reading import reading
 from .selfcheck import selfcheck
 from .simulate import simulate

@@ -1,5 +1,5 @@
 """``python -m allanite.cli`` is the program `allanite`."""
 
-from . import main
+from allanite.cli import main
 
 main()

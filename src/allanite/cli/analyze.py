@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from allanite.report.outputs import OUTPUTS, STDOUT, demand_outputs
+from allanite.reporting.outputs import OUTPUTS, STDOUT, demand_outputs
 
 from .front import DATA
 from .output import print_table, put, recipe_of
@@ -20,8 +20,8 @@ def info(file: str, *, json: str | None, force: bool, **choices: Any) -> None:
     """Say what is in FILE, and whether it is fit for the job."""
     paths = {} if json is None else {"json": json}
     demand_outputs(paths, inputs=[file], force=force)
-    from allanite.report.progress import bar
-    from allanite.study import examine
+    from allanite.reporting.progress import bar
+    from allanite.study.analysis import examine
 
     with bar(shown=sys.stderr.isatty()) as progress:
         study = examine(file, recipe_of(None, choices), progress=progress)
@@ -60,8 +60,8 @@ def analyze(file: str, *, recipe: str | None, force: bool, quiet: bool, **choice
     """
     paths = {name: path for name in OUTPUTS if (path := choices.pop(name)) is not None}
     demand_outputs(paths, inputs=[file, *([recipe] if recipe else [])], force=force)
-    from allanite.report.progress import bar
-    from allanite.study import analyze as run
+    from allanite.reporting.progress import bar
+    from allanite.study.analysis import analyze as run
 
     plan = recipe_of(recipe, choices)
     with bar(shown=sys.stderr.isatty() and not quiet) as progress:

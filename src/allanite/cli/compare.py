@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.report.outputs import STDOUT, demand_outputs
+from allanite.reporting.outputs import STDOUT, demand_outputs
 
 from .output import print_table, put
 from .reading import READING, band, names, outliers, taus
@@ -13,9 +13,9 @@ from .reading import READING, band, names, outliers, taus
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from allanite.comparison import Comparison
-    from allanite.pooled import Pool
-    from allanite.study import Recipe
+    from allanite.comparison.comparison import Comparison
+    from allanite.comparison.pooled import Pool
+    from allanite.study.analysis import Recipe
 
     Progress = Callable[[str, float], None]
 
@@ -48,9 +48,9 @@ def compare(files: tuple[str, ...], *, force: bool, quiet: bool, **choices: Any)
     """
     paths = {name: path for name in KINDS if (path := choices.pop(name)) is not None}
     demand_outputs(paths, inputs=list(files), force=force)
-    from allanite.report.comparison.outputs import OUTPUTS
-    from allanite.report.progress import bar
-    from allanite.study import Recipe
+    from allanite.reporting.comparison.outputs import OUTPUTS
+    from allanite.reporting.progress import bar
+    from allanite.study.analysis import Recipe
 
     against, part = choices.pop("against"), choices.pop("part")
     chosen = {key: value for key, value in choices.items() if value is not None}
@@ -75,10 +75,10 @@ def _found(
 ) -> "Comparison | Pool":
     from dataclasses import replace
 
-    from allanite.comparing import compare as compared
-    from allanite.errors import UsageError
-    from allanite.pooling import pool, truncation
-    from allanite.study import Recipe, recording_of
+    from allanite.comparison.pooling import pool, truncation
+    from allanite.comparison.study import compare as compared
+    from allanite.core.errors import UsageError
+    from allanite.study.analysis import Recipe, recording_of
 
     against, part = how
     if part is not None and len(files) > 1:

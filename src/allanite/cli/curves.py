@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.errors import LongJobWarning
-from allanite.report.outputs import OUTPUTS, STDOUT, demand_outputs
+from allanite.core.errors import LongJobWarning
+from allanite.reporting.outputs import OUTPUTS, STDOUT, demand_outputs
 
 from .output import print_table, put, recipe_of
 from .reading import factors, names, reading, results, taus
 
 if TYPE_CHECKING:
-    from allanite.fit import Fit
-    from allanite.record import Record
-    from allanite.survey import Measure, Value
+    from allanite.core.fit import Fit
+    from allanite.core.record import Record
+    from allanite.study.survey import Measure, Value
 
 
 @click.command()
@@ -60,9 +60,9 @@ def spectrum(file: str, *, fitted: bool, **choices: Any) -> None:
 
     N of IEEE 952 is the square root of the two-sided density of white noise.
     """
-    from allanite.psd import side_factor
-    from allanite.statistics.spectrum import method_named
-    from allanite.statistics.spectrum import spectrum as measured
+    from allanite.core.spectrum import side_factor
+    from allanite.statistics.spectra.spectrum import method_named
+    from allanite.statistics.spectra.spectrum import spectrum as measured
 
     name, sides, bins = (choices.pop(key) for key in ("method", "sides", "bins"))
     settings = {key: choices.pop(key) for key in ("segment", "window", "bandwidth", "tapers", "weights")}
@@ -113,9 +113,9 @@ def _survey(
     """Measure every channel, print the table, write the files."""
     paths = {name: path for name in OUTPUTS if (path := choices.pop(name, None)) is not None}
     demand_outputs(paths, inputs=[file], force=force)
-    from allanite.report.progress import bar
-    from allanite.report.words import readable_unit
-    from allanite.survey import survey
+    from allanite.reporting.progress import bar
+    from allanite.reporting.words import readable_unit
+    from allanite.study.survey import survey
 
     def in_unit(record: "Record", fit: "Fit | None") -> "Iterator[Value]":
         for value in measure(record, fit):

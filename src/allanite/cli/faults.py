@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import numpy as np
 
-    from allanite.faults import Dither
-    from allanite.record import Record
+    from allanite.core.record import Record
+    from allanite.simulation.faults import Dither
 
     Fault = Callable[[Record, str, np.random.Generator, dict[str, Any]], Record]
 
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
     """As many numbers with units as the example has; those at the end that are left out are `defaults`."""
-    from allanite.errors import UsageError
-    from allanite.notation import split_quantities
+    from allanite.core.errors import UsageError
+    from allanite.core.notation import split_quantities
 
     found = split_quantities(text.split())
     missing = len(split_quantities(example.split())) - len(found)
@@ -26,15 +26,15 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
 
 
 def _constant(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite import faults
+    from allanite.simulation import faults
 
     ((value, unit),) = _quantities(text, "constant", "10 deg/h")
     return faults.constant(record, value, unit)
 
 
 def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite import faults
-    from allanite.errors import UsageError
+    from allanite.core.errors import UsageError
+    from allanite.simulation import faults
 
     (cutoff, _unit), (order, _unit) = _quantities(text, "low-pass", "20 Hz 4", defaults=(1.0,))
     if not order.is_integer():
@@ -43,28 +43,28 @@ def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
 
 
 def _noise_step(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite import faults
+    from allanite.simulation import faults
 
     ((factor, _unit),) = _quantities(text, "noise-step", "2")
     return faults.noise_step(record, factor=factor)
 
 
 def _outliers(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
-    from allanite import faults
+    from allanite.simulation import faults
 
     (share, _unit), (size, unit) = _quantities(text, "outliers", "0.01% 20")
     return faults.outliers(record, share, size, unit, rng=rng)
 
 
 def _clip(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite import faults
+    from allanite.simulation import faults
 
     ((value, unit),) = _quantities(text, "clip", "300 deg/s")
     return faults.clip(record, value, unit)
 
 
 def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: dict[str, Any]) -> "Record":
-    from allanite import faults
+    from allanite.simulation import faults
 
     what, step, unit = _quantizer(text)
     how = {"rate": faults.quantize_rate, "angle": faults.quantize_angle}[what]
@@ -73,8 +73,8 @@ def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: 
 
 
 def _quantizer(text: str) -> tuple[str, float, str]:
-    from allanite.errors import UsageError
-    from allanite.notation import split_quantities
+    from allanite.core.errors import UsageError
+    from allanite.core.notation import split_quantities
 
     what, *rest = text.split() or [""]
     found = split_quantities(rest) if what in ("rate", "angle") else []
@@ -90,7 +90,7 @@ def quantizer_unit(text: str | None) -> str | None:
 
 
 def _dither(text: str) -> "Dither":
-    from allanite.faults import Dither
+    from allanite.simulation.faults import Dither
 
     if text.strip() == "random":
         return Dither()
@@ -99,8 +99,8 @@ def _dither(text: str) -> "Dither":
 
 
 def _gaps(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
-    from allanite import faults
-    from allanite.units import convert
+    from allanite.core.units import convert
+    from allanite.simulation import faults
 
     (share, _unit), (length, unit) = _quantities(text, "gaps", "1% 5 s")
     return faults.gaps(record, share, convert(length, unit or "s", "s"), rng=rng)

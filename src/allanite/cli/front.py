@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from allanite.errors import AllaniteError
+from allanite.core.errors import AllaniteError
 
 DEFECT, DATA, INTERRUPTED = 1, 3, 130
 TRACKER = "https://github.com/allanite/allanite/issues"

@@ -10,8 +10,8 @@ from .output import recipe_of
 from .reading import READING
 
 if TYPE_CHECKING:
-    from allanite.model import Model
-    from allanite.study import Channel
+    from allanite.core.model import Model
+    from allanite.study.analysis import Channel
 
 MODEL = (
     click.option("--model", metavar="TERMS", help="The noise, as 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
@@ -41,9 +41,9 @@ def options(*groups: tuple[Callable[..., Any], ...]) -> Callable[[Callable[..., 
 
 def model_of(model: str | None, sensor: str | None) -> "Model | None":
     """The model that is written out, or the sensor's; None where there is neither."""
-    from allanite.errors import UsageError
-    from allanite.notation import parse_model
-    from allanite.sensors import sensor as typical
+    from allanite.core.errors import UsageError
+    from allanite.core.notation import parse_model
+    from allanite.planning.sensors import sensor as typical
 
     if model is not None and sensor is not None:
         raise UsageError("the noise is given twice: by --model and by --sensor")
@@ -66,7 +66,7 @@ def supposed(
     file: str | None, model: str | None, sensor: str | None, choices: dict[str, Any], tell: Callable[[str, float], None]
 ) -> list[Supposed]:
     """The model that was given, or those that are identified in the channels of a file."""
-    from allanite.errors import UsageError
+    from allanite.core.errors import UsageError
 
     given = model_of(model, sensor)
     if (given is None) == (file is None):
@@ -77,7 +77,7 @@ def supposed(
             raise UsageError(f"a model needs the sampling rate, above 0: --rate HZ, not {rate!r}")
         return [Supposed(given, rate, sensor or "")]
     assert file is not None  # noqa: S101 - one of them was given
-    from allanite.study import analyze
+    from allanite.study.analysis import analyze
 
     study = analyze(file, recipe_of(None, {key: choices[key] for key in choices if key in FROM_FILE}), progress=tell)
     return [Supposed(c.fit.model, c.record.rate, c.record.name, c) for c in study.channels if c.fit is not None]
@@ -108,8 +108,8 @@ def durations(_: click.Context, __: click.Parameter, text: str | None) -> tuple[
 
 def seconds_of(text: str) -> float:
     """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
-    from allanite.notation import split_quantities
-    from allanite.units import convert
+    from allanite.core.notation import split_quantities
+    from allanite.core.units import convert
 
     found = split_quantities(text.split())
     if len(found) != 1 or not found[0][0] > 0:
@@ -126,7 +126,7 @@ LENGTH = (
 
 def size_of(rate: float, duration: float | None, samples: int | None) -> int:
     """Number of readings, by one of the options of `LENGTH`."""
-    from allanite.errors import UsageError
+    from allanite.core.errors import UsageError
 
     if (duration is None) == (samples is None):
         raise UsageError("give the length either by --duration or by --samples")

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.files import write
-from allanite.report.outputs import STDOUT
+from allanite.core.files import write
+from allanite.reporting.outputs import STDOUT
 
 if TYPE_CHECKING:
-    from allanite.comparison import Comparison
-    from allanite.pooled import Pool
-    from allanite.study import Recipe, Study
-    from allanite.survey import Survey
+    from allanite.comparison.comparison import Comparison
+    from allanite.comparison.pooled import Pool
+    from allanite.study.analysis import Recipe, Study
+    from allanite.study.survey import Survey
 
 WIDTH = 120
 """Columns of text that no terminal bounds."""
@@ -30,7 +30,7 @@ def put(path: str, data: bytes, *, force: bool) -> None:
 
 def recipe_of(path: str | None, choices: dict[str, Any]) -> "Recipe":
     """What the recipe file says, and over it what the command line says."""
-    from allanite.study import Recipe
+    from allanite.study.analysis import Recipe
 
     base = Recipe.load(path).to_dict() if path else {}
     return Recipe.from_dict(base | {key: value for key, value in choices.items() if value is not None})
@@ -38,7 +38,7 @@ def recipe_of(path: str | None, choices: dict[str, Any]) -> "Recipe":
 
 def print_table(value: "Study | Survey | Comparison | Pool") -> None:
     """Print a result as wide as the terminal is."""
-    from allanite.report import table
+    from allanite.reporting import table
 
     terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if terminal else WIDTH

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from allanite.report.outputs import STDOUT, demand_outputs
+from allanite.reporting.outputs import STDOUT, demand_outputs
 
 from .models import MODEL, OPTIONAL_READING, Several, durations, options, supposed
 from .output import WIDTH, put
@@ -25,11 +25,11 @@ def plan(file: str | None, *, json: str | None, force: bool, **choices: Any) -> 
     The noise is that of --model or --sensor, or what a first recording FILE shows. Nothing is simulated.
     """
     demand_outputs({} if json is None else {"json": json}, inputs=[file] if file else [], force=force)
-    from allanite.noise.plan import DURATIONS
-    from allanite.noise.plan import plan as planned
-    from allanite.report.plain import to_json
-    from allanite.report.planning import LEGEND, notes_of, plan_text, wrapped
-    from allanite.report.progress import bar
+    from allanite.planning.plan import DURATIONS
+    from allanite.planning.plan import plan as planned
+    from allanite.reporting.plain import to_json
+    from allanite.reporting.planning import LEGEND, notes_of, plan_text, wrapped
+    from allanite.reporting.progress import bar
 
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
     found, texts = {}, []

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from allanite.report.outputs import STDOUT, demand_outputs
+from allanite.reporting.outputs import STDOUT, demand_outputs
 
 from .models import LENGTH, MODEL, OPTIONAL_READING, Several, options, size_of, supposed
 from .output import WIDTH, put
@@ -45,10 +45,10 @@ def selfcheck(file: str | None, *, json: str | None, force: bool, **choices: Any
     demand_outputs({} if json is None else {"json": json}, inputs=[file] if file else [], force=force)
     import numpy as np
 
-    from allanite.noise.selfcheck import selfcheck as checked
-    from allanite.report.plain import to_json
-    from allanite.report.planning import CHECKED, check_text, wrapped
-    from allanite.report.progress import bar
+    from allanite.planning.selfcheck import selfcheck as checked
+    from allanite.reporting.plain import to_json
+    from allanite.reporting.planning import CHECKED, check_text, wrapped
+    from allanite.reporting.progress import bar
 
     limits = {key: value for key in ("bias", "coverage", "false", "missed") if (value := choices.pop(key)) is not None}
     length, rng = (choices["duration"], choices["samples"]), np.random.default_rng(choices["seed"])

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.report.outputs import STDOUT, demand_outputs
+from allanite.reporting.outputs import STDOUT, demand_outputs
 
 from .faults import FAULTS, quantizer_unit
 from .models import LENGTH, MODEL, model_of, options, size_of
 from .output import put
 
 if TYPE_CHECKING:
-    from allanite.model import Model
-    from allanite.record import Recording
+    from allanite.core.model import Model
+    from allanite.core.record import Recording
 
 NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 """First letters of the channels' names."""
@@ -54,11 +54,11 @@ def simulate(out: str, *, json: str | None, force: bool, quiet: bool, **choices:
     """
     paths = {"OUT": out} | ({} if json is None else {"json": json})
     demand_outputs(paths, inputs=[], force=force)
-    from allanite.errors import UsageError
+    from allanite.core.errors import UsageError
     from allanite.readers import write
-    from allanite.readers.formats import writer_for
-    from allanite.report.plain import to_json
-    from allanite.report.progress import bar
+    from allanite.readers.formats.table import writer_for
+    from allanite.reporting.plain import to_json
+    from allanite.reporting.progress import bar
 
     writer_for(os.path.splitext(out)[1].lower())
     model = model_of(choices["model"], choices["sensor"])
@@ -80,9 +80,9 @@ def _recording(
 ) -> "Recording":
     import numpy as np
 
-    from allanite.errors import UsageError
-    from allanite.record import Recording
-    from allanite.simulate import simulate as simulated
+    from allanite.core.errors import UsageError
+    from allanite.core.record import Recording
+    from allanite.simulation.record import simulate as simulated
 
     count = choices["channels"]
     if not count >= 1:
@@ -124,7 +124,7 @@ class _Truth:
 
 
 def _print(recording: "Recording", out: str, *, silent: bool) -> None:
-    from allanite.report import words
+    from allanite.reporting import words
 
     for record in recording:
         click.echo(f"{record.name}  {words.about(record)}", err=silent)

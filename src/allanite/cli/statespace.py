@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from allanite.report.outputs import STDOUT, demand_outputs
+from allanite.reporting.outputs import STDOUT, demand_outputs
 
 from .models import MODEL, OPTIONAL_READING, Several, options, supposed
 from .output import WIDTH, put
@@ -39,11 +39,11 @@ def statespace(file: str | None, *, json: str | None, plot: str | None, force: b
     """
     paths = {name: path for name, path in (("json", json), ("plot", plot)) if path is not None}
     demand_outputs(paths, inputs=[file] if file else [], force=force)
-    from allanite.report import plot as drawn
-    from allanite.report.equivalent import state_space_text
-    from allanite.report.plain import to_json
-    from allanite.report.planning import notes_of
-    from allanite.report.progress import bar
+    from allanite.reporting import plot as drawn
+    from allanite.reporting.equivalent import state_space_text
+    from allanite.reporting.plain import to_json
+    from allanite.reporting.planning import notes_of
+    from allanite.reporting.progress import bar
     from allanite.statespace import state_space
 
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
@@ -72,8 +72,8 @@ def statespace(file: str | None, *, json: str | None, plot: str | None, force: b
 
 
 def _turn_on(text: str | None, si: str) -> float:
-    from allanite.notation import split_quantities
-    from allanite.units import convert
+    from allanite.core.notation import split_quantities
+    from allanite.core.units import convert
 
     if text is None:
         return 0.0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from allanite.errors import DataError
-from allanite.record import Record, Recording
+from allanite.core.errors import DataError
+from allanite.core.record import Record, Recording
 
 from .regressor import FloatArray
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
-from allanite.noise.likelihood import Likelihood
-from allanite.record import Record, Recording
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record, Recording
+from allanite.identification.likelihood.likelihood import Likelihood
 
 from .regressor import TREND, Regressor, readings
 from .restricted import FloatArray, Stretch

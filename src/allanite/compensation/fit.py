@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.errors import DataError, UsageError
-from allanite.model import Model, Term
-from allanite.noise.likelihood import Likelihood
-from allanite.record import SHORTEST, Record, Recording
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model, Term
+from allanite.core.record import SHORTEST, Record, Recording
+from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
 from .design import CONDITION, TRENDING, Choices, Collinearity, Design, collinearity, design

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.noise.likelihood import Likelihood
+from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
 from .restricted import FloatArray

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from allanite.errors import DataError
-from allanite.record import Record, Recording
-from allanite.statistics.gls import Covariance
+from allanite.core.errors import DataError
+from allanite.core.record import Record, Recording
+from allanite.statistics.moments.gls import Covariance
 
 from .gain import Gain
 from .regression import Regression

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from allanite.correction import Correction
-from allanite.errors import DataError, UsageError
-from allanite.model import Model
-from allanite.record import Record, Recording
-from allanite.units import Signal, signal_named
+from allanite.core.correction import Correction
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record, Recording
+from allanite.core.units import Signal, signal_named
 
 from .gain import Gain
 from .mixture import Mixture
@@ -275,7 +275,7 @@ class Regression(Correction):
 
 def save(regressions: tuple[Regression, ...], path: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write regressions as one JSON file; errors as those of `Regression.save`."""
-    from allanite.files import write
+    from allanite.core.files import write
 
     write(path, to_json(regressions).encode(), force=force)
 

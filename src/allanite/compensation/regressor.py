@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UnitError, UsageError
-from allanite.record import Record, Recording
-from allanite.units import convert
+from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.record import Record, Recording
+from allanite.core.units import convert
 
 from .slope import local_slope
 

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.noise.likelihood import Likelihood
-from allanite.noise.whittle import likelihood, spectrum
-from allanite.record import Record
+from allanite.core.record import Record
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.whittle import likelihood, spectrum
 
 FloatArray = NDArray[np.float64]
 Stretch = tuple[int, int]

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from allanite.noise.likelihood import Likelihood
+from allanite.identification.likelihood.likelihood import Likelihood
 
 from .design import SHORTEST, Design
 from .restricted import FloatArray, Stretch, restricted

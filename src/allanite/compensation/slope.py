@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 FloatArray = NDArray[np.float64]
 

@@ -5,5 +5,5 @@ from .transform import block_means as block_means
 from .transform import decimate as decimate
 from .transform import detrend as detrend
 from .transform import mark_outliers as mark_outliers
-from .trim import quiet_window as quiet_window
-from .trim import trim as trim
+from .window import quiet_window as quiet_window
+from .window import trim as trim

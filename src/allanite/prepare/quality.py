@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from allanite.finding import Finding, Quality
-from allanite.gaps import refusal
-from allanite.record import SHORTEST, Record
+from allanite.core.finding import Finding, Quality
+from allanite.core.record import SHORTEST, Record
 
+from .gaps import refusal
 from .readings import clipped, outliers, quantised, stuck
 from .resampled import resampled
 from .stillness import level, lines, moving, slope

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from allanite.finding import Finding
-from allanite.statistics.rounding import FEW_CODES, grid, rounding
+from allanite.core.finding import Finding
 
+from .rounding import FEW_CODES, grid, rounding
 from .view import View, stretches
 
 RARE = 1e-4

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.finding import Finding
+from allanite.core.finding import Finding
 
 from .view import View
 

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
-from allanite.record import KINDS, Record
+from allanite.core.errors import UsageError
+from allanite.core.record import KINDS, Record
 from allanite.statistics import statistic_named
-from allanite.statistics.robust import marked, outliers
+
+from .outliers import marked, outliers
 
 
 def mark_outliers(record: Record) -> Record:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.record import Record
-from allanite.statistics.robust import Outliers, outliers
-from allanite.statistics.rounding import fast_noise
+from allanite.core.record import Record
+
+from .outliers import Outliers, outliers
+from .rounding import fast_noise
 
 FloatArray = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 
 from .estimate import RateEstimate
 
@@ -122,7 +122,7 @@ def north(
 
     Examples
     --------
-    >>> from allanite.units import SIGNALS
+    >>> from allanite.core.units import SIGNALS
     >>> measured = RateEstimate(0.0, 1e-8, "mean", "", SIGNALS[0], "mean", 120.0)
     >>> north(measured, 60.0).words()[:56]
     'heading 90.0000 deg (89.9692 .. 90.0308), standard error'

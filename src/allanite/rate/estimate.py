@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from allanite.errors import UnitError, UsageError
-from allanite.finding import Finding
-from allanite.units import Signal, unit_of
+from allanite.core.errors import UnitError, UsageError
+from allanite.core.finding import Finding
+from allanite.core.units import Signal, unit_of
 
 
 def rate_factor(unit: str, signal: Signal) -> float:

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from allanite.finding import Finding
-from allanite.units import Signal
+from allanite.core.finding import Finding
+from allanite.core.units import Signal
 
 from .estimate import rate_factor
 from .ranking import Ranking

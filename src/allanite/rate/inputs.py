@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from allanite.errors import DataError, UsageError
-from allanite.finding import Finding
-from allanite.record import Record
+from allanite.core.errors import DataError, UsageError
+from allanite.core.finding import Finding
+from allanite.core.record import Record
 
 from .row import Interval
 from .setting import FloatArray, Options, Setting

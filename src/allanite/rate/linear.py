@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .row import Interval, Measurement, RateEstimator, linear
 from .setting import FloatArray, Setting

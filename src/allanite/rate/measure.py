@@ -2,9 +2,9 @@
 
 import math
 
-from allanite.errors import UnitError
-from allanite.model import Model, Term
-from allanite.record import Record
+from allanite.core.errors import UnitError
+from allanite.core.model import Model, Term
+from allanite.core.record import Record
 
 from .estimate import RateEstimate
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
@@ -54,7 +54,7 @@ def estimate(
 
     Examples
     --------
-    >>> from allanite.model import N, Q
+    >>> from allanite.core.model import N, Q
     >>> record = Record([3, 4, 4, 5, 3, 4], rate=1.0, unit="arcsec", kind="count", scale=0.5)
     >>> found = estimate(record, "optimal", model=N(0.001, "deg/sqrt(h)") + Q(0.2, "arcsec"))
     >>> found.words("deg/h")

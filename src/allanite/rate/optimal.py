@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from allanite.statistics.gls import Covariance
+from allanite.statistics.moments.gls import Covariance
 
 from .linear import parabola
 from .row import RateEstimator, linear

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from allanite.model import Model, Term
-from allanite.statistics.gls import Covariance
+from allanite.core.model import Model, Term
+from allanite.statistics.moments.gls import Covariance
 
 from .ranking import Ranking
 from .row import RateEstimator
@@ -79,7 +79,7 @@ def predicted_standard_error(
 
     Examples
     --------
-    >>> from allanite.model import N
+    >>> from allanite.core.model import N
     >>> white = N(0.003, "deg/sqrt(h)")
     >>> errors = [predicted_standard_error(m, white, n=48000, rate=400.0) for m in ("mean", "regression")]
     >>> round(errors[1] / errors[0], 4)
@@ -105,7 +105,7 @@ def rank(model: Model | Term, *, n: int, rate: float, target: str = "mean", opti
 
     Examples
     --------
-    >>> from allanite.model import N, Q
+    >>> from allanite.core.model import N, Q
     >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """

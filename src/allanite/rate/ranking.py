@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.model import Model
-from allanite.units import Signal, unit_of
+from allanite.core.model import Model
+from allanite.core.units import Signal, unit_of
 
 NEAR = 0.02
 """Loss of accuracy that is not worth another method."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UsageError
-from allanite.model import Model, Term
-from allanite.record import KINDS, Record
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model, Term
+from allanite.core.record import KINDS, Record
 
 from .experiment import Experiment
 from .inputs import demand_whole, findings_of, interval_of
@@ -87,7 +87,7 @@ def experiment(record: Record, model: Model | Term | None = None, plan: Plan | N
 
     Examples
     --------
-    >>> from allanite.ring_laser import GL1, simulate_ring_laser
+    >>> from allanite.simulation.ring_laser import GL1, simulate_ring_laser
     >>> record = simulate_ring_laser(GL1, 12.4392, 60_000, 400.0, rng=np.random.default_rng(1))
     >>> found = experiment(record, GL1.model, Plan(interval=10.0, methods=("mean", "regression")))
     >>> found.rates.shape, found.notes

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
-from allanite.model import Model, Term
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term
 
 FloatArray = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .linear import parabola
 from .row import Interval, Measurement, RateEstimator

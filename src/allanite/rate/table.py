@@ -1,6 +1,6 @@
 """The table of estimators."""
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .linear import CONDITIONAL, HAMMING, MEAN, REGRESSION
 from .optimal import OPTIMAL

@@ -10,8 +10,8 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from allanite.errors import AllaniteError, DataError
-from allanite.record import Record, Recording
+from allanite.core.errors import AllaniteError, DataError
+from allanite.core.record import Record, Recording
 
 
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
@@ -82,10 +82,11 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
-    from .formats import READERS, readable, reader_for
+    from allanite.readers.formats.table import READERS, readable, reader_for
+    from allanite.readers.sandbox.packing import unpacked
+    from allanite.readers.sandbox.source import SEPARATOR, checked, digest_of, head_of
+
     from .options import Options, channel_names
-    from .packing import unpacked
-    from .source import SEPARATOR, checked, digest_of, head_of
 
     names = (channel_names(channels), channel_names(along))
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
@@ -138,9 +139,8 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     ([3, 1, 2], 100.0, 'count', 0.1, 'arcsec')
     >>> folder.cleanup()
     """
-    from allanite.files import draft
-
-    from .formats import writer_for
+    from allanite.core.files import draft
+    from allanite.readers.formats.table import writer_for
 
     whole = Recording((recording,)) if isinstance(recording, Record) else recording
     first = whole[0]

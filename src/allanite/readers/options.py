@@ -5,9 +5,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.errors import UsageError
-from allanite.record import KINDS, explain_kinds
-from allanite.units import unit_of
+from allanite.core.errors import UsageError
+from allanite.core.record import KINDS, explain_kinds
+from allanite.core.units import unit_of
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, and perhaps a unit behind it."""

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from allanite.errors import UsageError
-from allanite.finding import Finding
-from allanite.fit import Fit
-from allanite.model import coefficient_factor
-from allanite.noise import identify
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
+from allanite.core.fit import Fit
+from allanite.core.model import coefficient_factor
+from allanite.core.record import Record
+from allanite.core.units import Signal, unit_of
+from allanite.identification import identify
+from allanite.prepare.rounding import NO_DITHER, rounding
 from allanite.prepare.view import View
-from allanite.record import Record
-from allanite.statistics.rounding import NO_DITHER, rounding
 from allanite.terms import TERMS
-from allanite.units import Signal, unit_of
 
 from .codes import Codes, codes
 from .stage import Stage, demand_unclipped

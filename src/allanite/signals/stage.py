@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import DataError, UnitError, UsageError
-from allanite.record import Record
-from allanite.units import convert, signal_with, unit_of
+from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.record import Record
+from allanite.core.units import convert, signal_with, unit_of
 
 FloatArray = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from allanite.errors import UsageError
-from allanite.record import Record
+from allanite.core.errors import UsageError
+from allanite.core.record import Record
 
 from .stage import Stage, demand_unclipped
 
@@ -132,7 +132,7 @@ def rate_from_current(
 
 def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
     """A per unit of the readings, and where that is known from."""
-    from allanite.units import unit_of
+    from allanite.core.units import unit_of
 
     own = unit_of(record.unit).factor
     if record.signal.name == "current":

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.model import Model, Term
+from allanite.core.model import Model, Term
 
 from .allan import Steps, allan_variance
 from .blocks import Block, angle_noise, markov, oscillator, walk

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 from allanite.terms import TERMS
 from allanite.terms.markov import gauss_markov
 

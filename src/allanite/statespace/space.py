@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.errors import UsageError
-from allanite.model import Model, Term
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term
 from allanite.statistics import expected
 
 from .blocks import Block
@@ -154,7 +154,7 @@ def state_space(
 
     Examples
     --------
-    >>> from allanite.model import B, N
+    >>> from allanite.core.model import B, N
     >>> space = state_space(N(0.01, "deg/sqrt(h)") + B(0.5, "deg/h"), 100.0, tau=(10.0, 1000.0))
     >>> space.Phi.shape, space.measurement, space.ripple < 0.02
     ((3, 3), 'sample', True)

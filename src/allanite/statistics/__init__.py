@@ -4,24 +4,24 @@ import warnings
 from collections.abc import Sequence
 from typing import Literal
 
-from allanite.curve import Curve, Law
-from allanite.errors import DataError, LongJobWarning, UsageError
-from allanite.model import Model
-from allanite.record import Record
-from allanite.units import Signal
+from allanite.core.curve import Curve, Law
+from allanite.core.errors import DataError, LongJobWarning, UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record
+from allanite.core.units import Signal
+from allanite.statistics.confidence.bias import correction, demand_bias
+from allanite.statistics.confidence.limits import Points, automatic, law, power_laws, unit_term
+from allanite.statistics.confidence.sparse import sparse, sparse_law
+from allanite.statistics.moments.expect import expected as expected
+from allanite.statistics.moments.moments import covariance as covariance
+from allanite.statistics.moments.moments import edf as edf
 
 from .angle import Angle
 from .angle import integrated as integrated
-from .bias import correction, demand_bias
-from .confidence import Points, automatic, law, power_laws, unit_term
 from .estimate import estimate
-from .expect import expected as expected
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
-from .moments import covariance as covariance
-from .moments import edf as edf
 from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
-from .sparse import sparse, sparse_law
 from .table import STATISTICS as STATISTICS
 from .table import statistic_named as statistic_named
 

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from .everytau import dense, split
+from allanite.statistics.fast.everytau import dense, split
+
 from .row import FloatArray, IntArray, Statistic, binomial_window, constant, interleaved
 
 

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.errors import DataError
-from allanite.record import Record
+from allanite.core.errors import DataError
+from allanite.core.record import Record
 
 from .row import FloatArray
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.curve import Curve
-from allanite.errors import DataError, UsageError
-from allanite.model import Model
-from allanite.record import KINDS, Record
-from allanite.surface import Surface
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.record import KINDS, Record
+from allanite.core.surface import Surface
+from allanite.statistics import deviation
 
-from . import deviation
 from .angle import integrated
 from .estimate import Estimate, estimate
 from .row import Statistic

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError
 
 from .angle import Angle, Piece
 from .grids import part_of

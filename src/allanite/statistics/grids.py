@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .row import FloatArray, IntArray, Statistic
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .everytau import dense, split
+from allanite.statistics.fast.everytau import dense, split
+
 from .row import FloatArray, IntArray, Statistic, Window
 
 

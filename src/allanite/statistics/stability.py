@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.curve import Curve
-from allanite.errors import DataError, UsageError
-from allanite.model import Model
-from allanite.record import Record
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record
 
 from .row import BoolArray
 

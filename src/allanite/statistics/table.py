@@ -1,6 +1,6 @@
 """The table of statistics."""
 
-from allanite.errors import UsageError
+from allanite.core.errors import UsageError
 
 from .allan import ADEV, HAAR, OADEV
 from .extremes import MTIE, TIERMS

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.statistics.fast.theofft import split, theo1_sums
+
 from .allan import OADEV
 from .row import Statistic, Window, constant
-from .theofft import split, theo1_sums
 
 
 def _window(m: int) -> Window:

@@ -1,0 +1,1 @@
+"""Before and after, unit against unit, run against run."""

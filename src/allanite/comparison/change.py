@@ -1,0 +1,160 @@
+"""Change: one coefficient before and after. Homogeneity: whether several records have one noise."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.core.fit import Estimate
+from allanite.core.units import Signal
+from allanite.terms import TERMS
+
+Limits = Callable[[float], tuple[float, float]]
+
+RESOLVED = 2.0
+"""Where the limits of a ratio hold this factor or its inverse, the record does not resolve the coefficient."""
+
+LEAST_P = 1e-12
+"""A probability below this is printed as being below it."""
+
+OUTCOMES = {
+    "smaller": "the coefficient is smaller afterwards; by chance that happens with the adjusted p",
+    "larger": "the coefficient is larger afterwards; by chance that happens with the adjusted p",
+    "no change": "no change is seen, and one by a factor of 2 would lie outside the limits",
+    "not resolvable": "no change is seen, and one by a factor of 2 would not be either: a longer record would tell",
+}
+"""What each outcome means."""
+
+
+@dataclass(frozen=True)
+class Homogeneity:
+    """Whether the noise of several records is one and the same.
+
+    Attributes
+    ----------
+    statistic : float
+        Twice the log-likelihood that a model for each gains over one common model.
+    dof : int
+        Coefficients that it has more.
+    p : float
+        Probability of as much by chance: by bootstrap as far as its draws reach, by chi-square beyond.
+    draws : int
+        Number of draws; 0 where chi-square was clear enough.
+    """
+
+    statistic: float
+    dof: int
+    p: float
+    draws: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"statistic": self.statistic, "dof": self.dof, "p": self.p, "draws": self.draws}
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """One coefficient before and after.
+
+    Attributes
+    ----------
+    symbol, signal
+        The term, and the kind of sensor.
+    before, after : Estimate
+    ratio : float
+        The coefficient after over that before, with its sign for a ramp; NaN where neither record has any.
+    p, adjusted : float
+        Probability of such a difference by chance, where there is none; the same after Holm's correction for all terms.
+    limits : level -> (low, high)
+        Of the ratio.
+    alpha : float
+        Adjusted p up to which the change is called one.
+    """
+
+    symbol: str
+    signal: Signal
+    before: Estimate
+    after: Estimate
+    ratio: float
+    p: float
+    adjusted: float
+    limits: Limits
+    alpha: float = 0.05
+
+    @property
+    def percent(self) -> float:
+        """Change in percent of the coefficient before."""
+        return 100 * (self.ratio - 1)
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Confidence limits (low, high) of the change in percent; -100 and infinity where there are none."""
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        low, high = self.limits(level)
+        return 100 * (low - 1), 100 * (high - 1)
+
+    @property
+    def significant(self) -> bool:
+        """Whether the change is more than chance, all terms considered."""
+        return self.adjusted <= self.alpha
+
+    @property
+    def outcome(self) -> str:
+        """A key of `OUTCOMES`."""
+        low, high = self.limits(1 - self.alpha)
+        if self.significant:
+            return "smaller" if abs(self.ratio) < 1 else "larger"
+        return "no change" if low > 1 / RESOLVED and high < RESOLVED else "not resolvable"
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        low, high = self.interval(level)
+        return {
+            "symbol": self.symbol,
+            "before": self.before.to_dict(level),
+            "after": self.after.to_dict(level),
+            "change_percent": self.percent,
+            "low_percent": low,
+            "high_percent": high,
+            "level": level,
+            "p": self.p,
+            "p_holm": self.adjusted,
+            "outcome": self.outcome,
+        }
+
+
+def alpha_of(level: float) -> float:
+    """The p up to which a difference is called one, at a confidence level: 0.05, not 0.050000000000000044."""
+    return round(1 - level, 12)
+
+
+def holm(p: list[float]) -> list[float]:
+    """P-values adjusted for their number (S. Holm, Scandinavian J. Statistics 6 (1979) 65).
+
+    Examples
+    --------
+    >>> holm([0.01, 0.04, 0.03])
+    [0.03, 0.06, 0.06]
+    """
+    adjusted, least = [0.0] * len(p), 0.0
+    for rank, i in enumerate(sorted(range(len(p)), key=lambda i: p[i])):
+        least = max(least, min(1.0, (len(p) - rank) * p[i]))
+        adjusted[i] = least
+    return adjusted
+
+
+def words_of_p(p: float) -> str:
+    """A probability: ``p = 0.03``, ``p < 1e-12``."""
+    return f"p = {p:.2g}" if p >= LEAST_P else f"p < {LEAST_P:g}"
+
+
+def told(change: Change) -> str:
+    """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
+    low, high = change.interval(1 - change.alpha)
+    if not math.isfinite(change.ratio):
+        return f"{change.symbol} is there only afterwards"
+    if TERMS[change.symbol].waveform is not None and change.ratio < 0:
+        return f"{change.symbol} has turned its sign"
+    limits = f" ({low:+.3g} to {high:+.3g} %)" if math.isfinite(low) and math.isfinite(high) else ""
+    return f"{change.symbol} {change.percent:+.3g} %{limits}"

@@ -1,0 +1,247 @@
+"""Comparison: what has changed between two records of one kind of sensor, and whether that means anything."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.terms import TERMS
+
+from .change import Change, Homogeneity, told, words_of_p
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Ratios:
+    """Ratio of two curves' variances, after over before, at the averaging times that both have.
+
+    Attributes
+    ----------
+    before, after : Curve
+        With their limits, at the same averaging times.
+    p : array, shape (k,)
+        Probability of a ratio as far from 1 by chance, each time by itself.
+    limits : level -> (low, high)
+        Of the ratio of the variances: the law of a ratio of two weighted sums of chi-squares, which is Fisher's F with
+        both equivalent degrees of freedom where these are many.
+    """
+
+    before: Curve
+    after: Curve
+    p: FloatArray
+    limits: Callable[[float], tuple[FloatArray, FloatArray]]
+
+    @property
+    def tau(self) -> FloatArray:
+        """Averaging times, s."""
+        return self.before.tau
+
+    @property
+    def ratio(self) -> FloatArray:
+        """Variance after over variance before."""
+        return np.asarray(self.after.variance / self.before.variance)
+
+    def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
+        """Confidence limits (low, high) of the ratio of the variances."""
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        return self.limits(level)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
+        """Headings and rows for any table."""
+        unit = self.before.unit
+        headings = ["tau [s]", f"before [{unit}]", f"after [{unit}]", "edf before", "edf after", "variance ratio",
+                    f"low {level:.4g}", f"high {level:.4g}", "p"]  # fmt: skip
+        columns = [self.tau, self.before.deviation, self.after.deviation, self.before.edf, self.after.edf, self.ratio,
+                   *self.interval(level), self.p]  # fmt: skip
+        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        low, high = self.interval(level)
+        return {
+            "before": self.before.to_dict(level),
+            "after": self.after.to_dict(level),
+            "ratio": self.ratio.tolist(),
+            "low": low.tolist(),
+            "high": high.tolist(),
+            "p": self.p.tolist(),
+            "level": level,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One channel before and after; `refusal` says why it could not be compared.
+
+    Attributes
+    ----------
+    name : str
+        Of the channel; of both if they differ.
+    test : Homogeneity or None
+        The likelihood ratio of one common model against two; None where only fits were at hand.
+    changes : tuple of Change
+        One a term.
+    ratios : Ratios or None
+    band : (low, high) or None
+        Frequencies that were compared, Hz.
+    fits : (Fit, Fit) or None
+    records : (Record, Record) or None
+    alerts : tuple of str
+        What must stand beside the numbers.
+    whole : Fit or None
+        Of the record of which both are parts, in a study of truncation.
+    """
+
+    name: str
+    test: Homogeneity | None = None
+    changes: tuple[Change, ...] = ()
+    ratios: Ratios | None = None
+    band: tuple[float, float] | None = None
+    fits: tuple[Fit, Fit] | None = None
+    records: tuple[Record, Record] | None = None
+    alerts: tuple[str, ...] = ()
+    refusal: str = ""
+    alpha: float = 0.05
+    whole: Fit | None = None
+
+    def __getitem__(self, symbol: str) -> Change:
+        for change in self.changes:
+            if change.symbol == symbol:
+                return change
+        raise UsageError(f"{symbol!r} was not compared; there are {', '.join(c.symbol for c in self.changes)}")
+
+    @property
+    def p(self) -> float:
+        """Of the whole: by the likelihood ratio, or the least adjusted one of the coefficients."""
+        if self.test is not None:
+            return self.test.p
+        return min((change.adjusted for change in self.changes), default=math.nan)
+
+    @property
+    def changed(self) -> bool:
+        """Whether the records differ by more than chance."""
+        return self.p <= self.alpha
+
+    @property
+    def verdict(self) -> str:
+        """What has changed and what has not, in a sentence or two."""
+        if self.refusal:
+            return f"not compared: {self.refusal}"
+        test = self.test
+        how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {_coefficients(test.dof)})"
+        p = words_of_p(self.p)
+        first = f"the noise has changed, {p}{how}" if self.changed else f"no change of the noise is seen, {p}{how}"
+        named = [told(change) for change in self.changes if change.significant]
+        same = [c.symbol for c in self.changes if c.outcome == "no change"]
+        open_ = [c.symbol for c in self.changes if c.outcome == "not resolvable"]
+        parts = [first + (f": {', '.join(named)}" if named else "")]
+        if self.changed and not named:
+            parts[0] += ": no single coefficient shows it"
+        parts += [f"unchanged within their limits: {', '.join(same)}"] if same else []
+        parts += [f"not resolvable in these records: {', '.join(open_)}"] if open_ else []
+        return "; ".join(parts)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.name,
+            "verdict": self.verdict,
+            "changed": self.changed,
+            "p": self.p,
+            "test": None if self.test is None else self.test.to_dict(),
+            "terms": [change.to_dict(level) for change in self.changes],
+            "whole": None if self.whole is None else self.whole.to_dict(level),
+            "ratios": None if self.ratios is None else self.ratios.to_dict(level),
+            "band": None if self.band is None else list(self.band),
+            "alerts": list(self.alerts),
+            "refusal": self.refusal,
+        }
+
+
+def _coefficients(count: int) -> str:
+    return f"{count} coefficient{'' if count == 1 else 's'}"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Every channel of two recordings, compared.
+
+    ``comparison["z"]`` is the `Pair` of a channel; of a single channel ``comparison["N"]`` is the `Change` of a term.
+
+    Attributes
+    ----------
+    pairs : tuple of Pair
+    names : (str, str)
+        What is compared with what.
+    level : float
+        Of all limits.
+    choices : dict
+        How it was read and compared.
+    notes : tuple of str
+    provenance : dict
+    """
+
+    pairs: tuple[Pair, ...]
+    names: tuple[str, str] = ("before", "after")
+    level: float = 0.95
+    choices: dict[str, Any] | None = None
+    notes: tuple[str, ...] = ()
+    provenance: dict[str, str] | None = None
+
+    def __iter__(self) -> Iterator[Pair]:
+        return iter(self.pairs)
+
+    def __getitem__(self, key: str) -> "Pair | Change":
+        for pair in self.pairs:
+            if pair.name == key:
+                return pair
+        if len(self.pairs) == 1:
+            return self.pairs[0][key]
+        raise UsageError(f"no channel {key!r}; there are {', '.join(pair.name for pair in self.pairs)}")
+
+    @property
+    def terms(self) -> tuple[Change, ...]:
+        """The changes of all coefficients, channel after channel."""
+        return tuple(change for pair in self.pairs for change in pair.changes)
+
+    @property
+    def verdict(self) -> str:
+        """What has changed, a line a channel."""
+        many = len(self.pairs) > 1
+        return "\n".join(f"{pair.name}: {pair.verdict}" if many else pair.verdict for pair in self.pairs)
+
+    def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: a coefficient before and after, its change in percent, and what that means."""
+        level = level or self.level
+        headings = ["channel", "term", "", "before", "after", "unit", "change %", f"low {level:.4g}",
+                    f"high {level:.4g}", "p", "p (Holm)", "outcome"]  # fmt: skip
+        rows: list[list[Any]] = []
+        for pair in self.pairs:
+            for c in pair.changes:
+                unit = c.before.sheet_unit
+                values = [None if e.value is None else e.to(unit) for e in (c.before, c.after)]
+                rows.append([pair.name, c.symbol, TERMS[c.symbol].title, *values, unit, c.percent,
+                             *c.interval(level), c.p, c.adjusted, c.outcome])  # fmt: skip
+        return headings, rows
+
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "Comparison",
+            "names": list(self.names),
+            "verdict": self.verdict,
+            "channels": [pair.to_dict(level or self.level) for pair in self.pairs],
+            "choices": self.choices or {},
+            "notes": list(self.notes),
+            "provenance": self.provenance or {},
+        }

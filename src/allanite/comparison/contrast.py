@@ -1,0 +1,198 @@
+"""Tests between records: whether they are of one noise, and how far apart a coefficient of two can be."""
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
+
+from .change import Homogeneity
+from .joint import Joint, drawn, least, tied
+
+DRAWS = 199
+"""Draws of a bootstrap at most."""
+
+ENOUGH = 10
+"""Draws that reach what was seen, after which the bootstrap stops: p is then known to a third of itself."""
+
+CLEAR = 1e-4
+"""A p by chi-square below which nothing is drawn."""
+
+
+def homogeneity(joint: Joint, rng: "np.random.Generator", *, draws: int = DRAWS) -> Homogeneity:
+    """Test of one common model against a model for each record, of the terms that the common model holds.
+
+    Parameters
+    ----------
+    joint : Joint
+    rng : numpy.random.Generator
+    draws : int
+        Of the bootstrap, which stops early where p is far from small.
+
+    References
+    ----------
+    J. Besag, P. Clifford, Biometrika 78 (1991) 301: sequential Monte Carlo p-values.
+    """
+    parts = joint.only(joint.chosen.free)
+    theta = joint.chosen.theta[joint.chosen.free]
+    seen = gain(parts, theta)
+    dof = theta.size * (len(parts) - 1)
+    by_table = chi_square(seen, dof)
+    if by_table < CLEAR or draws == 0:
+        return Homogeneity(seen, dof, by_table, 0)
+    reached = 0
+    for count in range(1, draws + 1):
+        reached += gain(tuple(drawn(part, theta, rng) for part in parts), theta) >= seen
+        if reached == ENOUGH:
+            return Homogeneity(seen, dof, reached / count, count)
+    smallest = (reached + 1) / (draws + 1)
+    return Homogeneity(seen, dof, min(smallest, by_table) if reached == 0 else smallest, draws)
+
+
+def gain(parts: tuple[Likelihood, ...], start: FloatArray) -> float:
+    """Twice what separate models gain in L over one common model."""
+    free = np.ones(start.size, dtype=bool)
+    _, common = tied(parts).minimise(free, start)
+    _, separate = least(parts, start)
+    return max(2 * (common - separate), 0.0)
+
+
+def chi_square(value: float, dof: int) -> float:
+    """Probability of a larger chi-square."""
+    from scipy.special import chdtrc
+
+    return float(chdtrc(dof, value))
+
+
+@dataclass(frozen=True, eq=False)
+class Contrast:
+    """One coefficient of two records, the other terms of each being free.
+
+    Their ratio is tan(phi): 0 where the second record has none of it, infinite where the first has none.
+    """
+
+    joint: Joint
+    which: int
+
+    @cached_property
+    def _parts(self) -> tuple[Likelihood, ...]:
+        columns = self.joint.chosen.free.copy()
+        columns[self.which] = True
+        return self.joint.only(columns)
+
+    @cached_property
+    def _column(self) -> int:
+        return int(self.joint.chosen.free[: self.which].sum())
+
+    @cached_property
+    def _separate(self) -> tuple[list[FloatArray], float]:
+        return least(self._parts)
+
+    @property
+    def ratio(self) -> float:
+        """The second coefficient over the first; NaN where both are zero."""
+        first, second = (theta[self._column] for theta in self._separate[0])
+        return math.nan if first <= 0 and second <= 0 else math.inf if first <= 0 else math.sqrt(second / first)
+
+    def excess(self, phi: float) -> float:
+        """2 (L - its minimum) with the ratio held at tan(phi)."""
+        p, i = self._parts[0].S.shape[1], self._column
+        thetas, minimum = self._separate
+        if p == 1 and phi in (0.0, math.pi / 2):  # no noise at all would be left
+            return math.inf
+        shared = [np.eye(p, 2 * p - 1), np.eye(p, 2 * p - 1)]
+        others = [j for j in range(p) if j != i]
+        shared[1][others] = 0.0
+        shared[1][others, np.arange(p, 2 * p - 1)] = 1.0
+        shared[0][i, i], shared[1][i, i] = math.cos(phi) ** 2, math.sin(phi) ** 2
+        start = np.concatenate((thetas[0], thetas[1][others]))
+        start[i] = max(thetas[0][i] + thetas[1][i], 1e-12 * float(np.max(start, initial=0.0)))
+        _, value = tied(self._parts, shared).minimise(np.ones(2 * p - 1, dtype=bool), start)
+        return max(2 * (value - minimum), 0.0)
+
+    @property
+    def p(self) -> float:
+        """Probability of such a difference by chance, where there is none."""
+        return chi_square(self.excess(math.pi / 4), 1)
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Profile limits of the ratio; from 0 to infinity where the records say nothing of it."""
+        from scipy.special import ndtri
+
+        drop = float(ndtri((1 + level) / 2)) ** 2
+        best = self.ratio
+        at = math.pi / 4 if math.isnan(best) else math.atan(best)
+        return math.tan(self._solve(drop, at, 0.0)), _tangent(self._solve(drop, at, math.pi / 2))
+
+    def _solve(self, drop: float, best: float, end: float) -> float:
+        """Where the excess is `drop` between the best angle and an end; the end if it is less there."""
+        from scipy.optimize import brentq
+
+        if best == end or self.excess(end) <= drop:
+            return end
+        inside, share = best, 1e-3
+        while self.excess(outside := best + min(share, 1 - 1e-9) * (end - best)) < drop:
+            inside, share = outside, 3 * share
+
+        def beyond(phi: float) -> float:
+            return math.sqrt(self.excess(phi)) - math.sqrt(drop)
+
+        return float(brentq(beyond, inside, outside, xtol=1e-4 * abs(outside - best), rtol=1e-12))
+
+
+def _tangent(phi: float) -> float:
+    return math.inf if phi == math.pi / 2 else math.tan(phi)
+
+
+def outlying(joint: Joint) -> list[float]:
+    """Of each record, the probability that it would differ as much from all others by chance; shape (records,)."""
+    free = joint.chosen.free
+    parts, theta = joint.only(free), joint.chosen.theta[free]
+    whole = np.ones(theta.size, dtype=bool)
+    _, together = tied(parts).minimise(whole, theta)
+    found = []
+    for i, part in enumerate(parts):
+        _, rest = tied(parts[:i] + parts[i + 1 :]).minimise(whole, theta)
+        _, own = part.minimise(whole, theta)
+        found.append(chi_square(max(2 * (together - rest - own), 0.0), theta.size))
+    return found
+
+
+def spread(joint: Joint, which: int) -> tuple[float, float]:
+    """Chi-square of one coefficient being the same in all records, the other terms of each being free, and its p."""
+    columns = joint.chosen.free.copy()
+    columns[which] = True
+    parts, i = joint.only(columns), int(joint.chosen.free[:which].sum())
+    apart = np.arange(parts[0].S.shape[1]) != i
+    maps = mixed(apart, len(parts))
+    thetas, separate = least(parts)
+    start = np.concatenate(([np.mean([t[i] for t in thetas])], *(t[apart] for t in thetas)))
+    _, value = tied(parts, maps).minimise(np.ones(start.size, dtype=bool), start)
+    statistic = max(2 * (value - separate), 0.0)
+    return statistic, chi_square(statistic, len(parts) - 1)
+
+
+def mixed(apart: BoolArray, count: int) -> list[FloatArray]:
+    """Maps of `tied` for so many parts: columns that are `apart`, shape (p,), are of each part, the others common."""
+    p, own = apart.size, int(apart.sum())
+    maps = []
+    for j in range(count):
+        H = np.zeros((p, p - own + count * own))
+        H[~apart, np.arange(p - own)] = 1.0
+        H[apart, p - own + j * own + np.arange(own)] = 1.0
+        maps.append(H)
+    return maps
+
+
+def partly_common(joint: Joint, apart: Collection[str]) -> list[dict[str, float]]:
+    """Coefficients of each record, SI, every term let in: only those of the symbols `apart` differ between records.
+
+    A weak term is better known from all records together than from each.
+    """
+    maps = mixed(np.array([s in apart for s in joint.symbols]), len(joint.parts))
+    together = tied(joint.parts, maps)
+    theta, _ = together.minimise(np.ones(together.S.shape[1], dtype=bool))
+    return [dict(zip(joint.symbols, np.sqrt(H @ theta).tolist(), strict=True)) for H in maps]

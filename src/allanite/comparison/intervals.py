@@ -1,0 +1,82 @@
+"""The ratio of two coefficients of which only the intervals are at hand."""
+
+import math
+from dataclasses import dataclass
+
+from allanite.core.errors import UsageError
+from allanite.core.fit import Estimate
+
+
+@dataclass(frozen=True, eq=False)
+class IntervalContrast:
+    """A coefficient of one fit against that of another, independent one.
+
+    The limits recover a variance on either side from each interval, on the scale of logarithms, where the intervals of
+    coefficients above zero are nearly symmetric.
+
+    References
+    ----------
+    A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21 (2012) 347: the method of variance estimates
+    recovery.
+
+    Raises
+    ------
+    UsageError
+        A fit has no intervals.
+    """
+
+    first: Estimate
+    second: Estimate
+
+    def __post_init__(self) -> None:
+        for estimate in (self.first, self.second):
+            if estimate.limits is None:
+                raise UsageError(
+                    f"the method {estimate.method!r} gives no intervals, and so no comparison; use method='whittle'"
+                )
+
+    @property
+    def ratio(self) -> float:
+        """The second coefficient over the first; NaN where neither was found."""
+        first, second = self.first.value, self.second.value
+        if first is None and second is None:
+            return math.nan
+        return math.inf if first is None else (second or 0.0) / first
+
+    @property
+    def p(self) -> float:
+        """One less the level at which the limits of the ratio reach 1."""
+        low, high = 0.0, 1 - 1e-12
+        for _ in range(50):
+            middle = (low + high) / 2
+            under, over = self.limits(middle)
+            low, high = (low, middle) if under <= 1 <= over else (middle, high)
+        return 1 - low
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the ratio; from 0 (for a signed coefficient: minus infinity) to infinity where it is open."""
+        signed = [e.value is not None and e.value < 0 for e in (self.first, self.second)]
+        (l1, v1, u1), (l2, v2, u2) = (_sizes(e, level) for e in (self.first, self.second))
+        if signed[0] != signed[1]:
+            return (-u2 / l1 if l1 > 0 else -math.inf), 0.0
+        low = math.exp(-math.hypot(_log(v2, l2), _log(u1, v1))) if min(l2, v1) > 0 and math.isfinite(u1) else 0.0
+        high = math.exp(math.hypot(_log(u2, v2), _log(v1, l1))) if min(l1, v2) > 0 and math.isfinite(u2) else math.inf
+        if v1 > 0 and v2 > 0:
+            return low * v2 / v1, high * v2 / v1
+        if v1 > 0:  # the second one was not found
+            return 0.0, u2 / l1 if l1 > 0 else math.inf
+        return (l2 / u1 if v2 > 0 else 0.0), math.inf
+
+
+def _sizes(estimate: Estimate, level: float) -> tuple[float, float, float]:
+    """Size of a coefficient between its limits; 0 where it was not found."""
+    low, high = estimate.interval(level)
+    if estimate.value is None:
+        return 0.0, 0.0, max(abs(low), abs(high))
+    if low <= 0 <= high:
+        return 0.0, abs(estimate.value), max(abs(low), abs(high))
+    return min(abs(low), abs(high)), abs(estimate.value), max(abs(low), abs(high))
+
+
+def _log(above: float, below: float) -> float:
+    return math.log(above / below) if below > 0 else math.inf

@@ -1,0 +1,246 @@
+r"""Several records at once: one common model against a model for each, and a coefficient against its like.
+
+The records are independent, so that their likelihoods multiply. Every hypothesis is one `Likelihood` whose columns are
+those of the parts, mixed: with theta_j = H_j theta the squared coefficients of part j, S = [S_1 H_1; S_2 H_2; ...].
+
+    H_j = 1                          one common model
+    H_1 = (cos^2 phi, 1, 0), ...     one coefficient of the second record is tan(phi) times that of the first
+
+Twice the difference of log-likelihoods is the test. Coefficients end at zero, and some stand on few powers, so that it
+is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.model import Term
+from allanite.core.record import SHORTEST, Record
+from allanite.core.units import Signal
+from allanite.identification.likelihood.families import MARKOV
+from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
+from allanite.identification.likelihood.selection import DOUBT, Profiles, Subset, select, subsets
+from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
+from allanite.terms import TERMS
+
+RANK = 1e-9
+"""Share of a bin's largest direction below which another is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """The likelihoods of several records of one kind of sensor, for squared coefficients in SI.
+
+    Attributes
+    ----------
+    symbols : tuple of str
+        The noise terms: the columns.
+    parts : tuple of Likelihood
+    seen : tuple of Spectrum
+        The spectrum of each part.
+    signal : Signal
+    band : (low, high)
+        The frequencies that every part has, Hz.
+    constant : float or None
+        Time constant of Gauss-Markov noise, s.
+    """
+
+    symbols: tuple[str, ...]
+    parts: tuple[Likelihood, ...]
+    seen: tuple[Spectrum, ...]
+    signal: Signal
+    band: tuple[float, float]
+    constant: float | None = None
+
+    def term(self, symbol: str, value: float) -> Term:
+        """A term of a model, with a coefficient in SI."""
+        shape = () if self.constant is None or not TERMS[symbol].parameters else (self.constant,)
+        return Term(symbol, value, self.signal, shape)
+
+    @cached_property
+    def whole(self) -> Likelihood:
+        """All parts with one common model."""
+        return tied(self.parts)
+
+    @cached_property
+    def fitted(self) -> list[Subset]:
+        """Every set of terms, fitted to all parts in common."""
+        return subsets(self.whole)
+
+    @cached_property
+    def chosen(self) -> Subset:
+        """What any part may hold: the common model, with the terms that gain `DOUBT` in 2 L."""
+        return select(self.fitted, DOUBT)
+
+    def limits(self, which: int, level: float) -> tuple[float, float]:
+        """Limits of a common coefficient, SI."""
+        low, high = Profiles(self.fitted, select(self.fitted), self.fitted[-1]).limits(which, level)
+        return math.sqrt(low), math.sqrt(high)
+
+    def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
+        """The parts with some of the terms."""
+        return tuple(reduced(part, columns) for part in self.parts)
+
+
+def joint(
+    records: Sequence[Record],
+    symbols: Sequence[str],
+    band: tuple[float, float] | None = None,
+    *,
+    constant: float | None = None,
+) -> Joint:
+    """The likelihoods of records in the band of frequencies that all of them have.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        At least two, of one kind of sensor; rates, units and lengths may differ.
+    symbols : sequence of str
+        Keys of `TERMS`; a deterministic one is integrated out of each record.
+    band : (low, high), optional
+        Frequencies that count, Hz, within the common band.
+    constant : float, optional
+        Time constant of Gauss-Markov noise, s, in all records, where that is among the terms.
+
+    Raises
+    ------
+    DataError
+        The records are of different sensors, too short, constant, or have no band in common.
+    """
+    demand_one_kind(records)
+    for record in records:
+        if record.size < SHORTEST:
+            raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
+    plain = [s for s in symbols if not TERMS[s].parameters]
+    shaped = [] if constant is None else [s for s in symbols if s == MARKOV]
+    noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
+    seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
+    band = common_band(records, band)
+    parts = []
+    for record, found in zip(records, seen, strict=True):
+        whole = likelihood(found, plain)
+        for symbol in shaped:
+            row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
+            whole = whole.with_more(column(row, found))
+        parts.append(_in_si(_in_band(found, whole, band), found, noise))
+    return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
+
+
+def common_band(records: Sequence[Record], band: tuple[float, float] | None = None) -> tuple[float, float]:
+    """The frequencies that all records have, Hz, within a band if one is given.
+
+    Raises
+    ------
+    DataError
+        There are none.
+    """
+    low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
+    low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
+    if not low < high:
+        spans = ", ".join(f"{1 / (2 * r.duration):.3g} to {r.rate / 2:.3g} Hz" for r in records)
+        within = "" if band is None else f" within {band[0]:g} to {band[1]:g} Hz"
+        raise DataError(
+            f"the records have no band of frequencies in common{within}: they reach from {spans}; record longer, or at "
+            "more alike rates"
+        )
+    return low, high
+
+
+def demand_one_kind(records: Sequence[Record]) -> None:
+    """Make sure that records are of one kind of sensor.
+
+    Raises
+    ------
+    DataError
+        They are not.
+    """
+    signals = {record.signal.name: record.name for record in records}
+    if len(signals) > 1:
+        kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
+        raise DataError(
+            f"only sensors of one kind can be compared, not {kinds}; name channels of one kind (--channels)"
+        )
+
+
+def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
+    """The bins within a band; coefficient k stands for the frequencies from k - 1/2 to k + 1/2."""
+    low, high = band
+    half = seen.rate / (4 * seen.size)
+    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
+    inside = (first > low) & (last <= high * (1 + 1e-9))
+    if inside.sum() < FEWEST:
+        raise DataError(
+            f"the records have hardly a band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them "
+            f"has {inside.sum()} bins of the spectrum, fewer than {FEWEST}; record longer, or at more alike rates"
+        )
+    return whole if inside.all() else whole.only(inside)
+
+
+def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:
+    """The same for squared coefficients in SI."""
+    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
+    return replace(part, S=part.S * size, W=part.W * size)
+
+
+def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
+    """The likelihood of some of the terms; a direction to which none of them adds is dropped."""
+    W = part.W[:, columns]
+    kept = part.flat | W.any(axis=1)
+    return replace(
+        part,
+        S=part.S[:, columns],
+        UU=part.UU[:, kept][:, :, kept],
+        Uc=part.Uc[:, kept],
+        W=W[kept],
+        flat=part.flat[kept],
+    )
+
+
+def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) -> Likelihood:
+    """One likelihood of all parts, theta of part j being maps[j] @ theta; without maps one theta for all."""
+    maps = maps or [np.eye(part.S.shape[1]) for part in parts]
+    sizes = np.cumsum([0, *(part.flat.size for part in parts)])
+    bins = np.cumsum([0, *(part.count.size for part in parts)])
+    UU, Uc = np.zeros((bins[-1], sizes[-1], sizes[-1])), np.zeros((bins[-1], sizes[-1]))
+    for part, i, j in zip(parts, bins, sizes, strict=False):
+        here, own = slice(i, i + part.count.size), slice(j, j + part.flat.size)
+        UU[here, own, own], Uc[here, own] = part.UU, part.Uc
+    return Likelihood(
+        S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
+        power=np.concatenate([part.power for part in parts]),
+        count=np.concatenate([part.count for part in parts]),
+        UU=UU,
+        Uc=Uc,
+        W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
+        flat=np.concatenate([part.flat for part in parts]),
+    )
+
+
+def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
+    """Theta of each part by itself, and the sum of the minima of L."""
+    free = np.ones(parts[0].S.shape[1], dtype=bool)
+    found = [part.minimise(free, start) for part in parts]
+    return [theta for theta, _ in found], sum(value for _, value in found)
+
+
+def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
+    """The same likelihood for powers drawn at random under a model.
+
+    In each bin the coefficients have as many components along the directions as these span (F F' = UU), and the rest of
+    the count beside them.
+    """
+    m = part.expectation(theta)
+    value, vector = np.linalg.eigh(part.UU)
+    there = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
+    F = vector * np.sqrt(np.where(there, value, 0.0))[:, None, :]
+    z = rng.standard_normal(there.shape) * np.sqrt(m)[:, None] * there
+    rest = np.maximum(part.count - there.sum(axis=1), 0.0)
+    squares = (z**2).sum(axis=1) + m * 2 * rng.standard_gamma(rest / 2)
+    eta = np.where(part.flat, 0.0, np.sqrt(part.W @ theta)) * rng.standard_normal(part.flat.size)
+    Uc = np.einsum("bij,bj->bi", F, z)
+    squares += (part.UU @ eta) @ eta + 2 * Uc @ eta
+    return replace(part, power=squares / part.count, Uc=Uc + part.UU @ eta)

@@ -1,0 +1,242 @@
+"""Pool: what several runs of one kind of sensor have in common, how they scatter, and which of them lies apart."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.fit import Estimate, Fit
+from allanite.core.model import coefficient_factor
+from allanite.core.record import Record
+from allanite.core.units import Signal
+from allanite.terms import TERMS
+
+from .change import Homogeneity, words_of_p
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PooledTerm:
+    """One coefficient of all runs.
+
+    Attributes
+    ----------
+    value : float
+        The coefficient that all runs have in common, SI; 0 where they show none.
+    limits : level -> (low, high)
+        Of the common coefficient, if there is one.
+    runs : tuple of Estimate
+        Of each run by itself.
+    between : float
+        Standard deviation of the runs' coefficients, over the common one; NaN where that is 0.
+    within : float
+        The same to be expected of runs of equal sensors, from the standard errors.
+    statistic, dof, p, adjusted
+        Chi-square of the coefficient being the same in all runs, and its p, also after Holm's correction.
+    """
+
+    symbol: str
+    signal: Signal
+    value: float
+    limits: Callable[[float], tuple[float, float]]
+    runs: tuple[Estimate, ...]
+    between: float
+    within: float
+    statistic: float
+    dof: int
+    p: float
+    adjusted: float
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Confidence limits (low, high) of the common coefficient, SI."""
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        return self.limits(level)
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[TERMS[self.symbol].power]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        low, high = self.interval(level)
+        return {
+            "symbol": self.symbol,
+            "unit": self.signal.si[TERMS[self.symbol].power],
+            "value": self.value,
+            "low": low,
+            "high": high,
+            "level": level,
+            "runs": [estimate.to_dict(level) for estimate in self.runs],
+            "between": self.between,
+            "within": self.within,
+            "chi_square": self.statistic,
+            "dof": self.dof,
+            "p": self.p,
+            "p_holm": self.adjusted,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PooledChannel:
+    """One channel of all runs; `refusal` says why it could not be pooled.
+
+    Attributes
+    ----------
+    name : str
+    test : Homogeneity or None
+        Of one common model against one for each run.
+    terms : tuple of PooledTerm
+    curve : Curve or None
+        Variances averaged by their degrees of freedom, which add up.
+    curves : tuple of Curve
+        Of each run, at the same averaging times.
+    p : array, shape (k,)
+        Of the variances being the same at each averaging time (Bartlett's test with the degrees of freedom).
+    apart : dict
+        Runs that lie apart and the adjusted p of that, in the order in which they were taken out.
+    rest : float
+        p of one common model for the runs that are left.
+    fits : tuple of Fit
+    band : (low, high) or None
+        Frequencies that were compared, Hz.
+    """
+
+    name: str
+    test: Homogeneity | None = None
+    terms: tuple[PooledTerm, ...] = ()
+    curve: Curve | None = None
+    curves: tuple[Curve, ...] = ()
+    p: FloatArray | None = None
+    apart: dict[str, float] | None = None
+    rest: float = 1.0
+    fits: tuple[Fit, ...] = ()
+    records: tuple[Record, ...] = ()
+    band: tuple[float, float] | None = None
+    alerts: tuple[str, ...] = ()
+    refusal: str = ""
+    alpha: float = 0.05
+
+    def __getitem__(self, symbol: str) -> PooledTerm:
+        for term in self.terms:
+            if term.symbol == symbol:
+                return term
+        raise UsageError(f"{symbol!r} was not pooled; there are {', '.join(t.symbol for t in self.terms)}")
+
+    @property
+    def alike(self) -> bool:
+        """Whether the runs differ by no more than chance."""
+        return self.test is not None and self.test.p > self.alpha
+
+    @property
+    def verdict(self) -> str:
+        """What the runs have in common and what not, in a sentence or two."""
+        if self.refusal or self.test is None:
+            return f"not pooled: {self.refusal}"
+        runs = len(self.fits)
+        if self.alike and not self.apart:
+            return f"one noise describes all {runs} runs ({words_of_p(self.test.p)})"
+        first = f"the {runs} runs do not have one noise ({words_of_p(self.test.p)})"
+        apart = ", ".join(f"{name} ({words_of_p(p)})" for name, p in (self.apart or {}).items())
+        parts = [first if not self.alike else f"one noise describes the {runs} runs ({words_of_p(self.test.p)})"]
+        if apart:
+            parts.append(f"apart from the others: {apart}")
+            more = "have one noise" if self.rest > self.alpha else "still differ"
+            parts.append(f"the runs that are left {more} ({words_of_p(self.rest)})")
+        named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
+        if named:
+            parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
+        return "; ".join(parts)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.name,
+            "verdict": self.verdict,
+            "test": None if self.test is None else self.test.to_dict(),
+            "terms": [term.to_dict(level) for term in self.terms],
+            "curve": None if self.curve is None else self.curve.to_dict(level),
+            "curves": [curve.to_dict(level) for curve in self.curves],
+            "p": None if self.p is None else self.p.tolist(),
+            "apart": self.apart or {},
+            "p_rest": self.rest,
+            "band": None if self.band is None else list(self.band),
+            "alerts": list(self.alerts),
+            "refusal": self.refusal,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """Every channel of several recordings; ``pool["z"]`` is that of a channel.
+
+    Attributes
+    ----------
+    channels : tuple of PooledChannel
+    names : tuple of str
+        Of the runs.
+    level : float
+        Of all limits.
+    choices, notes, provenance
+        How it was read and pooled.
+    """
+
+    channels: tuple[PooledChannel, ...]
+    names: tuple[str, ...]
+    level: float = 0.95
+    choices: dict[str, Any] | None = None
+    notes: tuple[str, ...] = ()
+    provenance: dict[str, str] | None = None
+
+    def __iter__(self) -> Iterator[PooledChannel]:
+        return iter(self.channels)
+
+    def __getitem__(self, name: str) -> PooledChannel:
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        raise UsageError(f"no channel {name!r}; there are {', '.join(channel.name for channel in self.channels)}")
+
+    @property
+    def terms(self) -> tuple[PooledTerm, ...]:
+        """The coefficients, channel after channel."""
+        return tuple(term for channel in self.channels for term in channel.terms)
+
+    @property
+    def verdict(self) -> str:
+        """What the runs have in common, a line a channel."""
+        many = len(self.channels) > 1
+        return "\n".join(f"{c.name}: {c.verdict}" if many else c.verdict for c in self.channels)
+
+    def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: the common coefficient, its limits, and how the runs scatter about it, in percent."""
+        level = level or self.level
+        headings = ["channel", "term", "", "common", f"low {level:.4g}", f"high {level:.4g}", "unit", "between %",
+                    "within %", "chi-square", "dof", "p", "p (Holm)"]  # fmt: skip
+        rows: list[list[Any]] = []
+        for channel in self.channels:
+            for t in channel.terms:
+                factor = coefficient_factor(t.symbol, t.sheet_unit, t.signal)
+                values = [v / factor for v in (t.value, *t.interval(level))]
+                rows.append([channel.name, t.symbol, TERMS[t.symbol].title, *values, t.sheet_unit, 100 * t.between,
+                             100 * t.within, t.statistic, t.dof, t.p, t.adjusted])  # fmt: skip
+        return headings, rows
+
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "Pool",
+            "names": list(self.names),
+            "verdict": self.verdict,
+            "channels": [channel.to_dict(level or self.level) for channel in self.channels],
+            "choices": self.choices or {},
+            "notes": list(self.notes),
+            "provenance": self.provenance or {},
+        }

@@ -1,0 +1,99 @@
+"""The ramps of two records: signed, each with the law that what hides it leaves."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.identification.likelihood.likelihood import FloatArray
+from allanite.identification.likelihood.selection import Profiles, select, subsets
+from allanite.terms import TERMS
+
+from .joint import Joint
+
+
+@dataclass(frozen=True, eq=False)
+class RampLaw:
+    """A ramp in SI as a mixture of normal laws: one for each strength of the noise of the longest memory.
+
+    That noise is known from a few powers only; averaging over it gives the wide tails of Student's t.
+    """
+
+    centre: FloatArray
+    spread: FloatArray
+    weight: FloatArray
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(self.weight @ self.centre)
+
+    def minus(self, other: "RampLaw", factor: float = 1.0) -> "RampLaw":
+        """The law of this ramp less `factor` times another."""
+        return RampLaw(
+            np.subtract.outer(self.centre, factor * other.centre).ravel(),
+            np.hypot.outer(self.spread, factor * other.spread).ravel(),
+            np.multiply.outer(self.weight, other.weight).ravel(),
+        )
+
+    @property
+    def p(self) -> float:
+        """Two-sided probability of zero."""
+        from scipy.special import ndtr
+
+        below = float(self.weight @ ndtr(-self.centre / self.spread))
+        return 2 * min(below, 1 - below, 0.5)
+
+
+def ramp_law(joint: Joint, i: int) -> RampLaw | None:
+    """The ramp of record i of several; None where the band leaves nothing of it."""
+    part, seen = joint.parts[i], joint.seen[i]
+    if not part.flat.any():
+        return None
+    slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
+    fitted = subsets(part)
+    thetas, weight = Profiles(fitted, select(fitted), fitted[-1]).weighted(int(np.argmax(slope)))
+    found = [part.directions(theta)[:2] for theta in thetas]
+    size = seen.unit_factor * seen.rate
+    centre = np.array([eta[-1] for eta, _ in found]) + seen.slope
+    return RampLaw(size * centre, size * np.sqrt([V[-1, -1] for _, V in found]), weight)
+
+
+@dataclass(frozen=True, eq=False)
+class RampContrast:
+    """The second ramp against the first."""
+
+    first: RampLaw
+    second: RampLaw
+
+    @property
+    def ratio(self) -> float:
+        """The second ramp over the first, with the sign."""
+        return self.second.value / self.first.value
+
+    @property
+    def p(self) -> float:
+        """Probability of such a difference by chance, where there is none."""
+        return self.second.minus(self.first).p
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954).
+
+        From minus to plus infinity where the first ramp itself is not told from zero.
+        """
+        from scipy.optimize import brentq
+
+        alpha, best = 1 - level, self.ratio
+        if self.first.p >= alpha:
+            return -math.inf, math.inf
+
+        def inside(ratio: float) -> float:
+            return self.second.minus(self.first, ratio).p - alpha
+
+        ends = []
+        for sign in (-1, 1):
+            step = 0.1 * max(abs(best), 1.0)
+            while inside(best + sign * step) > 0:
+                step *= 2
+            ends.append(float(brentq(inside, best, best + sign * step, rtol=1e-6)))
+        return ends[0], ends[1]

@@ -1,0 +1,180 @@
+"""The ratio of two records' variances: its law, and the averaging times that both have.
+
+With A and B the laws of the two variances over their expectations, independent,
+
+    P(B / A < x) = P(B - x A < 0)
+
+and B - x A is a weighted sum of chi-squares of both signs, whose probability the saddlepoint gives as that of one
+variance. With many degrees of freedom it is Fisher's F.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record
+from allanite.statistics.angle import integrated
+from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
+from allanite.statistics.confidence.limits import Points, mixtures
+from allanite.statistics.grids import GRIDS
+from allanite.statistics.row import FloatArray, IntArray
+from allanite.statistics.table import statistic_named
+
+ALIKE = 0.005
+"""Relative difference up to which two averaging times count as the same."""
+
+HALVINGS, STEPS = 45, 40
+"""Of the search for a saddlepoint, and at most of that for a quantile."""
+
+CONVERGED = 1e-5
+"""Of a quantile, as a normal deviate."""
+
+
+@dataclass(frozen=True, eq=False)
+class RatioLaw:
+    """Law of the ratio (second over first) of two independent variances, each over its expectation.
+
+    Attributes
+    ----------
+    first, second : Mixture
+    edf : (array, array), shape (k,) each
+        Their equivalent degrees of freedom.
+    """
+
+    first: Mixture
+    second: Mixture
+    edf: tuple[FloatArray, FloatArray]
+
+    def below(self, ratio: FloatArray) -> FloatArray:
+        """Probability of a smaller ratio, shape (k,)."""
+        from scipy.special import ndtr
+
+        ratio = np.asarray(ratio, dtype=np.float64)
+        low, high = -1 / (2 * ratio * _largest(self.first)), 1 / (2 * _largest(self.second))
+        for _ in range(HALVINGS):
+            t = (low + high) / 2
+            rising = self._difference(t, ratio)[1] > 0
+            low, high = np.where(rising, low, t), np.where(rising, t, high)
+        t = (low + high) / 2
+        K, _, K2, K3 = self._difference(t, ratio)
+        r, v = np.sign(t) * np.sqrt(np.maximum(-2 * K, 0)), t * np.sqrt(K2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
+        at_mean = 0.5 + K3 / K2**1.5 / (6 * math.sqrt(2 * math.pi))
+        return np.asarray(np.where(np.abs(v) < NEAR, at_mean, probability))
+
+    def _difference(self, t: FloatArray, ratio: FloatArray) -> tuple[FloatArray, ...]:
+        """Cumulant function of B - x A, and its derivatives."""
+        plus, minus = cumulants(self.second, t), cumulants(self.first, -ratio * t)
+        return tuple(b + a * (-ratio) ** order for order, (a, b) in enumerate(zip(minus, plus, strict=True)))
+
+    def p(self, ratio: FloatArray) -> FloatArray:
+        """Two-sided probability of a ratio as far from its centre, shape (k,)."""
+        below = self.below(ratio)
+        return np.asarray(2 * np.minimum(below, 1 - below).clip(0.0, 0.5))
+
+    def quantile(self, p: float) -> FloatArray:
+        """The ratio below which it lies with probability p, shape (k,)."""
+        from scipy.special import ndtri
+
+        wanted, scale = float(ndtri(p)), np.sqrt(2 / self.edf[0] + 2 / self.edf[1])
+        low, high = np.full(scale.shape, -30.0), np.full(scale.shape, 30.0)
+        x, slope = wanted * scale, 1 / scale
+        before = deviate = np.zeros(scale.shape)
+        # as a normal deviate the probability is nearly straight in the logarithm: secants, kept within a bracket
+        for _ in range(STEPS):
+            last, deviate = deviate, ndtri(self.below(np.exp(x)))
+            far = np.abs(deviate - wanted) > CONVERGED
+            if not far.any():
+                break
+            low, high = np.where(deviate < wanted, x, low), np.where(deviate < wanted, high, x)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                slope = np.where(np.abs(x - before) > 0, (deviate - last) / (x - before), slope)
+                step = x + (wanted - deviate) / slope
+            middle = np.where((step > low) & (step < high), step, (low + high) / 2)
+            before, x = x, np.where(far, middle, x)
+        return np.asarray(np.exp(x))
+
+    def limits(self, ratio: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
+        """Limits of the ratio of the expectations, from a measured ratio."""
+        return ratio / self.quantile((1 + level) / 2), ratio / self.quantile((1 - level) / 2)
+
+
+def _largest(mixture: Mixture) -> FloatArray:
+    return np.asarray(np.maximum(mixture.weight.max(axis=1), mixture.beside))
+
+
+def ratio_law(
+    records: tuple[Record, Record], statistic: str, m: Sequence[IntArray], models: Sequence[Model]
+) -> RatioLaw:
+    """The law of the ratio of two records' variances.
+
+    Parameters
+    ----------
+    records : (Record, Record)
+    statistic : str
+        A name in `STATISTICS`.
+    m : (int array, int array), shape (k,) each
+        Averaging factors of each.
+    models : (Model, Model)
+        The noise of each.
+    """
+    row = statistic_named(statistic)
+    points = [
+        Points(row, factors, integrated(record, row.order).runs, record.size, record.rate, 0.2)
+        for record, factors in zip(records, m, strict=True)
+    ]
+    edf_a, first = mixtures(points[0], [models[0]])
+    twins = models[0] == models[1] and _of(points[0]) == _of(points[1])
+    edf_b, second = (edf_a, first) if twins else mixtures(points[1], [models[1]])
+    return RatioLaw(first, second, (edf_a, edf_b))
+
+
+def _of(points: Points) -> tuple[object, ...]:
+    """What the law depends on beside the model."""
+    return points.m.tolist(), list(points.runs), points.size, points.rate
+
+
+def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:
+    """Averaging factors of each record, at the same averaging times.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    statistic : str
+        Not a hybrid.
+    taus : name of a grid, or seconds
+        A grid is that of the record with the longest sample interval.
+
+    Raises
+    ------
+    DataError
+        The records have no averaging time in common.
+    UsageError
+        The statistic is a hybrid or a maximum, or the grid has no name.
+    """
+    row = statistic_named(statistic)
+    if row.parts or row.extreme or row.order < 2:
+        raise UsageError(
+            f"curves of {row.name} have no law of their ratio; compare oadev, ohdev, mdev, totdev or theo1"
+        )
+    slow = min(records, key=lambda record: record.rate)
+    if isinstance(taus, str):
+        if taus not in GRIDS:
+            raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
+        longest = min(row.largest(r.size) / r.rate for r in records)
+        wanted = GRIDS[taus](max(int(longest * slow.rate + 1e-9) // row.step, 1)) * row.step / slow.rate
+    else:
+        wanted = np.asarray(taus, dtype=np.float64) / row.tau_factor
+    steps = [np.maximum(np.rint(wanted * r.rate / row.step).astype(np.int64), 1) * row.step for r in records]
+    fits = np.ones(wanted.shape, dtype=bool)
+    for record, m in zip(records, steps, strict=True):
+        fits &= (np.abs(m / record.rate / wanted - 1) <= ALIKE) & (m <= row.largest(record.size))
+    if not fits.any():
+        spans = ", ".join(f"{row.step / r.rate:.3g} to {row.largest(r.size) / r.rate:.3g} s" for r in records)
+        raise DataError(f"the records have no averaging time in common: {row.name} reaches from {spans}")
+    return [m[fits] for m in steps]

@@ -1,0 +1,288 @@
+"""Fit: the coefficients found, each with its interval, and whether the model explains the data."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.terms import TERMS
+
+from .curve import Curve
+from .errors import UsageError
+from .model import Model, Term, coefficient_factor
+from .units import Signal
+
+FloatArray = NDArray[np.float64]
+
+WEAK = 0.25
+"""Relative standard error above which a term that was found is called weak."""
+
+EXPLAINED = 0.01
+"""A goodness-of-fit p value below this says that the model does not explain the record."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """One coefficient, SI.
+
+    Attributes
+    ----------
+    value : float or None
+        The estimate; None where the term was not found.
+    standard_error : float or None
+        Of `value`; None where the method gives none.
+    status : {"identified", "weak", "absent", "reported", "negative"}
+        "identified": found, relative standard error at most 25 %; "weak": found, above; "absent": not found, see
+        `upper`; "reported": by a method that gives no evidence; "negative": the method gives a negative square.
+    upper : float or None
+        One-sided 95 % upper limit of the size of the coefficient.
+    limits : level -> (low, high)
+        Interval as `interval` gives it; None where the method has none.
+    profile : level -> (low, high)
+        Two-sided limits, whether the term was found or not; None where the method has none.
+    shape : tuple of float
+        Values of the `parameters` of the term's row: the time constant of GM, s.
+    shape_limits : level -> (low, high) of each of them
+    """
+
+    symbol: str
+    signal: Signal
+    value: float | None
+    standard_error: float | None
+    status: str
+    upper: float | None
+    method: str
+    limits: Callable[[float], tuple[float, float]] | None = None
+    profile: Callable[[float], tuple[float, float]] | None = None
+    shape: tuple[float, ...] = ()
+    shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.si[TERMS[self.symbol].power]
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[TERMS[self.symbol].power]
+
+    @property
+    def claimed(self) -> bool:
+        """Whether the term is said to be there."""
+        return self.status in ("identified", "weak")
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Confidence limits (low, high) in SI; from 0 to `upper` for an absent term."""
+        if not 0 < level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        if self.limits is None:
+            return (math.nan, math.nan)
+        return self.limits(level)
+
+    def to(self, unit: str) -> float:
+        """The value in `unit`; NaN where there is none."""
+        return math.nan if self.value is None else self.value / coefficient_factor(self.symbol, unit, self.signal)
+
+    def words(self, unit: str | None = None, level: float = 0.95) -> str:
+        """What is known, in words: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
+
+        Examples
+        --------
+        >>> from .units import SIGNALS
+        >>> Estimate("B", SIGNALS[0], None, None, "absent", 4.848e-6, "whittle").words("deg/h")
+        'not identified, below 1 deg/h'
+        """
+        unit = unit or self.sheet_unit
+        scale = 1 / coefficient_factor(self.symbol, unit, self.signal)
+        if self.value is None:
+            return "not identified" if self.upper is None else f"not identified, below {self.upper * scale:.3g} {unit}"
+        low, high = self.interval(level)
+        around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
+        return f"{self.value * scale:.4g}{around} {unit}"
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI, with the data-sheet form under "shown"."""
+        low, high = (_finite(v) for v in self.interval(level))
+        scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
+        shown = {k: None if v is None else v * scale for k, v in (("value", self.value), ("low", low), ("high", high))}
+        return {
+            "symbol": self.symbol,
+            "value": self.value,
+            "low": low,
+            "high": high,
+            "upper": self.upper,
+            "unit": self.unit,
+            "status": self.status,
+            "standard_error": self.standard_error,
+            "level": level,
+            "shown": {**shown, "unit": self.sheet_unit},
+        } | self._shape_dict(level)
+
+    def _shape_dict(self, level: float) -> dict[str, Any]:
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        return {
+            p.name: {"value": value, "low": _finite(low), "high": _finite(high), "unit": p.unit}
+            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+@dataclass(frozen=True, eq=False)
+class Goodness:
+    """Does the model explain the data? By cells of frequency.
+
+    `frequency` (Hz, shape (cells + 1,)) bounds the cells, `ratio` is observed over expected power in each, `z` the same
+    as a standard normal deviate; `p` is the probability of worse by chance; `reasons` say in words what is wrong, and
+    `remarks` what is not noise but could be dealt with.
+    """
+
+    frequency: FloatArray
+    ratio: FloatArray
+    z: FloatArray
+    p: float
+    reasons: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model can be believed."""
+        return self.p >= EXPLAINED and not self.reasons
+
+    @property
+    def verdict(self) -> str:
+        """One sentence."""
+        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
+        also = "".join(f"; {remark}" for remark in self.remarks)
+        if self.explained:
+            return f"the model explains the record (goodness of fit {p}){also}"
+        why = ": " + "; ".join(self.reasons) if self.reasons else ""
+        return f"no model of these terms explains the record (goodness of fit {p}){why}{also}"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A sinusoid that was found in a record and taken out before its noise was identified.
+
+    Attributes
+    ----------
+    frequency, amplitude, standard_error, phase : float
+        Hz; SI, of the rate itself and not of its mean over a sample interval; the amplitude's; rad at the start.
+    signal : Signal
+    """
+
+    frequency: float
+    amplitude: float
+    standard_error: float
+    phase: float
+    signal: Signal
+
+    @property
+    def term(self) -> Term:
+        """As a term of a model."""
+        return Term("Sine", self.amplitude, self.signal, (self.frequency, self.phase))
+
+    def words(self) -> str:
+        """Frequency and amplitude: ``12 Hz (amplitude 0.31 ± 0.02 deg/h)``."""
+        unit = self.signal.sheet[0]
+        size = coefficient_factor("Sine", unit, self.signal)
+        return (
+            f"{self.frequency:.6g} Hz (amplitude {self.amplitude / size:.3g} ± {self.standard_error / size:.2g} {unit})"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, SI."""
+        return {
+            "frequency": self.frequency,
+            "amplitude": self.amplitude,
+            "standard_error": self.standard_error,
+            "phase": self.phase,
+            "unit": self.signal.si[0],
+        }
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another model of the same record: `aic` is its Akaike criterion less that of the fit's own model."""
+
+    model: Model
+    aic: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"model": self.model.to_dict(), "aic": self.aic}
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Coefficients of a record or curve.
+
+    `lines` are sinusoids that were taken out first; they stand in the model. `alternatives` are other families of terms
+    for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
+    ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
+    the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
+    """
+
+    estimates: tuple[Estimate, ...]
+    method: str
+    signal: Signal
+    model: Model
+    name: str = ""
+    goodness: Goodness | None = None
+    correlation: FloatArray | None = None
+    curve: Curve | None = None
+    notes: tuple[str, ...] = field(default=())
+    lines: tuple[Line, ...] = ()
+    rivals: Callable[[], tuple[Alternative, ...]] | None = None
+
+    @property
+    def alternatives(self) -> tuple[Alternative, ...]:
+        """Other models of the record; empty where the method knows none."""
+        return self.rivals() if self.rivals else ()
+
+    def __getitem__(self, symbol: str) -> Estimate:
+        for estimate in self.estimates:
+            if estimate.symbol == symbol:
+                return estimate
+        raise UsageError(f"{symbol!r} was not asked for; there are {', '.join(e.symbol for e in self.estimates)}")
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return iter(self.estimates)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, data sheet and SI side by side."""
+        headings = ["term", "", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
+        rows = []
+        for e in self.estimates:
+            data = e.to_dict(level)
+            shown = data["shown"]
+            rows.append([
+                e.symbol, TERMS[e.symbol].title, shown["value"], shown["low"], shown["high"], shown["unit"],
+                e.value if e.value is not None else e.upper, e.unit, e.status,
+            ])  # fmt: skip
+        return headings, rows
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        good = self.goodness
+        return {
+            "allanite": 1,
+            "type": "Fit",
+            "method": self.method,
+            "signal": self.signal.name,
+            "name": self.name,
+            "model": self.model.to_dict(),
+            "terms": [e.to_dict(level) for e in self.estimates],
+            "gof_p": None if good is None else good.p,
+            "gof_reasons": [] if good is None else list(good.reasons),
+            "gof_remarks": [] if good is None else list(good.remarks),
+            "lines": [line.to_dict() for line in self.lines],
+            "alternatives": [other.to_dict() for other in self.alternatives],
+            "notes": list(self.notes),
+        }

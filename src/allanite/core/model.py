@@ -1,0 +1,230 @@
+"""Term and Model: what a sensor's random error is supposed to be made of."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.terms import TERMS, NoiseTerm
+
+from .errors import UnitError, UsageError
+from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """One noise term with its coefficient in SI.
+
+    Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
+    constant of GM, frequency and phase of Sine.
+
+    Examples
+    --------
+    >>> model = N(0.01, "deg/sqrt(h)") + B(0.5, "deg/h")
+    >>> model["B"].to("deg/h")
+    0.5
+    """
+
+    symbol: str
+    value: float
+    signal: Signal
+    shape: tuple[float, ...] = ()
+
+    @property
+    def row(self) -> NoiseTerm:
+        """The term's row of `TERMS`; of a term with a shape, its words alone: see `sampled`."""
+        return TERMS[self.symbol]
+
+    def sampled(self, rate: float) -> NoiseTerm:
+        """The row whose functions hold for a sample interval of 1 / rate."""
+        return self.row.shaped(self.shape, rate) if self.row.shaped else self.row
+
+    def power(self, rate: float) -> float:
+        """Square of the coefficient, where the sample interval is the unit of time."""
+        return float(self.value**2 * rate ** (2 * self.row.power))
+
+    @property
+    def unit(self) -> str:
+        """SI unit of `value`."""
+        return self.signal.si[self.row.power]
+
+    def to(self, unit: str) -> float:
+        """The coefficient in another unit."""
+        return self.value / coefficient_factor(self.symbol, unit, self.signal)
+
+    def __add__(self, other: "Term | Model") -> "Model":
+        return Model((self,)) + other
+
+    def __str__(self) -> str:
+        sheet = self.signal.sheet[self.row.power]
+        words = [f"{self.symbol} = {self.to(sheet):.4g} {sheet}"]
+        words += [
+            f"{p.name.replace('_', ' ')} {value:.4g} {p.unit}"
+            for p, value in zip(self.row.parameters, self.shape, strict=True)
+            if value != p.default
+        ]
+        return " with ".join(words[:2]) + "".join(f", {word}" for word in words[2:])
+
+
+def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> float:
+    """Size of `unit` in SI, once it is found to be a unit of the coefficient `symbol`.
+
+    Raises
+    ------
+    UnitError
+        If `unit` is no unit of this coefficient; the message names the usual ones.
+    """
+    found = unit_of(unit)
+    fits = signal_with(found.dimension, TERMS[symbol].power)
+    if fits is None or (signal is not None and fits is not signal):
+        meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
+        usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
+        raise UnitError(f"{unit!r} is no unit of {symbol} ({TERMS[symbol].title}); usual ones are {usual}")
+    return found.factor
+
+
+def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) -> Term:
+    """The term `symbol` with a coefficient in `unit` and the values of its row's `parameters`, if it has any."""
+    if symbol not in TERMS:
+        raise UsageError(f"unknown noise term {symbol!r}; known are {', '.join(TERMS)}")
+    factor = coefficient_factor(symbol, unit)
+    signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power)
+    assert signal is not None  # noqa: S101 - coefficient_factor has found it
+    if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
+        raise UsageError(f"the coefficient of {symbol} must be a finite number, not negative, but is {value!r}")
+    return Term(symbol, value * factor, signal, _shape(symbol, shape))
+
+
+def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
+    """The shape, completed by defaults, or the words that it is wrong."""
+    parameters = TERMS[symbol].parameters
+    wanted = ", ".join(f"{p.name} in {p.unit}" for p in parameters) or "no shape"
+    shape = (*given, *(p.default for p in parameters[len(given) :] if p.default is not None))
+    if len(shape) != len(parameters):
+        raise UsageError(f"{symbol} has {wanted}, but {len(given)} values came")
+    for p, value in zip(parameters, shape, strict=True):
+        if not math.isfinite(value) or (p.least is not None and value <= p.least):
+            above = "" if p.least is None else f" above {p.least:g}"
+            raise UsageError(f"the {p.name} of {symbol} is a finite number{above}, not {value!r}")
+    return tuple(float(value) for value in shape)
+
+
+def Q(value: float, unit: str) -> Term:
+    """Quantization noise, for example ``Q(0.4, "arcsec")``."""
+    return term("Q", value, unit)
+
+
+def N(value: float, unit: str) -> Term:
+    """Angle (velocity) random walk, for example ``N(0.01, "deg/sqrt(h)")``."""
+    return term("N", value, unit)
+
+
+def B(value: float, unit: str) -> Term:
+    """Bias instability (flicker), for example ``B(0.5, "deg/h")``; the curve's floor is 0.664 B."""
+    return term("B", value, unit)
+
+
+def K(value: float, unit: str) -> Term:
+    """Rate random walk, for example ``K(0.1, "deg/h/sqrt(h)")``."""
+    return term("K", value, unit)
+
+
+def R(value: float, unit: str) -> Term:
+    """Rate ramp, with its sign, for example ``R(-0.02, "deg/h^2")``."""
+    return term("R", value, unit)
+
+
+def GM(value: float, unit: str, *, time_constant: float) -> Term:
+    """Gauss-Markov noise of effective value `value`, for example ``GM(0.1, "deg/h", time_constant=20.0)`` (s)."""
+    return term("GM", value, unit, (time_constant,))
+
+
+def Sine(value: float, unit: str, *, frequency: float, phase: float = 0.0) -> Term:
+    """A sinusoid of the rate of amplitude `value`; `frequency` in Hz, `phase` in rad at the start of the record."""
+    return term("Sine", value, unit, (frequency, phase))
+
+
+@dataclass(frozen=True)
+class Model:
+    """A sum of terms of one signal; their structure functions and spectra add.
+
+    A symbol stands in it once, or, if its term has a shape, several times with different ones.
+
+    Examples
+    --------
+    >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
+    >>> [str(t.symbol) for t in model], model.structure(np.array([6.0])).round(12).tolist()
+    (['N', 'K'], [5.64])
+    """
+
+    terms: tuple[Term, ...]
+
+    def __post_init__(self) -> None:
+        symbols = [t.symbol for t in self.terms]
+        if not symbols:
+            raise UsageError("a model needs at least one term, for example N(0.01, 'deg/sqrt(h)')")
+        if len({(t.symbol, t.shape) for t in self.terms}) < len(symbols):
+            raise UsageError(f"each term may stand once in a model, but these came: {', '.join(symbols)}")
+        if len({t.signal.name for t in self.terms}) > 1:
+            raise UnitError("terms of different signals cannot be added: " + ", ".join(map(str, self.terms)))
+
+    @property
+    def signal(self) -> Signal:
+        """What kind of sensor the model is of."""
+        return self.terms[0].signal
+
+    def structure(self, t: FloatArray) -> FloatArray:
+        """D(t) = E[(x(s+t) - x(s))^2], SI, t in seconds, shape of `t`."""
+        return np.asarray(sum(t_.value**2 * t_.sampled(1.0).structure(t) for t_ in self.terms))
+
+    def spectrum(self, f: FloatArray, interval: float) -> FloatArray:
+        """Two-sided spectral density of the rate, SI, at `f` Hz for a sample interval in s."""
+        return np.asarray(sum(t.value**2 * t.sampled(1 / interval).spectrum(f, interval) for t in self.terms))
+
+    def __add__(self, other: "Term | Model") -> "Model":
+        return Model(self.terms + (other.terms if isinstance(other, Model) else (other,)))
+
+    @property
+    def noise(self) -> "Model | None":
+        """The model without its sinusoids; None if nothing is left."""
+        kept = tuple(t for t in self.terms if not t.row.periodic)
+        return Model(kept) if kept else None
+
+    def __getitem__(self, symbol: str) -> Term:
+        found = [t for t in self.terms if t.symbol == symbol]
+        if len(found) > 1:
+            raise UsageError(f"{symbol!r} stands {len(found)} times in this model: go through its terms")
+        if found:
+            return found[0]
+        raise UsageError(f"no term {symbol!r} in this model; there are {', '.join(t.symbol for t in self.terms)}")
+
+    def __iter__(self) -> Iterator[Term]:
+        return iter(self.terms)
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.terms))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        terms = [
+            {"symbol": t.symbol, "value": t.value, "unit": t.unit}
+            | {p.name: value for p, value in zip(t.row.parameters, t.shape, strict=True)}
+            for t in self.terms
+        ]
+        return {"allanite": 1, "type": "Model", "signal": self.signal.name, "terms": terms}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Model":
+        """The model that `to_dict` has written."""
+        signal = signal_named(data["signal"])
+        return cls(tuple(_term_of(t, signal) for t in data["terms"]))
+
+
+def _term_of(data: dict[str, Any], signal: Signal) -> Term:
+    parameters = TERMS[data["symbol"]].parameters
+    return Term(data["symbol"], float(data["value"]), signal, tuple(float(data[p.name]) for p in parameters))

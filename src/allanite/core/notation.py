@@ -1,0 +1,85 @@
+"""A model as people write it: ``N 0.003 deg/sqrt(h), B 0.5 deg/h, GM 0.1 deg/h 20 s``."""
+
+import re
+
+from allanite.terms import TERMS
+
+from .errors import UsageError
+from .model import Model, Term, term
+from .units import convert
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+_FILLERS = {"with", *(word for row in TERMS.values() for p in row.parameters for word in p.name.split("_"))}
+"""Words that a printed model has and that say nothing."""
+
+
+def parse_model(text: str) -> Model:
+    """The model that a text describes.
+
+    Terms stand between commas. Each is a symbol, a number and a unit, and for a term with a shape the numbers of its
+    parameters, whose units may be left out if they are s, Hz and rad. What ``str(model)`` prints is understood too.
+
+    Parameters
+    ----------
+    text : str
+        For example ``"N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s, Sine 3 deg/h 0.5 Hz"``.
+
+    Raises
+    ------
+    UsageError
+        A term is unknown or incomplete, or a unit does not fit it.
+
+    Examples
+    --------
+    >>> print(parse_model("N 0.003 deg/sqrt(h), Q 0.2 arcsec, GM 0.1 deg/h 2 min"))
+    N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
+    """
+    parts: list[list[str]] = []
+    for part in text.split(","):
+        words = [word for word in part.replace("=", " ").split() if word not in _FILLERS]
+        if parts and words and _NUMBER.match(words[0]):  # another parameter of the term before
+            parts[-1] += words
+        else:
+            parts.append(words)
+    return Model(tuple(_term(words, text) for words in parts))
+
+
+def _term(words: list[str], text: str) -> Term:
+    if not words or words[0] not in TERMS:
+        what = repr(words[0]) if words else "nothing"
+        raise UsageError(
+            f"{what} in {text!r} is no noise term; a term is a symbol ({', '.join(TERMS)}), a number and a unit, as in "
+            "'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
+        )
+    symbol, parameters = words[0], TERMS[words[0]].parameters
+    quantities = split_quantities(words[1:])
+    if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
+        wanted = "".join(f", its {p.name.replace('_', ' ')} in {p.unit}" for p in parameters)
+        raise UsageError(
+            f"{' '.join(words)!r} is no noise term: after {symbol} come a number and a unit{wanted}, as in "
+            "'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
+        )
+    (value, unit), *rest = quantities
+    shape = (convert(v, u or p.unit, p.unit) for (v, u), p in zip(rest, parameters, strict=False))
+    return term(symbol, value, unit, tuple(shape))
+
+
+def split_quantities(words: list[str]) -> list[tuple[float, str]]:
+    """Numbers with the units that follow them, apart or glued on; the unit is empty where none does.
+
+    Examples
+    --------
+    >>> split_quantities(["0.1", "deg/h", "20s", "3"])
+    [(0.1, 'deg/h'), (20.0, 's'), (3.0, '')]
+    """
+    found: list[tuple[float, str]] = []
+    for word in words:
+        number = _NUMBER.match(word)
+        if number:
+            found.append((float(number[0]), word[number.end() :]))
+        elif found and not found[-1][1]:
+            found[-1] = (found[-1][0], word)
+        else:
+            raise UsageError(f"{word!r} in {' '.join(words)!r} stands where a number is wanted, as in 0.1 deg/h")
+    return found

@@ -1,0 +1,143 @@
+"""Does the model explain the spectrum, and if not, why: in words a test engineer can act on."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.fit import EXPLAINED, Goodness, Line
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.lines import surroundings
+from allanite.identification.likelihood.whittle import Spectrum
+
+FloatArray = NDArray[np.float64]
+
+CELLS = 24
+"""Cells of equal width in the logarithm of frequency."""
+
+FALSE_LINE = 0.01
+"""Probability that a record of noise alone shows a line."""
+
+
+def goodness(
+    spectrum: Spectrum,
+    likelihood: Likelihood,
+    theta: FloatArray,
+    used: NDArray[np.bool_],
+    taken: tuple[Line, ...] = (),
+) -> Goodness:
+    """Cell-wise goodness of fit.
+
+    In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
+    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom.
+
+    Parameters
+    ----------
+    spectrum, likelihood, theta
+        The spectrum, its likelihood in the band that was used, and the model.
+    used : bool array, shape (bins of the spectrum,)
+        The band.
+    taken : tuple of Line
+        Sinusoids that were taken out before.
+    """
+    from scipy.special import chdtrc
+
+    power, m, _, count = (part[: used.sum()] for part in likelihood.completed(theta))
+    first = spectrum.first[used]
+    cell, edges = _cells(first, spectrum)
+    nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))
+    filled = nu > 0
+    z = _normal(total[filled], nu[filled])
+    terms = int((theta > 0).sum() + likelihood.flat.sum())
+    p = float(chdtrc(max(filled.sum() - terms, 1), (z**2).sum()))
+    ratio = total[filled] / nu[filled]
+    bounds = np.append(edges[:-1][filled], edges[-1])
+    reasons = [*_lines(spectrum, used, m)]
+    if p < EXPLAINED:
+        moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
+        named = _roll_off(spectrum, used, m) + _where(bounds, ratio, z * moving)
+        reasons += named or _where(bounds, ratio, z)
+    return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
+
+
+def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
+    if not taken:
+        return ()
+    where = ", ".join(line.words() for line in taken)
+    many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
+    return (f"{many} taken out first, at {where}: vibration, sway or interference",)
+
+
+def _cells(first: NDArray[np.int64], spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
+    bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
+    cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
+    return cell, spectrum.frequency(bounds)
+
+
+def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
+    """Chi-square values as standard normal deviates; by Wilson and Hilferty where the tail underflows."""
+    from scipy.special import gammainc, gammaincc, ndtri
+
+    low, high = gammainc(nu / 2, total / 2), gammaincc(nu / 2, total / 2)
+    with np.errstate(divide="ignore"):
+        z = np.where(low < high, ndtri(low), -ndtri(high))
+    cube = ((total / nu) ** (1 / 3) - (1 - 2 / (9 * nu))) / np.sqrt(2 / (9 * nu))
+    return np.where(np.isfinite(z), z, cube)
+
+
+def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[str]:
+    """Coefficients that stand out of their own neighbourhood, as one sentence."""
+    from scipy.special import ndtri
+
+    power, peak, count = spectrum.power[used], spectrum.peak[used], spectrum.count[used]
+    around = np.median(surroundings(power), axis=1)
+    threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
+    found = peak > threshold * np.maximum(around, m)
+    if not found.any():
+        return []
+    strength = np.where(found, peak / np.maximum(around, m), 0.0)
+    best = np.sort(np.argsort(strength)[::-1][: min(5, int(found.sum()))])
+    where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
+    share = float(peak[found].sum() / (power * count).sum())
+    return [
+        f"narrow peaks at {where} Hz (their tops alone hold {100 * share:.2g} % of the power): vibration, sway or "
+        "interference, which no noise term describes"
+    ]
+
+
+def _roll_off(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[str]:
+    """Power that falls towards the end of the band where the model's does not: a filter in the sensor or logger."""
+    frequency = spectrum.frequency(spectrum.first[used]) / (spectrum.rate / 2)
+    ratio, count = spectrum.power[used] / m, spectrum.count[used]
+    levels = []
+    for low, high in ((0.8, 1.0), (0.08, 0.2)):
+        part = (frequency >= low) & (frequency < high)
+        if count[part].sum() < 100:
+            return []
+        levels.append(float(np.median(ratio[part])))
+    top, middle = levels
+    if top > 0.8 * middle:
+        return []
+    return [
+        f"the spectrum rolls off: towards {spectrum.rate / 2:g} Hz it falls to {top / middle:.2g} of its level at a "
+        "tenth of that, so neighbouring samples are correlated (a filter in the sensor); fit below the roll-off with "
+        f"a band (--band 0,{spectrum.rate / 20:g})"
+    ]
+
+
+def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
+    """The cell that is furthest off and its neighbours of the same sign; nothing if all z are zero."""
+    worst = int(np.abs(z).argmax())
+    if z[worst] == 0:
+        return []
+    strong = (np.sign(z) == np.sign(z[worst])) & (np.abs(z) > max(3.0, 0.1 * abs(z[worst])))
+    left = right = worst
+    while left > 0 and strong[left - 1]:
+        left -= 1
+    while right < z.size - 1 and strong[right + 1]:
+        right += 1
+    mean = math.exp(float(np.log(ratio[left : right + 1]).mean()))
+    what = "motion, sway, vibration or a missing term" if mean > 1 else "a filter, or a term that does not belong here"
+    return [
+        f"from {bounds[left]:.3g} to {bounds[right + 1]:.3g} Hz there is {mean:.3g} times the model's power: {what}"
+    ]

@@ -1,0 +1,106 @@
+"""What channels have in common beyond their models: vibration, temperature, supply."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
+from allanite.core.fit import Fit
+from allanite.core.record import Recording
+from allanite.core.residuals import Shared
+from allanite.prepare import outliers as robust
+
+from .whitening import whitened
+
+FloatArray = NDArray[np.float64]
+
+STRETCHES = 64
+"""Parts of the record over which slow residuals are averaged."""
+
+SIGMAS, MATTERS = 5.0, 0.05
+"""Standard errors, and size, from which a correlation is named."""
+
+
+def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark") -> Shared:
+    """Correlations between the residuals of channels: what one model for each channel cannot know.
+
+    Parameters
+    ----------
+    recording : Recording
+    fits : name of a channel -> Fit
+        At least two, as ``identify(recording)`` gives them.
+    outliers : {"mark", "keep"}
+        What the fits did with them.
+
+    Returns
+    -------
+    Shared
+        "fast", of all samples, whose standard error is 1/sqrt(n); and "slow", of means over 64 stretches of the
+        record, whose standard error is 1/8: it shows what they share over minutes and hours, such as temperature.
+
+    Raises
+    ------
+    UsageError
+        There are fewer than two fits, or their channels differ in length.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> from allanite.identification import identify
+    >>> from allanite.core.record import Record
+    >>> noise = np.random.default_rng(1).standard_normal((3, 20_000))
+    >>> channels = [Record(noise[i] + noise[2], 100.0, "deg/s", name=name) for i, name in enumerate("xy")]
+    >>> recording = Recording(tuple(channels))
+    >>> found = shared(recording, identify(recording))
+    >>> round(float(found.fast[0, 1]), 1), [finding.name for finding in found.findings]
+    (0.5, ['shared'])
+    """
+    robust.demand_choice(outliers)
+    names = [name for name in recording.channels if name in fits]
+    if len(names) < 2 or len({recording[name].size for name in names}) > 1:
+        raise UsageError(f"correlations need two channels of one length or more, not {', '.join(names) or 'none'}")
+    series, means = [], []
+    for name in names:
+        record = recording[name]
+        if outliers == "mark":
+            record = robust.marked(record, robust.outliers(record))
+        # what was lost is zero, and counts nowhere
+        u = np.nan_to_num(whitened(record, fits[name].model), copy=False)
+        bounds = np.linspace(0, u.size, STRETCHES + 1).astype(np.int64)[:-1]
+        series.append(u)
+        means.append(np.add.reduceat(u, bounds, dtype=np.float64))
+    fast, slow = _correlations(series), _correlations(means)
+    return Shared(tuple(names), fast, slow, tuple(_hints(names, fast, slow, series[0].size)))
+
+
+def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
+    products = np.array([[float(a @ b) for b in series] for a in series])
+    size = np.sqrt(np.diag(products))
+    return np.asarray(products / np.outer(size, size))
+
+
+def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list[Finding]:
+    """Pairs that share something, at once the fast and the slow of it."""
+    found = []
+    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+        kinds = {
+            "fast, sample by sample": (fast[i, j], n),
+            "slowly, over minutes and hours": (slow[i, j], STRETCHES),
+        }
+        seen = [
+            f"{what} ({r:+.2g})"
+            for what, (r, count) in kinds.items()
+            if abs(r) > MATTERS and abs(np.arctanh(np.clip(r, -0.999999, 0.999999))) * np.sqrt(count - 3) > SIGMAS
+        ]
+        if seen:
+            found.append(
+                Finding(
+                    "shared",
+                    f"what the models leave of {names[i]} and {names[j]} goes together {' and '.join(seen)}",
+                    "their noises are not independent",
+                    "look for vibration, temperature, or a supply, clock or reference that they share",
+                )
+            )
+    return found

@@ -1,0 +1,110 @@
+"""What a model leaves of a record: a series that is white, if the model is right."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record
+from allanite.prepare.gaps import Gaps, joined, whole
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SINGLE, PER_OCTAVE = 64, 32
+"""Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
+
+
+def whitened(record: Record, model: Model) -> NDArray[np.float32]:
+    """The record over its model: white Gaussian noise of variance 1, if the model explains the record.
+
+    Deterministic terms are taken off. Each coefficient of the orthonormal DCT-II of the rest (readings that were lost
+    are cut out) is divided by its standard deviation under the noise terms, and the result transformed back.
+
+    Parameters
+    ----------
+    record : Record
+    model : Model
+        For example `Fit.model`.
+
+    Returns
+    -------
+    array of float32, shape (record.size,)
+        NaN where the reading was lost. With quantization it is larger within `memory` samples of an end or a gap.
+
+    Raises
+    ------
+    UsageError
+        The model is of another signal, or has no noise.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> from allanite.simulation.record import simulate
+    >>> model = N(1.0, "deg/sqrt(h)") + K(3.0, "deg/h/sqrt(h)")
+    >>> u = whitened(simulate(model, 10_000, 10.0, rng=np.random.default_rng(1)), model)
+    >>> bool(abs(u.std() - 1) < 0.02)
+    True
+    """
+    from scipy.fft import dct, idct
+
+    if model.signal is not record.signal:
+        raise UsageError(f"a model of a {model.signal.name} does not explain a {record.signal.name}")
+    y, gaps, left = joined(record)
+    unit = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    for term in model:
+        wave = term.sampled(record.rate).waveform
+        if wave is not None:
+            shape = wave(record.size)
+            y -= term.value * record.rate**term.row.power / unit * (shape if left is None else shape[left])
+    y -= y.mean()
+    # what is slow is at most some thousand times what is fast: single precision halves time and memory
+    size = float(np.abs(y).max()) or 1.0
+    c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
+    del y
+    _divide(c, *_deviations(model, gaps, record.rate), unit * size)
+    u = idct(c, norm="ortho", overwrite_x=True)
+    if left is None:
+        return np.asarray(u)
+    everywhere = np.full(record.size, np.nan, dtype=np.float32)
+    everywhere[left] = u
+    return everywhere
+
+
+def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
+    """Divide by the standard deviation in place; between the nodes k its inverse is straight."""
+    weight = unit / deviation
+    c[0] = 0.0
+    for a, b, start, end in zip(k[:-1], k[1:], weight[:-1], weight[1:], strict=True):
+        c[a:b] *= np.linspace(start, end, b - a, endpoint=False, dtype=np.float32)
+    c[k[-1] :] *= np.float32(weight[-1])
+
+
+def _deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
+    """Some coefficients, the first and the last among them, and their standard deviations in SI."""
+    n = gaps.size
+    nodes = SINGLE * 2.0 ** np.arange(0, np.log2(n / SINGLE), 1 / PER_OCTAVE)
+    k = np.unique(np.concatenate((np.arange(1, min(SINGLE, n - 1) + 1), np.rint(nodes).astype(np.int64), [n - 1])))
+    k = k[k < n]
+    at = k.astype(np.float64)
+    rows = [(t.power(rate), t.sampled(rate)) for t in model]
+    noise = [(power, row) for power, row in rows if row.waveform is None and power > 0]
+    if not noise:
+        raise UsageError(f"a model needs noise to whiten a record, unlike {model}")
+    # what an open angle adds at ends and joints is not there in between
+    return k, np.sqrt(sum(power * gaps.row(replace(row, edge=0.0), at) for power, row in noise))
+
+
+def memory(model: Model, size: int, rate: float) -> int:
+    """Samples from an end, or a gap, within which an open angle is felt; 0 if the model has no noise of the angle.
+
+    The whitening spreads what quantization has there over as many samples as the standard deviation of the fastest
+    noise exceeds that of the least.
+    """
+    if not any(t.row.edge for t in model):
+        return 0
+    _, deviation = _deviations(model, whole(size), rate)
+    return math.ceil(2 * float(deviation.max() / deviation.min()))

@@ -1,0 +1,1 @@
+"""Coefficients read off a curve."""

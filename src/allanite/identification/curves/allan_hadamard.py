@@ -1,0 +1,75 @@
+"""Allan and Hadamard variance fitted together: what tells a ramp from a random walk of the rate."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError
+from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.statistics import deviation
+from allanite.terms import TERMS
+
+from .gls import Moments, iterated, variances
+from .nonnegative import columns
+from .reading import early, reported, result, signal_of
+
+PAIR = ("oadev", "ohdev")
+
+WALK = 0.5
+"""Hadamard over Allan variance of a random walk of the rate; only a ramp lies below."""
+
+
+def joint(record: Record, symbols: Sequence[str]) -> Fit:
+    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4.
+
+    Each point has the weight of its own degrees of freedom under the fit, as if all were independent, which they are
+    not: so there are no standard errors.
+
+    Parameters
+    ----------
+    record : Record
+    symbols : sequence of str
+        Keys of `TERMS`.
+    """
+    curves = [deviation(record, name) for name in PAIR]
+    signal = signal_of(curves[0], 1)
+    early_ones = [early(curve, 0.25) for curve in curves]
+    m = [curve.m[which].tolist() for curve, which in zip(curves, early_ones, strict=True)]
+    variance = np.concatenate([c.variance[which] for c, which in zip(curves, early_ones, strict=True)])
+    if variance.size < len(symbols) or not np.all(variance > 0):
+        raise DataError(f"{variance.size} points, none of them zero, are needed for {len(symbols)} terms")
+    X = np.concatenate([columns(name, symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)])
+    products = np.zeros((len(X), len(X), len(symbols), len(symbols)))
+    first = len(m[0])
+    products[:first, :first] = variances(PAIR[0], symbols, m[0], record.size, record.rate)
+    products[first:, first:] = variances(PAIR[1], symbols, m[1], record.size, record.rate)
+    theta, _ = iterated(Moments(X, products), variance)
+    ramp = any(TERMS[s].waveform is not None and v > 0 for s, v in zip(symbols, theta.tolist(), strict=True))
+    notes = [f"read from {variance.size} points of {' and '.join(PAIR)}", *drift(*curves, fitted=ramp)]
+    estimates = reported(symbols, theta, X, signal=signal, method="joint")
+    return result(curves[0], estimates, "joint", notes=notes)
+
+
+def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
+    """What the two curves say of a ramp, at the octave next below a tenth of the record.
+
+    Where only a random walk and a ramp matter, ``R^2 = 2 (AVAR - 2 HVAR) / tau^2``.
+    """
+    both = np.intersect1d(allan.m[early(allan, 0.1)], hadamard.m[early(hadamard, 0.1)])[-1]
+    a, h = (float(curve.variance[curve.m == both][0]) for curve in (allan, hadamard))
+    tau = float(both) / allan.rate
+    found = f"at {tau:g} s the Hadamard deviation is {np.sqrt(h / a):.3f} of the Allan deviation"
+    if h < WALK * a:
+        size = np.sqrt(2 * (a - 2 * h)) / tau
+        return [
+            f"{found}, below the 0.707 of a random walk: a ramp, of about {size:.3g} {allan.unit}/s if only a random "
+            "walk lies beside it; one record can be that low by chance"
+        ]
+    warning = "; 2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0"
+    doubt = ", and the R of the fit is no evidence of one" if fitted else ""
+    return [
+        f"{found}{warning}: a Hadamard deviation below the Allan deviation proves no drift (random walk alone gives "
+        f"0.707, flicker 0.90), only one below 0.707 needs a ramp{doubt}"
+    ]

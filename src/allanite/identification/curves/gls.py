@@ -1,0 +1,236 @@
+"""Generalised least squares: what can be had from a curve if it is read as it scatters."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError
+from allanite.core.fit import WEAK, Estimate, Fit
+from allanite.core.model import Model, Term
+from allanite.core.units import Signal
+from allanite.identification.likelihood.selection import quantile
+from allanite.statistics.moments.moments import covariance_by_term, relative
+from allanite.statistics.row import FloatArray, IntArray
+from allanite.statistics.table import STATISTICS
+from allanite.terms import TERMS
+
+from .nonnegative import blind, columns, plain, solve, unit_model, whitened
+from .reading import early, reported, result, signal_of
+
+CORRELATED = ("oadev", "ohdev", "mdev")
+"""Statistics whose covariance between averaging times is known."""
+
+ROUNDS = 8
+"""Of a fit and the covariance under it; three to five are enough."""
+
+CLAIM = 4.0
+"""Rise of the quadratic form without a term from which on the term is claimed."""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of the points of a curve under terms with coefficients of 1.
+
+    Attributes
+    ----------
+    columns : array, shape (k, t)
+        Expectation.
+    products : array, shape (k, k, t, t)
+        What each pair of terms adds to the covariance.
+    """
+
+    columns: FloatArray
+    products: FloatArray
+
+    def covariance(self, theta: FloatArray) -> FloatArray:
+        """Covariance of the points for squares `theta` of the coefficients, shape (k, k)."""
+        return np.asarray(np.einsum("ijab,a,b", self.products, theta, theta))
+
+
+@lru_cache(maxsize=64)
+def moments_of(name: str, symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
+    """Of a statistic at averaging factors `m`; of one that is not in `CORRELATED`, variances alone."""
+    X = columns(name, symbols, m, size, rate)
+    return Moments(X, (_covariances if name in CORRELATED else variances)(name, symbols, m, size, rate))
+
+
+def _covariances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
+    return covariance_by_term(STATISTICS[name], unit_model(symbols), np.array(m), size, rate)
+
+
+def variances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
+    """The diagonal of `Moments.products`, 2 E_i E_j r_ij, which is 2 E^2 / EDF of a mixture; the rest is 0."""
+    X = columns(name, symbols, m, size, rate)
+    terms = [t.sampled(rate) for t in unit_model(symbols)]
+    found = np.zeros((len(m), len(m), len(symbols), len(symbols)))
+    for i, k in enumerate(m):
+        found[i, i] = 2 * np.outer(X[i], X[i]) * relative(STATISTICS[name], terms, k, [(size, 1)])
+    return found
+
+
+def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Squares of the coefficients, shape (t,), and the covariance of the points under them, shape (k, k)."""
+    X = moments.columns
+    theta = solve(X, variance, np.diag(variance**2))
+    covariance = _scatter(moments, theta)
+    for _ in range(ROUNDS):
+        before, theta = theta, solve(X, variance, covariance)
+        covariance = _scatter(moments, theta)
+        if np.allclose(X * theta, X * before, rtol=1e-6, atol=1e-6 * variance.min()):
+            break
+    return theta, covariance
+
+
+def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
+    covariance = moments.covariance(theta)
+    if not np.all(np.diag(covariance) > 0):
+        raise DataError("a ramp alone describes the curve best: without noise nothing can be said of its accuracy")
+    return covariance
+
+
+def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
+    """Generalised least squares of the variance with the covariance that the model itself gives the points.
+
+    ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
+    quarter of the record; C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
+    Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``.
+
+    Parameters
+    ----------
+    curve : Curve
+        oadev, ohdev, mdev or theo1, SI. For theo1 the covariance between points is not known: each has the weight of
+        its own degrees of freedom, and there are no standard errors.
+    symbols : sequence of str
+        Keys of `TERMS`.
+
+    Raises
+    ------
+    DataError
+        Fewer points than terms.
+    """
+    signal = signal_of(curve, 1)
+    which = octaves(curve)
+    if which.size < len(symbols):
+        raise DataError(f"{which.size} octaves up to a quarter of the record are too few for {len(symbols)} terms")
+    m, symbols = curve.m[which], tuple(symbols)
+    moments = _with_gaps(moments_of(curve.statistic, symbols, tuple(m.tolist()), curve.size, curve.rate), curve, which)
+    variance = plain(curve)[which]
+    theta, covariance = iterated(moments, variance)
+    model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
+    notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
+    if curve.statistic not in CORRELATED:
+        estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
+        notes += [
+            f"the covariance between points of {curve.statistic} is not known: each has the weight of its own degrees "
+            "of freedom, and there are no standard errors"
+        ]
+    else:
+        estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
+        notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
+    notes += [f"{e.symbol} is without its sign, which a curve does not have" for e in estimates if _unsigned(e)]
+    return result(curve, estimates, "gls", notes=notes, model=model)
+
+
+GAUSSIAN = (
+    "the intervals suppose Gaussian errors: that of the slowest term, which rests on averaging times with few degrees "
+    "of freedom, holds the truth too seldom (method whittle has profile intervals)"
+)
+
+
+def octaves(curve: Curve) -> IntArray:
+    """Indices of the points nearest to octaves of the first tau, up to a quarter of the record."""
+    log_tau = np.log2(curve.tau[early(curve, 0.25)] / curve.tau[0])
+    if not log_tau.size:
+        return np.empty(0, np.int64)
+    wanted = np.arange(int(log_tau[-1] + 1e-9) + 1)
+    return np.unique(np.abs(log_tau[:, None] - wanted).argmin(axis=0))
+
+
+def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
+    """Points of which windows are lost scatter more, by about as much as there are fewer."""
+    row = STATISTICS[curve.statistic]
+    more = np.sqrt(row.count(curve.size, curve.m[which]) / curve.count[which])
+    return Moments(moments.columns, moments.products * np.outer(more, more)[:, :, None, None])
+
+
+def _gaps(curve: Curve) -> list[str]:
+    lost = bool(np.any(curve.count < STATISTICS[curve.statistic].count(curve.size, curve.m)))
+    return ["the record has gaps: the covariance is that of a whole one, scaled by the windows lost"] * lost
+
+
+def _read_from(curve: Curve, which: IntArray) -> str:
+    left = int(early(curve, 0.25).sum()) - which.size
+    tau = curve.tau[which]
+    words = f"read from {which.size} points of {curve.statistic}, {tau[0]:g} to {tau[-1]:g} s"
+    return words + (f"; {left} more between these octaves would add nothing and are left out" if left else "")
+
+
+def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> str:
+    from scipy.special import chdtrc
+
+    freedom = variance.size - np.count_nonzero(theta)
+    square = _misfit(X, variance, theta, covariance)
+    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else "no freedom left to judge"
+    return f"goodness of fit: chi-square {square:.1f} with {freedom} degrees of freedom, {p}"
+
+
+def _misfit(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> float:
+    A, b = whitened(X, variance, covariance)
+    return float(((b - A @ theta) ** 2).sum())
+
+
+def _unsigned(estimate: Estimate) -> bool:
+    return bool(TERMS[estimate.symbol].waveform is not None and estimate.value)
+
+
+def _estimates(
+    symbols: Sequence[str],
+    X: FloatArray,
+    variance: FloatArray,
+    found: tuple[FloatArray, FloatArray],
+    signal: Signal,
+) -> list[Estimate]:
+    theta, covariance = found
+    error = standard_errors(X, variance, covariance)
+    whole = _misfit(X, variance, theta, covariance)
+    estimates = []
+    for i, symbol in enumerate(symbols):
+        others = np.delete(X, i, axis=1)
+        rise = _misfit(others, variance, solve(others, variance, covariance), covariance) - whole
+        estimates.append(_estimate(symbol, signal, (float(theta[i]), float(error[i])), claimed=rise > CLAIM))
+    return estimates
+
+
+def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Of the squares, every term being free, shape (t,); infinite for a term that is not seen."""
+    A, _ = whitened(X, variance, covariance)
+    size = np.sqrt((A**2).sum(axis=0))
+    seen = size > 0
+    A = A[:, seen] / size[seen]
+    error = np.full(size.shape, inf)
+    error[seen] = np.sqrt(np.diag(np.linalg.inv(A.T @ A))) / size[seen]
+    return error
+
+
+def _estimate(symbol: str, signal: Signal, square: tuple[float, float], *, claimed: bool) -> Estimate:
+    theta, error = square
+
+    def limits(level: float) -> tuple[float, float]:
+        half = quantile((1 + level) / 2) * error
+        return sqrt(max(theta - half, 0.0)), sqrt(theta + half)
+
+    @cache
+    def upper(level: float) -> float:
+        return sqrt(theta + quantile(level) * error)
+
+    highest = upper(0.95) if isfinite(error) else None
+    if not claimed:
+        below: Callable[[float], tuple[float, float]] = lambda level: (0.0, upper(level))  # noqa: E731
+        return Estimate(symbol, signal, None, None, "absent", highest, "gls", below, limits)
+    value = sqrt(theta)
+    status = "identified" if error <= 2 * theta * WEAK else "weak"
+    return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", limits, limits)

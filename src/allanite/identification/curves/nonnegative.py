@@ -1,0 +1,95 @@
+"""Non-negative least squares, and the fit with equal relative weights that many programs do."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
+from allanite.core.model import Model, Term
+from allanite.statistics.moments.moments import by_term
+from allanite.statistics.row import FloatArray
+from allanite.statistics.table import STATISTICS
+from allanite.terms import TERMS
+
+from .reading import early, reported, result, signal_of
+
+READABLE = ("oadev", "ohdev", "mdev", "adev", "hdev", "theo1")
+"""Statistics whose expectation is known for every term and any record length."""
+
+
+def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
+    """Non-negative squares of the coefficients that fit the variance with equal relative weights, up to tau = T/10.
+
+    That a point at long tau scatters a thousand times as much as one at short tau is not taken into account.
+
+    Parameters
+    ----------
+    curve : Curve
+        One of `READABLE`, SI.
+    symbols : sequence of str
+        Keys of `TERMS`.
+    """
+    signal = signal_of(curve, 1)
+    which = early(curve, 0.1)
+    used = int(which.sum())
+    if used < len(symbols):
+        raise UsageError(f"{used} points lie below a tenth of the record, too few for {len(symbols)} terms")
+    m, variance = curve.m[which], plain(curve)[which]
+    X = columns(curve.statistic, symbols, m.tolist(), curve.size, curve.rate)
+    squares = solve(X, variance, np.diag(variance**2))
+    notes = [
+        f"read from {used} points of {curve.statistic} up to {curve.tau[which][-1]:g} s, a tenth of the record",
+        *blind(curve.statistic, symbols, X),
+    ]
+    return result(curve, reported(symbols, squares, X, signal=signal, method="nnls"), "nnls", notes=notes)
+
+
+def plain(curve: Curve) -> FloatArray:
+    """The variance without a correction of its bias, shape of tau."""
+    return np.asarray(curve.variance / curve.factor)
+
+
+def columns(statistic: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 where only rounding is left."""
+    row = STATISTICS[statistic]
+    X = np.array([by_term(row, unit_model(symbols), k, size, rate) for k in m])
+    tau = np.array(m) * row.tau_factor / rate
+    lines = np.column_stack([TERMS[s].level * tau ** (2 * TERMS[s].slope) for s in symbols])
+    return X * (X / lines > 1e-9)
+
+
+def unit_model(symbols: Sequence[str]) -> Model:
+    """Every term with a coefficient of 1 in SI; what the sensor is makes no difference to the numbers."""
+    from allanite.core.units import SIGNALS
+
+    return Model(tuple(Term(s, 1.0, SIGNALS[0]) for s in symbols))
+
+
+def blind(statistic: str, symbols: Sequence[str], X: FloatArray) -> list[str]:
+    """Words for the terms that a statistic does not see."""
+    return [
+        f"{s}: {statistic} does not see a {TERMS[s].title}"
+        for s, column in zip(symbols, X.T, strict=True)
+        if not column.any()
+    ]
+
+
+def solve(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Squares theta >= 0 that minimise the quadratic form of the residuals, shape (t,)."""
+    from scipy.optimize import nnls as solver
+
+    A, b = whitened(X, variance, covariance)
+    size = np.sqrt((A**2).sum(axis=0))
+    size[size == 0] = 1.0
+    return np.asarray(solver(A / size, b)[0] / size)
+
+
+def whitened(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Columns and values in units of independent standard errors."""
+    from scipy.linalg import cholesky, solve_triangular
+
+    L = cholesky(covariance / np.outer(variance, variance), lower=True)
+    A = solve_triangular(L, X / variance[:, None], lower=True)
+    return A, solve_triangular(L, np.ones_like(variance), lower=True)

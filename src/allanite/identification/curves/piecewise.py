@@ -1,0 +1,74 @@
+"""Lines of the textbook slopes, each through a whole range of averaging times."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.fit import Estimate, Fit
+from allanite.statistics.row import FloatArray, IntArray
+from allanite.terms import TERMS
+
+from .reading import early, result, signal_of
+
+NEAR = 0.25
+"""Slopes of the curve so near to a term's are taken for that term: the terms' slopes are 0.5 apart."""
+
+
+def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[float, float]] | None = None) -> Fit:
+    """Coefficients from the mean of ``log sigma - slope log tau`` over a range of averaging times for each term.
+
+    Supposes that no other term counts there, which is seldom true: the others make every value too large.
+
+    Parameters
+    ----------
+    curve : Curve
+        oadev or adev, SI.
+    symbols : sequence of str
+        Keys of `TERMS`.
+    ranges : mapping of symbol to (low, high), optional
+        Averaging times, s. Of a term without one: the longest stretch, up to a tenth of the record, where the local
+        slope is within 0.25 of the term's; a term without such a stretch is not identified.
+    """
+    signal = signal_of(curve, 2)
+    given = dict(ranges or {})
+    if unknown := sorted(set(given) - set(symbols)):
+        raise UsageError(f"a range for {', '.join(unknown)}, but the terms asked for are {', '.join(symbols)}")
+    log_tau, log_sigma = np.log(curve.tau), np.log(curve.deviation)
+    estimates, notes = [], []
+    for symbol in symbols:
+        row = TERMS[symbol]
+        which = _within(curve, symbol, given[symbol]) if symbol in given else stretch(curve, row.slope)
+        if not which.size:
+            estimates.append(Estimate(symbol, signal, None, None, "absent", None, "piecewise"))
+            notes.append(f"{symbol}: no part of the curve has a slope near {row.slope:+g}")
+            continue
+        line = float(np.mean(log_sigma[which] - row.slope * log_tau[which]))
+        value = float(np.exp(line)) / np.sqrt(row.level)
+        estimates.append(Estimate(symbol, signal, float(value), None, "reported", None, "piecewise"))
+        notes.append(f"{symbol}: read from {curve.tau[which[0]]:g} to {curve.tau[which[-1]]:g} s")
+    return result(curve, estimates, "piecewise", notes=notes)
+
+
+def _within(curve: Curve, symbol: str, limits: tuple[float, float]) -> IntArray:
+    low, high = limits
+    which = np.flatnonzero((curve.tau >= low * (1 - 1e-9)) & (curve.tau <= high * (1 + 1e-9)))
+    if not which.size:
+        raise UsageError(
+            f"no point of the curve lies in the range {low:g} to {high:g} s of {symbol}; "
+            f"there are points from {curve.tau[0]:g} to {curve.tau[-1]:g} s"
+        )
+    return which
+
+
+def stretch(curve: Curve, slope: float) -> IntArray:
+    """Indices of the longest run of points, up to a tenth of the record, between which the curve is so steep."""
+    last = int(early(curve, 0.1).sum())
+    local: FloatArray = np.diff(np.log(curve.variance[:last])) / np.diff(np.log(curve.tau[:last])) / 2
+    near = np.concatenate(([False], np.abs(local - slope) <= NEAR, [False]))
+    starts, ends = np.flatnonzero(near[1:] & ~near[:-1]), np.flatnonzero(~near[1:] & near[:-1])
+    if not starts.size:
+        return np.empty(0, np.int64)
+    longest = int(np.argmax(ends - starts))
+    return np.arange(starts[longest], ends[longest] + 1)

@@ -1,0 +1,72 @@
+"""What the methods that read a curve share."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError, UsageError
+from allanite.core.fit import Estimate, Fit
+from allanite.core.model import Model, Term
+from allanite.core.units import SIGNALS, Signal
+from allanite.statistics.row import BoolArray, FloatArray
+
+ALLAN = ("oadev", "adev")
+"""The statistics whose terms are straight lines of the textbook slopes."""
+
+
+def signal_of(curve: Curve, points: int) -> Signal:
+    """What a curve is of.
+
+    Raises
+    ------
+    DataError
+        It has fewer points than `points`, or one of them is zero.
+    UsageError
+        It is not in SI.
+    """
+    if curve.tau.size < points or not np.all(curve.variance > 0):
+        raise DataError(f"this method needs at least {points} points, none of them zero; there are {curve.tau.size}")
+    for signal in SIGNALS:
+        if signal.unit == curve.unit:
+            return signal
+    raise UsageError(f"this method needs a curve in SI, not in {curve.unit}; leave out .to()")
+
+
+def early(curve: Curve, share: float) -> BoolArray:
+    """Which points average over at most this share of the record, shape of tau."""
+    if not curve.size:
+        raise UsageError("this method needs to know the length of the record: the curve's size is 0")
+    return np.asarray(curve.tau <= share * curve.size / curve.rate * (1 + 1e-9))
+
+
+def reported(
+    symbols: Sequence[str], squares: FloatArray, columns: FloatArray, *, signal: Signal, method: str
+) -> list[Estimate]:
+    """Roots of squares that are not negative, without evidence for any term; one whose column is empty is absent."""
+    found = zip(symbols, np.sqrt(squares).tolist(), np.abs(columns).max(axis=0) > 0, strict=True)
+    return [
+        Estimate(s, signal, v, None, "reported", None, method)
+        if visible
+        else Estimate(s, signal, None, None, "absent", None, method)
+        for s, v, visible in found
+    ]
+
+
+def result(
+    curve: Curve, estimates: Sequence[Estimate], method: str, *, notes: Sequence[str], model: Model | None = None
+) -> Fit:
+    """The fit; its model, if none is given, holds what was estimated above zero.
+
+    Raises
+    ------
+    DataError
+        Nothing was.
+    """
+    signal = estimates[0].signal
+    terms = tuple(Term(e.symbol, e.value, signal) for e in estimates if e.value is not None and e.value > 0)
+    if model is None and not terms:
+        raise DataError(f"method {method!r} finds none of the terms asked for: {'; '.join(notes)}")
+    return Fit(
+        tuple(estimates), method, signal, model or Model(terms), name=curve.name, curve=curve, notes=tuple(notes)
+    )

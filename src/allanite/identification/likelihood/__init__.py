@@ -1,0 +1,1 @@
+"""The Whittle likelihood of a record, and which terms it asks for."""

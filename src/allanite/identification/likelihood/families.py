@@ -1,0 +1,302 @@
+"""Which terms describe a spectrum, flicker or Gauss-Markov noise among them: the search, and what it found.
+
+A Gauss-Markov term is linear in the square of its effective value but not in its time constant T. L is profiled over T
+on a grid and then refined; in the subsets and the limits, T takes the values that the likelihood leaves open.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.fit import EXPLAINED
+from allanite.core.record import Record
+from allanite.identification.checks.goodness import goodness
+from allanite.terms import TERMS
+from allanite.terms.markov import gauss_markov
+
+from .likelihood import BoolArray, FloatArray, Likelihood
+from .selection import PENALTY, Profiles, Subset, select, subsets
+from .whittle import Spectrum, column, likelihood, spectrum
+
+MARKOV, FLICKER = "GM", "B"
+
+SHORTEST, LONGEST = 3.0, 0.1
+"""Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
+
+SLOW = 30.0
+"""Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
+
+PER_DECADE = 4
+"""Time constants a decade in the first search."""
+
+EVIDENCE = 12.0
+"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for the doubt
+that what is flicker everywhere else is none here: so it displaces true flicker in about 1 % of records."""
+
+CLOSE = 2.0
+"""Refining the time constant gains less than this in 2 L beyond the grid."""
+
+OPEN = 6.6
+"""Time constants that lose less than this in 2 L take part in the limits of the terms (the 99 % point)."""
+
+STARTS = 3
+"""Pairs of time constants from which the best pair is sought."""
+
+NEAR = 3
+"""Time constants on either side of the best that take part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
+
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant.
+    """
+
+    likelihood: Likelihood
+    seen: Spectrum
+    used: BoolArray
+    may: BoolArray
+    shortest: float = SHORTEST
+
+    def column(self, T: float) -> FloatArray:
+        """Expected power of the term in the bins that are used."""
+        return column(gauss_markov(T), self.seen)[self.used]
+
+    def at(self, T: float) -> Likelihood:
+        """The likelihood with a time constant."""
+        return self.likelihood.with_column(-1, self.column(T))
+
+    def least(self, T: float, free: BoolArray | None = None) -> Subset:
+        """The minimum at a time constant, all terms free that may be."""
+        likelihood, free = self.at(T), self.may if free is None else free
+        return Subset(likelihood, free, *likelihood.minimise(free), (T,))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The least and the greatest time constant."""
+        return self.shortest, max(LONGEST * self.seen.size, 2 * self.shortest)
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """Time constants of the first search."""
+        low, high = self.span
+        return np.geomspace(low, high, max(2, round(PER_DECADE * math.log10(high / low))))
+
+    @cached_property
+    def coarse(self) -> Subset:
+        """The best of the grid."""
+        return min((self.least(float(T)) for T in self.grid), key=lambda subset: subset.value)
+
+    def refined(self, around: float, free: BoolArray | None = None) -> Subset:
+        """The best near a value of the grid."""
+        from scipy.optimize import minimize_scalar
+
+        step, (low, high) = 10 ** (1 / PER_DECADE), self.span
+        best = minimize_scalar(
+            lambda x: self.least(math.exp(x), free).value,
+            bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
+            method="bounded",
+            options={"xatol": 0.01},
+        )
+        return self.least(math.exp(float(best.x)), free)
+
+    def best(self, penalty: FloatArray, beat: float = math.inf) -> Subset | None:
+        """The best subset with the term; None if none can have a score below `beat`."""
+        # at least one other term is there
+        if 2 * self.coarse.value + float(penalty[-1]) > beat + CLOSE:
+            return None
+        fine = self.refined(self.coarse.constants[0])
+        first = select(subsets(fine.likelihood, must=self.must, may=self.may, constants=fine.constants), penalty)
+        found = self.refined(fine.constants[0], first.free)
+        return found if found.theta[-1] > 0 else None
+
+    @cached_property
+    def must(self) -> BoolArray:
+        """The term alone."""
+        return np.asarray(np.arange(self.may.size) == self.may.size - 1)
+
+    def slope(self, subset: Subset) -> FloatArray:
+        """Change of the expected power with ln T, shape (bins,)."""
+        (T,) = subset.constants
+        up, down = self.column(1.01 * T), self.column(T / 1.01)
+        return np.asarray(subset.theta[-1] * (up - down) / (2 * math.log(1.01)))
+
+    def limits(self, best: Subset, drop: float) -> tuple[float, float]:
+        """Time constants at which 2 L has risen by `drop`, the others following; at most those of the search."""
+        from scipy.optimize import brentq
+
+        (T,) = best.constants
+        ends = []
+        for end in (min(1.0, T / 2), max(float(self.seen.size), 2 * T)):
+
+            def excess(x: float) -> float:
+                return 2 * (self.least(math.exp(x), best.free).value - best.value) - drop
+
+            open_ = excess(math.log(end)) <= 0
+            ends.append(end if open_ else math.exp(brentq(excess, math.log(T), math.log(end), xtol=1e-3)))
+        return ends[0], ends[1]
+
+    def around(self, best: Subset) -> list[Subset]:
+        """Subsets with the term at the time constants that the likelihood leaves open; the best one's come last."""
+        (T,) = best.constants
+        low, high = self.limits(best, OPEN)
+        open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
+        return [
+            s for k in open_ for s in subsets(self.at(float(k)), must=self.must, may=self.may, constants=(float(k),))
+        ]
+
+    def pair(self) -> Subset:
+        """The best with two such terms and no flicker."""
+        from scipy.optimize import minimize
+
+        free = np.append(self.may, True)
+
+        def least(x: FloatArray) -> Subset:
+            first, second = np.exp(x)
+            both = self.at(float(first)).with_more(self.column(float(second)))
+            return Subset(both, free, *both.minimise(free), (float(first), float(second)))
+
+        grid = np.log(self.grid)
+        pairs = [np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :]]
+        corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])
+        tries = [
+            minimize(
+                lambda x: least(x).value,
+                start,
+                method="Nelder-Mead",
+                options={"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01},
+            )
+            for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]
+        ]
+        return least(min(tries, key=lambda found: float(found.fun)).x)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What describes the spectrum of a record.
+
+    Attributes
+    ----------
+    seen, used
+        The spectrum and the bins of it that count.
+    noise : list of str
+        Symbols of the columns of the likelihood.
+    fitted, chosen, everything
+        The subsets that take part in the limits, the best one, and the one that leaves nothing out.
+    search : Search or None
+    plain, markov : Subset or None
+        The best without and with a Gauss-Markov term.
+    """
+
+    seen: Spectrum
+    used: BoolArray
+    noise: list[str]
+    fitted: list[Subset]
+    chosen: Subset
+    everything: Subset
+    search: Search | None
+    plain: Subset
+    markov: Subset | None
+
+    @cached_property
+    def profiles(self) -> Profiles:
+        """Limits of the terms."""
+        return Profiles(self.fitted, self.chosen, self.everything)
+
+    @cached_property
+    def slope(self) -> FloatArray | None:
+        """How the expected power changes with the time constant, if there is one."""
+        return self.search.slope(self.chosen) if self.search and self.chosen.constants else None
+
+    @property
+    def flicker(self) -> Subset | None:
+        """The best without a Gauss-Markov term, if flicker is in it."""
+        there = FLICKER in self.noise and self.plain.theta[self.noise.index(FLICKER)] > 0
+        return self.plain if there else None
+
+    def rivals(self) -> list[Subset]:
+        """The best of each family: flicker, Gauss-Markov, both, two Gauss-Markov."""
+        if self.search is None:
+            return []
+        penalty = penalties(len(self.noise))
+        both = Search(self.search.likelihood, self.seen, self.used, np.ones(len(self.noise), dtype=bool))
+        found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
+        there = [subset for subset in found if subset is not None]
+        complete = [s for s in there if not s.constants or (s.theta[len(self.noise) - 1 :] > 0).all()]
+        flicker = self.noise.index(FLICKER) if FLICKER in self.noise else None
+        # both without flicker is Gauss-Markov alone once more
+        return [s for s in complete if s is not found[2] or (flicker is not None and s.theta[flicker] > 0)]
+
+
+def penalties(p: int) -> FloatArray:
+    """What each term must gain in 2 L to be selected, a Gauss-Markov term the last of them, shape (p,)."""
+    penalty = np.full(p, PENALTY)
+    penalty[-1] = EVIDENCE
+    return penalty
+
+
+def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
+    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker.
+
+    Parameters
+    ----------
+    record, symbols, band, rival
+        As for `allanite.identification.likelihood.identify.whittle`.
+    """
+    ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
+    noise = [symbol for symbol in symbols if symbol not in ramps and symbol != MARKOV]
+    asked = MARKOV in symbols
+    seen = spectrum(record, detrend=bool(ramps))
+    used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
+    if not asked and not (rival and FLICKER in noise):
+        part = likelihood(seen, [*noise, *ramps]).only(used)
+        fitted = subsets(part)
+        best = select(fitted)
+        return Found(seen, used, noise, fitted, best, fitted[-1], None, best, None)
+    whole = likelihood(seen, [*noise, *ramps, MARKOV])
+    noise.append(MARKOV)
+    return _with_markov(whole.only(used), (seen, used), noise, asked=asked)
+
+
+def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spectrum, BoolArray]) -> bool:
+    """Whether Gauss-Markov noise that nobody asked for describes the record, and takes no more than flicker's place.
+
+    What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
+    At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
+    needs as much evidence once more.
+    """
+    penalty = penalties(len(noise))
+    other = np.array([symbol != FLICKER for symbol in noise])
+    lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
+    if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
+        return False
+    return goodness(where[0], markov.likelihood, markov.theta, where[1]).p >= EXPLAINED
+
+
+def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: list[str], *, asked: bool) -> Found:
+    """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
+    penalty = penalties(len(noise))
+    may = np.array([asked or symbol != FLICKER for symbol in noise])
+    search = Search(part, *where, may, SHORTEST if asked else SLOW)
+    fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
+    plain = select(fitted, penalty) if fitted else None
+    markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
+    best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
+    if (
+        plain is not None
+        and markov is not None
+        and best is markov
+        and not (asked or _believed(plain, markov, noise, where))
+    ):
+        best = plain
+    if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
+        best = search.coarse
+    everything = fitted[-1] if fitted else best
+    if markov is not None and (asked or best is markov):
+        fitted = fitted + search.around(markov)
+        everything = fitted[-1]
+    return Found(*where, noise, fitted, best, everything, search, plain or best, markov)

@@ -1,0 +1,241 @@
+"""Identification by likelihood: which terms a record holds, how large they are, and how sure that is."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
+from allanite.core.model import Model, Term
+from allanite.core.record import Record
+from allanite.identification.checks.goodness import goodness
+from allanite.prepare.gaps import refusal
+from allanite.terms import TERMS
+
+from .families import MARKOV, Found, look
+from .likelihood import FloatArray
+from .removal import without_lines
+from .selection import Subset, quantile, standard_error
+from .whittle import Spectrum
+
+Limits = Callable[[float], tuple[float, float]]
+
+DISTINGUISHABLE = 2.0
+"""Difference of the Akaike criterion below which two models describe a record equally well."""
+
+
+def whittle(
+    record: Record,
+    symbols: Sequence[str],
+    band: tuple[float, float] | None = None,
+    *,
+    lines: bool = True,
+    rival: bool = False,
+) -> Fit:
+    """Identify terms by the binned DCT-II Whittle likelihood.
+
+    Sinusoids are found and taken out; the noise terms are selected by 2 L + 4 per term over all subsets, with the ramp
+    integrated out; profile intervals; upper limits for what is absent; the signed ramp by generalised least squares,
+    averaged over what hides it.
+
+    Parameters
+    ----------
+    record : Record
+    symbols : sequence of str
+        Keys of `TERMS`.
+    band : (low, high), optional
+        Frequencies to be used, Hz.
+    lines : bool
+        Whether sinusoids are looked for.
+    rival : bool
+        Whether Gauss-Markov noise may take the place of flicker although it was not asked for.
+    """
+    why = refusal(record)
+    if why:
+        raise DataError(f"{record.name or 'the record'}: {why}")
+    terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
+    found = look(record, terms, band, rival=rival)
+    taken: tuple[Line, ...] = ()
+    if lines:
+        taken, left = without_lines(record, found, band)
+        found = look(left, terms, band, rival=rival) if taken else found
+    scale = _Scale(record, found.seen)
+    shown = terms if not found.chosen.constants or MARKOV in terms else [*terms, MARKOV]
+    estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
+    estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
+    model = _model(estimates, found, scale)
+    return Fit(
+        estimates=tuple(estimates[s] for s in shown),
+        method="whittle",
+        signal=record.signal,
+        name=record.name,
+        model=model if not taken else Model((*model, *(line.term for line in taken))),
+        goodness=goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken),
+        notes=(*_unclear(estimates, found), *_ambiguous(found)),
+        lines=taken,
+        rivals=cache(lambda: _alternatives(found, scale)),
+    )
+
+
+class _Scale:
+    """From theta, in the record's unit and per sample, to coefficients in SI."""
+
+    def __init__(self, record: Record, seen: Spectrum) -> None:
+        self.signal, self.rate, self.factor, self.slope = record.signal, seen.rate, seen.unit_factor, seen.slope
+
+    def terms(self, noise: Sequence[str], subset: Subset) -> tuple[Term, ...]:
+        """The terms of a subset; what it has beyond `noise` is one more Gauss-Markov term."""
+        constants = iter(subset.constants)
+        found = []
+        for symbol, theta in zip((*noise, MARKOV), subset.theta.tolist(), strict=False):
+            shape = (next(constants) / self.rate,) if symbol == MARKOV and subset.constants else ()
+            if theta > 0:
+                found.append(Term(symbol, self.coefficient(symbol, theta), self.signal, shape))
+        return tuple(found)
+
+    def coefficient(self, symbol: str, theta: float) -> float:
+        return self.coefficient_of(symbol, math.sqrt(max(theta, 0.0)))
+
+    def coefficient_of(self, symbol: str, eta: float) -> float:
+        return eta * self.factor * math.pow(self.rate, -TERMS[symbol].power)
+
+
+def _noise_estimate(symbol: str, which: int, found: Found, scale: _Scale) -> Estimate:
+    profiles, chosen = found.profiles, found.chosen
+
+    @cache
+    def limits(level: float) -> tuple[float, float]:
+        low, high = profiles.limits(which, level)
+        return scale.coefficient(symbol, low), scale.coefficient(symbol, high)
+
+    @cache
+    def upper(level: float) -> float:
+        return scale.coefficient(symbol, profiles.upper(which, level))
+
+    if not (chosen.free[which] and profiles.excludes_zero(which) and limits(0.95)[0] > 0):
+        return _absent(symbol, scale, upper, limits)
+    theta = float(chosen.theta[which])
+    value = scale.coefficient(symbol, theta)
+    relative = standard_error(chosen, which, found.slope) / (2 * theta)
+    status = "identified" if relative <= WEAK else "weak"
+    plain = Estimate(symbol, scale.signal, value, value * relative, status, upper(0.95), "whittle", limits, limits)
+    return _with_constant(plain, found) if symbol == MARKOV else plain
+
+
+def _with_constant(estimate: Estimate, found: Found) -> Estimate:
+    """The estimate with its time constant, s, and that one's profile interval."""
+    search, chosen, rate = found.search, found.chosen, found.seen.rate
+    assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
+
+    @cache
+    def limits(level: float) -> tuple[tuple[float, float], ...]:
+        # with every other term free: one that was not selected could make another time constant possible
+        low, high = search.limits(search.refined(chosen.constants[0]), quantile((1 + level) / 2) ** 2)
+        return ((low / rate, high / rate),)
+
+    return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)
+
+
+def _absent(symbol: str, scale: _Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
+    highest = upper(0.95) if math.isfinite(upper(0.95)) else None
+    return Estimate(
+        symbol, scale.signal, None, None, "absent", highest, "whittle", lambda level: (0.0, upper(level)), profile
+    )
+
+
+def _ramp_estimate(symbol: str, found: Found, scale: _Scale) -> Estimate:
+    """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
+
+    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
+    Student's t, and holds where the noise was not seen at all.
+    """
+    profiles = found.profiles
+    part = profiles.everything.likelihood
+    if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
+        return _absent(symbol, scale, lambda level: math.inf, lambda level: (-math.inf, math.inf))
+    slowest = max(range(len(found.noise)), key=lambda i: np.nan_to_num(TERMS[found.noise[i]].slope, nan=-math.inf))
+    thetas, weight = profiles.weighted(slowest)
+    along = [part.directions(theta)[:2] for theta in thetas]
+    centre = np.array([eta[-1] for eta, _ in along]) + scale.slope
+    spread = np.sqrt([V[-1, -1] for _, V in along])
+    mean = float(weight @ centre)
+    error = scale.coefficient_of(symbol, math.sqrt(float(weight @ (spread**2 + (centre - mean) ** 2))))
+    value = scale.coefficient_of(symbol, mean)
+
+    @cache
+    def quantile(p: float) -> float:
+        return scale.coefficient_of(symbol, _mixture_quantile(p, centre, spread, weight))
+
+    def limits(level: float) -> tuple[float, float]:
+        return quantile((1 - level) / 2), quantile((1 + level) / 2)
+
+    def upper(level: float) -> float:
+        return max(abs(v) for v in limits(2 * level - 1))
+
+    low, high = limits(0.95)
+    if low <= 0 <= high:
+        return _absent(symbol, scale, upper, limits)
+    status = "identified" if error <= WEAK * abs(value) else "weak"
+    return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits)
+
+
+def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
+    """Quantile of a mixture of normal distributions, by bisection."""
+    from scipy.special import ndtr
+
+    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = weight @ ndtr((middle - centre) / spread) < p
+        low, high = (middle, high) if below else (low, middle)
+    return (low + high) / 2
+
+
+def _model(estimates: dict[str, Estimate], found: Found, scale: _Scale) -> Model:
+    """What describes the record best: the selected noise terms, claimed or not, and the ramp if it is claimed."""
+    terms = scale.terms(found.noise, found.chosen)
+    ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
+    return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
+
+
+def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
+    """Terms that describe the record best but are not claimed: others could take their place."""
+    doubtful = [
+        s for s, there in zip(found.noise, found.chosen.free, strict=True) if there and not estimates[s].claimed
+    ]
+    return [
+        f"{TERMS[s].title} ({s}) is in the model that describes the record best, but other terms could take its place: "
+        "a longer record would tell"
+        for s in doubtful
+    ]
+
+
+def _ambiguous(found: Found) -> list[str]:
+    """What Gauss-Markov noise in the place of flicker, or the other way round, would do to the description."""
+    if found.markov is None or found.flicker is None:
+        return []
+    gain = found.flicker.aic - found.markov.aic
+    constant = f"{found.markov.constants[0] / found.seen.rate:.2g} s"
+    if found.chosen is found.markov:
+        return [f"Gauss-Markov noise with a time constant of {constant} describes the record better than flicker does"]
+    if abs(gain) < DISTINGUISHABLE:
+        return [
+            f"Gauss-Markov noise with a time constant of {constant} in the place of flicker would describe the record "
+            f"as well: not distinguishable (AIC {-gain:+.1f})"
+        ]
+    if gain > 0:
+        return [
+            f"Gauss-Markov noise with a time constant of {constant} in the place of flicker would describe the record "
+            f"somewhat better (AIC {-gain:+.1f}), which is not enough to give up flicker: a longer record would tell"
+        ]
+    return []
+
+
+def _alternatives(found: Found, scale: _Scale) -> tuple[Alternative, ...]:
+    """The other families, the best first."""
+    others = [s for s in found.rivals() if s is not found.chosen]
+    described = [(s.aic - found.chosen.aic, Model(scale.terms(found.noise, s))) for s in others]
+    return tuple(Alternative(model, aic) for aic, model in sorted(described, key=lambda pair: pair[0]))

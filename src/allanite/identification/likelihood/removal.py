@@ -1,0 +1,44 @@
+"""A record without the sinusoids in it."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.core.fit import Line
+from allanite.core.record import Record
+from allanite.prepare.gaps import known_rates
+
+from .families import Found
+from .lines import Wave, levels, suspected, waves_of
+
+
+def without_lines(record: Record, found: Found, band: tuple[float, float] | None) -> tuple[tuple[Line, ...], Record]:
+    """The sinusoids of a record whose noise was looked at, and the rest of it; the record itself if there are none."""
+    seen = found.seen
+    m = np.full(seen.power.size, np.nan)
+    m[found.used] = found.chosen.likelihood.expectation(found.chosen.theta)
+    level = levels(seen, np.where(np.isfinite(m), m, seen.power))
+    if not suspected(seen, level, found.used):
+        return (), record
+    rates = known_rates(record)
+    mean = float(np.nanmean(rates))
+    low, high = (0.0, record.rate / 2) if band is None else band
+    waves, _ = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
+    if not waves:
+        return (), record
+    scale = [seen.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
+    lines = tuple(
+        Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
+        for wave, s in zip(waves, scale, strict=True)
+    )
+    return tuple(sorted(lines, key=lambda line: line.frequency)), _less(record, waves)
+
+
+def _less(record: Record, waves: list[Wave]) -> Record:
+    """The record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments."""
+    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
+    if record.kind == "angle":
+        total = np.concatenate(([0.0], np.cumsum(total)))
+    kind = "increment" if record.kind == "count" else record.kind
+    what = f"{len(waves)} sinusoid(s) taken out"
+    return replace(record, values=record.values - total, kind=kind, history=(*record.history, what))

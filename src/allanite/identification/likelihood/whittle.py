@@ -1,0 +1,205 @@
+"""From a record to binned powers of its cosine transform.
+
+DCT-II diagonalises white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
+What is left of flicker's correlation is a factor of k alone, and quantization has a closed edge term (`terms.py`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record
+from allanite.prepare.gaps import Gaps, joined
+from allanite.statistics.moments.lags import sum_nodes
+from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
+
+from .likelihood import Likelihood
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SINGLE = 64
+"""Coefficients below and at this index stand in bins of their own."""
+
+PER_OCTAVE = 16
+"""Bins per octave above."""
+
+
+FEWEST = 24
+"""Bins that a fit needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit.
+
+    Attributes
+    ----------
+    size, rate : int, float
+        Number of samples and sampling rate: coefficient k belongs to the frequency k rate / (2 size).
+    first, count : int arrays, shape (bins,)
+        First index and number of coefficients of each bin.
+    power, peak, peak_at : arrays, shape (bins,)
+        Mean and largest squared coefficient, and the index of the largest.
+    even, odd : arrays, shape (bins,)
+        Sums of the coefficients of even and of odd index.
+    ramp : array, shape (at most 64,)
+        Coefficients 1, 2, ... of a ramp of one unit per sample.
+    slope : float
+        A ramp that was taken out before, in the unit per sample.
+    gaps : Gaps
+        Where readings were lost: `size` are left.
+    unit_factor : float
+        The record's unit of rate in SI.
+    """
+
+    size: int
+    rate: float
+    first: IntArray
+    count: IntArray
+    power: FloatArray
+    peak: FloatArray
+    peak_at: IntArray
+    even: FloatArray
+    odd: FloatArray
+    ramp: FloatArray
+    slope: float
+    gaps: Gaps
+    unit_factor: float
+
+    def frequency(self, k: FloatArray | IntArray) -> FloatArray:
+        """Frequency of coefficient k, Hz."""
+        return np.asarray(k * (self.rate / (2 * self.size)))
+
+    @cached_property
+    def nodes(self) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Nodes and weights whose weighted sums are sums over each bin, and where each bin's begin."""
+        rules = [sum_nodes(float(a), int(b)) for a, b in zip(self.first, self.count, strict=True)]
+        starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
+        return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
+
+    def within(self, band: tuple[float, float]) -> NDArray[np.bool_]:
+        """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
+        low, high = band
+        if not 0 <= low < high:
+            raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}")
+        inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
+        if inside.sum() < FEWEST:
+            raise DataError(
+                f"the band {low:g} to {high:g} Hz holds {inside.sum()} bins of the spectrum, fewer than {FEWEST}; "
+                f"the record reaches from {self.rate / (2 * self.size):.3g} to {self.rate / 2:g} Hz"
+            )
+        return np.asarray(inside)
+
+
+def spectrum(record: Record, *, detrend: bool) -> Spectrum:
+    """Transform a record and bin the powers; takes about three times the record's memory.
+
+    With `detrend` most of a ramp is taken out first, so that a strong one does not leak into the higher bins; `slope`
+    remembers it. What was lost is cut out (NaN).
+    """
+    from scipy.fft import dct
+
+    y, gaps, left = joined(record)
+    n = y.size
+    time = np.asarray(np.arange(n) - (n - 1) / 2 if left is None else left - left.mean(), dtype=np.float64)
+    slope = _end_to_end_slope(y, time) if detrend else 0.0
+    if slope:
+        y -= slope * time
+    ramp = ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n) if left is None else _transformed(time)
+    del time
+    c = dct(y, norm="ortho", overwrite_x=True)
+    del y
+    edges = _edges(n)
+    first, count = edges[:-1], np.diff(edges)
+    even, odd = (_sums(c[parity::2], (edges + 1 - parity) // 2) for parity in (0, 1))
+    np.multiply(c, c, out=c)
+    power = np.add.reduceat(c, first) / count
+    peak = np.maximum.reduceat(c, first)
+    if not power.max() > 0:
+        raise DataError(f"{record.name!r} never changes: there is no noise to identify")
+    peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
+    factor = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor)
+
+
+def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
+    """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
+    noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
+    with_ramp = len(noise) < len(symbols)
+    UU, Uc = _directions(spectrum, with_ramp)
+    edge = np.array([TERMS[symbol].edge for symbol in noise])
+    return Likelihood(
+        S=np.column_stack([column(TERMS[symbol], spectrum) for symbol in noise]),
+        power=spectrum.power,
+        count=spectrum.count.astype(np.float64),
+        UU=UU,
+        Uc=Uc,
+        W=np.vstack((2 * edge, 2 * edge, 0 * edge))[: UU.shape[1]],
+        flat=np.array([False, False, True])[: UU.shape[1]],
+    )
+
+
+def _directions(spectrum: Spectrum, with_ramp: bool) -> tuple[FloatArray, FloatArray]:
+    """Products of the loose directions: the even and the odd half of the first sample, and the ramp.
+
+    The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
+    halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
+    coefficient each; without gaps only the odd ones are not zero.
+    """
+    n, bins = spectrum.size, spectrum.first.size
+    centre = spectrum.first + (spectrum.count - 1) / 2
+    a = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * centre)
+    odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
+    d = np.zeros(bins)
+    d[: spectrum.ramp.size] = spectrum.ramp
+    d_even, d_odd = d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
+    UU, Uc = np.zeros((bins, 3, 3)), np.zeros((bins, 3))
+    UU[:, 0, 0], UU[:, 1, 1], UU[:, 2, 2] = a**2 * (spectrum.count - odd), a**2 * odd, d**2
+    UU[:, 0, 2] = UU[:, 2, 0] = a * d_even
+    UU[:, 1, 2] = UU[:, 2, 1] = a * d_odd
+    Uc[:, 0], Uc[:, 1] = a * spectrum.even, a * spectrum.odd
+    Uc[:, 2] = d_even * spectrum.even + d_odd * spectrum.odd
+    size = 3 if with_ramp else 2
+    return UU[:, :size, :size], Uc[:, :size]
+
+
+def _transformed(time: FloatArray) -> FloatArray:
+    """The lowest coefficients of a ramp with gaps."""
+    from scipy.fft import dct
+
+    return np.asarray(dct(time, norm="ortho")[1 : SINGLE + 1])
+
+
+def _sums(values: FloatArray, edges: IntArray) -> FloatArray:
+    """Sums of values[a:b] between neighbouring edges; 0 where they are equal."""
+    padded = np.minimum(edges[:-1], values.size - 1)
+    return np.where(np.diff(edges) > 0, np.add.reduceat(values, padded)[: padded.size], 0.0)
+
+
+def _end_to_end_slope(y: FloatArray, time: FloatArray) -> float:
+    """Slope between the means of the first and last thirds: near enough that a strong ramp does not leak upwards."""
+    third = y.size // 3
+    apart = float(time[-third:].mean() - time[:third].mean())
+    return float(y[-third:].mean() - y[:third].mean()) / apart
+
+
+def _edges(n: int) -> IntArray:
+    """Bounds of the bins, from 1 to n."""
+    single = np.arange(1, min(SINGLE, n - 1) + 2)
+    if n - 1 <= SINGLE:
+        return single
+    octaves = np.log2((n - 1) / SINGLE)
+    above = SINGLE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
+    inner = np.unique(np.rint(above).astype(np.int64)) + 1
+    return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
+
+
+def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
+    """Mean of a term's row over each bin, shape (bins,)."""
+    nodes, weights, starts = spectrum.nodes
+    return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)

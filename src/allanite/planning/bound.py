@@ -1,0 +1,152 @@
+"""How accurately the coefficients of a model can be known at best: the Cramer-Rao bound, without any simulation."""
+
+import math
+import operator
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term
+
+from .information import Grid, Information, Part, shape_parts
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """Least relative standard errors of a model's parameters from a record of `size` readings at `rate` Hz.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The symbol of a term for its coefficient; with the parameter for a time constant or frequency.
+    errors : array, shape (p,)
+        Relative standard errors (1 sigma), infinite where the record says nothing.
+    ramp : float or None
+        Standard error of the rate ramp, SI; None where it is known that there is none.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> bound(N(0.1, "deg/sqrt(h)"), 20_001, 100.0)["N"]
+    0.005
+    """
+
+    model: Model
+    size: int
+    rate: float
+    names: tuple[str, ...]
+    errors: FloatArray
+    ramp: float | None
+
+    def __getitem__(self, name: str) -> float:
+        """Relative standard error of one parameter."""
+        if name not in self.names:
+            raise UsageError(f"there is no bound of {name!r}; there are {', '.join(self.names)}")
+        return float(self.errors[self.names.index(name)])
+
+
+def bound(model: Model | Term, n: int, rate: float, *, ramp: bool | None = None) -> Bound:
+    """The Cramer-Rao bound of a model's coefficients, its terms being known.
+
+    Parameters
+    ----------
+    model : Model or Term
+    n : int
+        Readings of the record, at least 8.
+    rate : float
+        Sampling rate, Hz.
+    ramp : bool, optional
+        Whether a ramp of unknown size must be reckoned with; if left out, whether the model has one.
+
+    Returns
+    -------
+    Bound
+
+    Raises
+    ------
+    UsageError
+        The model has no noise in it, or the record is too short.
+
+    Notes
+    -----
+    The standard errors of the coefficients, not of their squares. They hold where they are small; a term whose bound is
+    above about 40 % is hardly seen at all. A time constant of Gauss-Markov noise is unknown as well, and a sinusoid has
+    unknown amplitude, phase and frequency. The size of a term that is absent is not known to be zero to whoever looks
+    for it, which costs the others some accuracy that is not counted here.
+    """
+    model = model if isinstance(model, Model) else Model((model,))
+    if n < 8:
+        raise UsageError(f"a bound needs at least 8 readings, not {n}")
+    noise = [t for t in model if t.row.waveform is None and t.value]
+    if not noise:
+        raise UsageError(f"{model} has no noise in it, and without noise everything is known exactly")
+    unknown = any(t.symbol == "R" for t in model) if ramp is None else ramp
+    grid = Grid(n)
+    own = [Part.of(t, rate, grid) for t in noise]
+    parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
+    found = Information(grid, reduce(operator.add, own), ramp=unknown)
+    relative = dict(zip(_names(noise, model), _errors(found.matrix(parts)), strict=True))
+    for t in model:
+        if t.row.periodic or (unknown and t.row.waveform is not None):
+            relative |= dict(_deterministic(t, model, found.ramp, grid.n, rate))
+    slope = found.ramp * rate if unknown else None
+    return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
+
+
+def _errors(information: FloatArray) -> FloatArray:
+    """Relative standard errors of the coefficients: half of those of their squares."""
+    size = np.sqrt(np.diag(information))
+    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
+    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
+    known = values > 1e-13  # below that are the rounding errors of the sums
+    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
+    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
+    return np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))
+
+
+def _names(noise: list[Term], model: Model) -> list[str]:
+    return [name for t in noise for name in (name_of(t, model), *(f"{name_of(t, model)} {p}" for p in _parameters(t)))]
+
+
+def name_of(t: Term, model: Model) -> str:
+    """The symbol of a term; with its shape where the symbol stands several times in the model.
+
+    Examples
+    --------
+    >>> from allanite.core.model import GM
+    >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
+    >>> [name_of(t, model) for t in model]
+    ['GM(10 s)', 'GM(99 s)']
+    """
+    if sum(other.symbol == t.symbol for other in model) == 1:
+        return t.symbol
+    return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"
+
+
+def _parameters(t: Term) -> list[str]:
+    return [p.name.replace("_", " ") for p in t.row.parameters]
+
+
+def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> Iterator[tuple[str, float]]:
+    """Relative errors of a ramp, or of a sinusoid's amplitude and frequency, beside the model's noise."""
+    name = name_of(t, model)
+    if not t.row.periodic:
+        yield name, ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
+        return
+    frequency = t.shape[0]
+    seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
+    amplitude = abs(t.value * np.sinc(frequency / rate))
+    noise = Model(tuple(part for part in model if part.row.waveform is None))
+    duration = n / rate
+    if seen * duration < 1 or not amplitude:  # no whole period
+        yield from ((name, math.inf), (f"{name} frequency", math.inf))
+        return
+    density = float(noise.spectrum(np.array([seen]), 1 / rate)[0])
+    yield name, math.sqrt(2 * density / duration) / amplitude
+    yield f"{name} frequency", math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)

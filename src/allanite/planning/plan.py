@@ -1,0 +1,162 @@
+"""How long to record for a wanted accuracy of each coefficient."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term
+from allanite.core.record import SHORTEST
+
+from .bound import bound
+
+FloatArray = NDArray[np.float64]
+
+DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
+"""10 minutes, 1 hour, 6 hours, 24 hours."""
+
+LONGEST = 1e14
+"""Readings beyond which no length is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordingPlan:
+    """Accuracy of a model's coefficients by the length of the record.
+
+    Attributes
+    ----------
+    model, rate : Model, float
+        The noise that is expected, and the sampling rate, Hz.
+    ramp : bool
+        Whether a ramp of unknown size is reckoned with.
+    names : tuple of str
+        The parameters, as in `Bound`.
+    durations : tuple of float
+        Lengths, s.
+    errors : array, shape (parameters, durations)
+        Least relative standard errors; NaN where the record would have fewer than 200 readings.
+    accuracy : float
+        The relative standard error that is wanted.
+    needed : array, shape (parameters,)
+        Least length for it, s; infinite where no length of a practical kind gives it.
+    """
+
+    model: Model
+    rate: float
+    ramp: bool
+    names: tuple[str, ...]
+    durations: tuple[float, ...]
+    errors: FloatArray
+    accuracy: float
+    needed: FloatArray
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows; errors in percent, lengths in s."""
+        headings = ["parameter", *(f"{d:g} s, %" for d in self.durations), f"s for {100 * self.accuracy:g} %"]
+        errors = (100 * self.errors).tolist()
+        rows = zip(self.names, errors, self.needed.tolist(), strict=True)
+        return headings, [[name, *row, needed] for name, row, needed in rows]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": "RecordingPlan",
+            "model": self.model.to_dict(),
+            "rate": self.rate,
+            "ramp": self.ramp,
+            "accuracy": self.accuracy,
+            "durations": list(self.durations),
+            "parameters": [
+                {"name": name, "errors": errors, "needed": needed}
+                for name, errors, needed in zip(self.names, self.errors.tolist(), self.needed.tolist(), strict=True)
+            ],
+        }
+
+
+def plan(
+    model: Model | Term,
+    rate: float,
+    *,
+    durations: Sequence[float] = DURATIONS,
+    accuracy: float = 0.1,
+    ramp: bool | None = None,
+) -> RecordingPlan:
+    """How accurate each coefficient can be at these lengths of the record, and how long it takes for a wanted accuracy.
+
+    From the Cramer-Rao bound (see `bound`), which the default method of `identify` reaches where the bound is below
+    about 12 %; nothing is simulated.
+
+    Parameters
+    ----------
+    model : Model or Term
+        What is expected: of a data sheet, of `sensor`, or ``identify(record).model`` of a first record.
+    rate : float
+        Sampling rate, Hz.
+    durations : sequence of float
+        Lengths, s.
+    accuracy : float
+        Wanted relative standard error of a coefficient.
+    ramp : bool, optional
+        Whether a ramp of unknown size must be reckoned with; if left out, whether the model has one.
+
+    Returns
+    -------
+    RecordingPlan
+
+    Raises
+    ------
+    UsageError
+        The model has no noise in it, or a length, the rate or the accuracy is not above zero.
+
+    Examples
+    --------
+    >>> from allanite.planning.sensors import sensor
+    >>> found = plan(sensor("mems"), 100.0, accuracy=0.1)
+    >>> [f"{100 * error:.2g}" for error in found.errors[1]]
+    ['17', '7', '2.9', '1.4']
+    >>> [round(float(hours), 1) for hours in found.needed / 3600]
+    [0.0, 0.5, 3.4]
+    """
+    if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
+        raise UsageError(
+            f"the sampling rate, the accuracy and all lengths are above 0, not {rate!r} Hz, {accuracy!r}, {durations!r}"
+        )
+    model = model if isinstance(model, Model) else Model((model,))
+    unknown = any(t.symbol == "R" for t in model) if ramp is None else ramp
+
+    @cache
+    def errors(n: float) -> FloatArray:
+        return bound(model, round(n), rate, ramp=unknown).errors
+
+    names = bound(model, SHORTEST, rate, ramp=unknown).names
+    nothing = np.full(len(names), math.nan)
+    table = [errors(d * rate) if d * rate >= SHORTEST else nothing for d in durations]
+    columns = np.array(table).reshape(len(durations), len(names)).T
+    needed = np.array([_least(errors, i, accuracy) for i in range(len(names))])
+    return RecordingPlan(model, rate, unknown, names, tuple(durations), columns, accuracy, needed / rate)
+
+
+def _least(errors: Callable[[float], FloatArray], which: int, wanted: float) -> float:
+    """Least number of readings at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
+
+    def excess(n: float) -> float:
+        return math.log(float(errors(n)[which]) / wanted)
+
+    low = high = float(SHORTEST)
+    while excess(high) > 0:
+        low, high = high, 4 * high
+        if high > LONGEST:
+            return math.inf
+    while low < high and excess(high) < -5e-4:
+        a, b = excess(low), excess(high)
+        middle = low * (high / low) ** (min(max(a / (a - b), 0.02), 0.98) if math.isfinite(a) else 0.5)
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if excess(middle) > 0 else (low, middle)
+    return high

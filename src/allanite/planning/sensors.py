@@ -1,0 +1,35 @@
+"""Typical sensors, as models: for simulation and planning before there is a recording."""
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.core.notation import parse_model
+
+SENSORS: dict[str, str] = {
+    "mems": "N 0.005 deg/sqrt(s), B 0.002 deg/s, K 3e-4 deg/s/sqrt(s)",
+    "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
+    "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h",
+}
+"""Model of a gyro by what it is: micromechanical, fibre-optic, ring laser. Orders of magnitude, of no one's product."""
+
+
+def sensor(name: str) -> Model:
+    """The model of a typical sensor.
+
+    Parameters
+    ----------
+    name : {"mems", "fog", "rlg"}
+        A key of `SENSORS`, in small or capital letters.
+
+    Raises
+    ------
+    UsageError
+        There is none of that name.
+
+    Examples
+    --------
+    >>> print(sensor("rlg"))
+    Q = 0.5 arcsec, N = 0.003 deg/sqrt(h), B = 0.05 deg/h
+    """
+    if name.lower() not in SENSORS:
+        raise UsageError(f"unknown sensor {name!r}; known are {', '.join(SENSORS)}")
+    return parse_model(SENSORS[name.lower()])

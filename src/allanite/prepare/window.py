@@ -1,0 +1,79 @@
+"""Cutting a record to the part that is fit for the job."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record, Recording
+
+FloatArray = NDArray[np.float64]
+
+
+def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:
+    """The part of a recording from `start` to `until`, in seconds after its first sample.
+
+    Raises
+    ------
+    UsageError
+        The window is empty, or does not lie within the recording.
+
+    Examples
+    --------
+    >>> record = Record(np.arange(10.0), rate=2.0, unit="deg/s", name="z")
+    >>> trim(Recording((record,)), 1.0, 3.0)["z"].values.tolist()
+    [2.0, 3.0, 4.0, 5.0]
+    """
+    if start is None and until is None:
+        return recording
+    return replace(recording, records=tuple(_cut(record, start or 0.0, until) for record in recording))
+
+
+def _cut(record: Record, start: float, until: float | None) -> Record:
+    end = record.duration if until is None else until
+    if not 0 <= start < end:
+        raise UsageError(f"the window from {start} s to {end} s is empty or starts before the record")
+    if end > record.duration * (1 + 1e-9):
+        raise UsageError(f"the window ends at {end} s, but {record.name!r} is {record.duration:.6g} s long")
+    first, last = round(start * record.rate), round(end * record.rate)
+    if last - first < 2:
+        raise DataError(f"the window from {start} s to {end} s holds {last - first} readings of {record.name!r}")
+    extra = len(record.values) - record.size
+    origin = (record.start or 0.0) + first / record.rate
+    return record.with_values(record.values[first : last + extra], f"cut from {start:g} s to {end:g} s", start=origin)
+
+
+def quiet_window(recording: Recording, length: float) -> Recording:
+    """The stillest stretch of `length` seconds: where the loudest channel's fast noise and motion are least.
+
+    Each channel's power about its mean, in blocks of a second, is compared with that of its own quietest stretch; the
+    window chosen is the one whose worst channel is best.
+
+    Raises
+    ------
+    UsageError
+        The recording is shorter than `length`.
+    """
+    record = recording[0]
+    span = max(1, round(record.rate))
+    blocks = record.size // span
+    wanted = math.ceil(length * record.rate / span)
+    if not 1 <= wanted <= blocks:
+        raise UsageError(f"a quiet window of {length:g} s does not fit into a recording of {record.duration:.6g} s")
+    worst = np.zeros(blocks - wanted + 1)
+    for channel in recording:
+        steps = channel.values if channel.kind != "angle" else np.diff(channel.values)
+        pieces = np.asarray(steps[: blocks * span], dtype=np.float64).reshape(blocks, span)
+        power = np.nan_to_num(pieces.var(axis=1), nan=np.inf) + _wander(pieces.mean(axis=1))
+        sums = np.convolve(power, np.ones(wanted), "valid")
+        worst = np.maximum(worst, sums / sums.min() if 0 < sums.min() < np.inf else sums)
+    first = int(worst.argmin()) * span / record.rate
+    return trim(recording, first, min(first + length, record.duration))
+
+
+def _wander(means: FloatArray) -> FloatArray:
+    """Squared step to the neighbouring block's mean."""
+    steps = np.abs(np.diff(np.nan_to_num(means), prepend=np.nan_to_num(means[:1])))
+    return np.asarray(steps**2)

@@ -1,0 +1,1 @@
+"""From stamps to a sampling rate and lost samples."""

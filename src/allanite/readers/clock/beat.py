@@ -1,0 +1,143 @@
+"""The sampling rate: from the user, from the file, from stamps or a counter; never a guess."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError
+from allanite.core.record import FloatArray
+from allanite.core.units import unit_of
+from allanite.readers.columns.column import Column
+
+from . import counter
+from .clocks import Sources
+from .grid import ONE_AFTER_THE_OTHER, Grid
+from .stamps import fit, seconds_since
+
+ROWS = (
+    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until around "
+    "the place"
+)
+
+PLAUSIBLE = (0.5, 20e3)
+"""Rates, Hz, between which the unit of integer stamps is looked for."""
+
+ASK = (
+    "pass rate=100 (--rate 100) with the sampling rate in Hz, "
+    "or name the column of stamps: time='stamp[us]' (--time 'stamp[us]')"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Beat:
+    """The sampling rate in Hz, the time of the first sample in s, the grid, what was assumed and what must be asked."""
+
+    rate: float = 0.0
+    start: float | None = None
+    notes: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    grid: Grid = ONE_AFTER_THE_OTHER
+
+
+def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
+    """The sampling rate, and the grid on which the rows stand.
+
+    Parameters
+    ----------
+    sources : Sources
+        What may tell it.
+    rate : float or None
+        What the user says; it wins.
+    repeated : callable
+        Says which rows have the readings of the row before, shape (n - 1,).
+
+    Raises
+    ------
+    DataError
+        There is no other source than the stamps, and they give no rate.
+    """
+    given = rate if rate is not None else sources.rate
+    first = sources.notes
+    if rate is None and sources.rate is not None:
+        first = (*first, f"rate {_shown(sources.rate)} Hz from {sources.source}")
+    column = sources.stamps
+    if column is None or (given and column.text):
+        unused = () if column is None else (f"{column.label} holds text and was not used",)
+        return _unstamped(sources.counter, given, (*first, *unused))
+    column.demand_numbers()
+    stamps, wrapped = counter.unwrapped(column.values)
+    again = (f"{column.label} starts again at 2^{wrapped}: it was continued",) if wrapped else ()
+    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
+    if not unit and not np.any(stamps != stamps[0]):
+        unit = "s"  # stamps that are all equal are so in any unit
+    if not unit:
+        return Beat(given, notes=first) if given else Beat(questions=(_ask_unit(column),))
+    elapsed = seconds_since(stamps, unit)
+    grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
+    if grid.trouble and not given:
+        if not elapsed.any():
+            return Beat(questions=(f"{grid.trouble} and give no rate: {ASK}",))
+        raise DataError(f"{grid.trouble}; {ROWS}, or time=... (--time) for another column")
+    if grid.trouble:
+        return Beat(
+            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are taken as evenly spaced"), grid=grid
+        )
+    notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
+    origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
+    return Beat(given or 1 / grid.interval, float(origin) * unit_of(unit).factor, (*first, *again, *notes), (), grid)
+
+
+def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
+    """What can be said without stamps: losses by a counter, if the rate is given."""
+    if given:
+        return Beat(given, notes=notes, grid=counter.grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
+    hint = "" if column is None else f" (the counter {column.label} says which samples were lost, but not their rate)"
+    return Beat(questions=(f"the file does not say its sampling rate{hint}: {ASK}",))
+
+
+def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
+    """The grid that a counter with holes says, if the stamps go forward at all."""
+    places = None if column is None else counter.places(column)
+    if column is None or places is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
+        return None
+    return counter.grid(column, float(elapsed[-1]) / int(places[-1]))
+
+
+def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:
+    given, measured = rates
+    counted = f", {lost} lost intervals counted" if lost else ""
+    if given is None:
+        return [f"rate {_shown(measured)} Hz from {label}{counted}{guessed}"]
+    if abs(given / measured - 1) <= 1e-3:
+        return []
+    return [f"rate {_shown(given)} Hz is used, but the stamps of {label} say {_shown(measured)} Hz{counted}{guessed}"]
+
+
+def _shown(rate: float) -> str:
+    return repr(float(f"{rate:.7g}"))
+
+
+def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
+    """The unit of stamps whose header says none, and the words for the note."""
+    if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
+        return "s", ", its stamps taken as seconds"
+    low, high = (given / 3, 3 * given) if given else PLAUSIBLE
+    fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
+    only = "which fits the rate" if given else "the only unit that makes sense"
+    return (fits[0], f", its integer stamps taken as {fits[0]}, {only}") if len(fits) == 1 else ("", "")
+
+
+def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
+    span = float(stamps[-1]) - float(stamps[0])
+    return [(unit, (len(stamps) - 1) / (span * unit_of(unit).factor)) for unit in ("s", "ms", "us", "ns") if span > 0]
+
+
+def _ask_unit(column: Column) -> str:
+    readings = ", ".join(f"{rate:.6g} Hz as {unit}" for unit, rate in _readings(column.values))
+    how = f"time='{column.name}[ms]' (--time '{column.name}[ms]'), or rate=100 (--rate 100)"
+    if not readings:
+        return f"the last stamp of {column.label} is not later than the first: {ASK}"
+    return f"the unit of the integer stamps of {column.label} is not known ({readings}): pass {how}"

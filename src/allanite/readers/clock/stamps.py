@@ -1,0 +1,172 @@
+"""From stamps to the grid under them, and to what is wrong with them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.finding import Finding
+from allanite.core.record import FloatArray
+from allanite.core.units import unit_of
+
+from .findings import Stamps, bursty, counted, drift, duplicates, duration, finding, lost_samples, unsteady
+from .grid import Grid, Places
+from .pace import pace
+
+EVEN = 0.5
+"""Intervals by which every stamp may depart from the even grid before losses are looked for."""
+
+BURSTY = 1.5
+"""Ratio of the mean and the median interval, either way, from which stamps are called bursty."""
+
+PAUSE = 20.0
+"""Steps of a bursty clock, over its long ones (one in a hundred), that are losses and no bursts."""
+
+TICKS = 0.2
+"""Share of stamps equal to the one before from which rows are counted from change to change."""
+
+MOST_LOST = 0.9
+"""Share of lost samples above which stamps are not believed: a clock that was set leaves such holes."""
+
+
+def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
+    """Seconds since the first stamp; integers are subtracted as such, since nanoseconds of an epoch exceed float64."""
+    with np.errstate(all="ignore"):  # what is not finite is refused by `fit`
+        return np.asarray((stamps - stamps[0]) * unit_of(unit).factor, dtype=np.float64)
+
+
+def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> Grid:
+    """The grid under stamps.
+
+    Parameters
+    ----------
+    elapsed : array, shape (n,)
+        Seconds since the first stamp.
+    label : str
+        The column in messages.
+    repeated : callable
+        Says which rows have the readings of the row before, shape (n - 1,) or (1,); asked if stamps repeat.
+    """
+    bad = ~np.isfinite(elapsed)
+    if bad.any():
+        where = f"the first is row {int(np.argmax(bad)) + 1} of the data"
+        return Grid(trouble=f"{label} has no stamp in {int(bad.sum())} of {bad.size} rows, {where}")
+    stamps = Stamps(elapsed, label)
+    if not stamps.steps.any():
+        what = f"all stamps of {label} are equal"
+        return Grid(findings=(finding("constant stamps", what),), trouble=what)
+    equal = stamps.steps == 0
+    if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
+        return _once(stamps, np.flatnonzero(np.concatenate(([True], ~equal))))
+    return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
+
+
+def _once(stamps: Stamps, rows: Places) -> Grid:
+    """The grid of stamps of which some rows were written twice."""
+    grid = fit(stamps.elapsed[rows], stamps.label, lambda: np.zeros(1, dtype=bool))
+    count, first = stamps.elapsed.size - rows.size, int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
+    what = f"{counted(count, 'row')} the row before again, stamp and readings, the first is row {first + 1} of the data"
+    found = finding("duplicate stamps", what, consequence="each is taken once")
+    return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
+
+
+def _reversed(stamps: Stamps) -> Grid:
+    """Rows out of order, a jitter beyond the interval, or a clock that was set."""
+    back = stamps.steps < 0
+    first = int(np.argmax(back))
+    what = (
+        f"{counted(int(back.sum()), 'stamp', f' of {stamps.label}')} earlier than the one before, the first in row "
+        f"{first + 2} of the data by {duration(-float(stamps.steps[first]))}"
+    )
+    order = np.argsort(stamps.elapsed, kind="stable")
+    grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
+    if grid is not None:
+        said = "sorted they follow an even grid: the rows stand out of order, and were put in the order of time"
+        found = finding("reversed stamps", what, consequence=said, remedy="check the logger")
+        return replace(grid, rows=order, findings=(found, *grid.findings))
+    if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
+        return Grid(stamps.mean, findings=(finding("reversed stamps", what),))
+    cause = "a clock that was set, two recordings in one file, or rows out of order"
+    return Grid(findings=(finding("reversed stamps", f"{what}: {cause}"),), trouble=f"{what}: {cause}")
+
+
+def _in_order(stamps: Stamps) -> Grid | None:
+    """The grid of sorted stamps, if it shows that their order is the right one."""
+    if stamps.steps.min() < 0.3 * float(np.median(stamps.steps)):
+        return None
+    grid = _forward(stamps)
+    doubtful = {"jitter", "bursty stamps", "coarse stamps"} & {found.name for found in grid.findings}
+    return None if grid.trouble or doubtful else grid
+
+
+def _forward(stamps: Stamps) -> Grid:
+    """The grid of stamps that never go back."""
+    if float((stamps.steps == 0).mean()) >= TICKS:
+        return _in_ticks(stamps)
+    again, mean = duplicates(stamps), stamps.mean
+    even = Grid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))
+    if np.abs(stamps.departure).max() <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
+        return even
+    rows = np.arange(stamps.elapsed.size)
+    found = pace(stamps.elapsed, rows, EVEN)
+    if found.bursts or float((np.abs(found.left) > EVEN).mean()) > 0.05:
+        steady = 1 / BURSTY < mean / float(np.median(stamps.steps)) < BURSTY
+        return even if steady else _in_bursts(stamps, again)
+    places = rows + found.shift
+    wander = drift(stamps, stamps.elapsed / found.interval - places)
+    scatter = tuple(one for one in unsteady(stamps, found.left, found.interval) if one.name == "jitter")
+    return _with_losses(stamps, found.interval, places, (*again, *scatter, *wander))
+
+
+def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> Grid:
+    """The mean rate of stamps that come in bursts, and what was lost in pauses that no burst explains."""
+    long = PAUSE * float(np.quantile(stamps.steps, 0.99))
+    if stamps.steps.max() <= long:
+        return Grid(stamps.mean, findings=(*found, bursty(stamps, stamps.mean)))
+    rows = np.arange(stamps.elapsed.size)
+    kept = pace(stamps.elapsed, rows, long / stamps.mean)
+    return _with_losses(stamps, kept.interval, rows + kept.shift, (*found, bursty(stamps, kept.interval)))
+
+
+def _in_ticks(stamps: Stamps) -> Grid:
+    """The grid of stamps of which many are equal: the rows at which they change are counted."""
+    elapsed, label = stamps.elapsed, stamps.label
+    changes = np.flatnonzero(stamps.steps > 0) + 1
+    if changes.size < 3:
+        what = f"the stamps of {label} change {changes.size} times in {elapsed.size} rows"
+        return Grid(findings=(finding("coarse stamps", what),), trouble=f"{what}: too coarse for a rate")
+    found = pace(elapsed[changes], changes, 1 + EVEN)
+    each = f"{elapsed.size / (changes.size + 1):.3g}"
+    if stamps.resolution > 0.5 * found.interval and not found.bursts:
+        coarse = finding("coarse stamps", f"stamps of {duration(stamps.resolution)} in {label}, {each} rows with each")
+    else:
+        coarse = finding("bursty stamps", f"bursty stamps in {label}: they come in groups of {each} equal ones")
+    if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
+        span = float(elapsed[changes[-1]] - elapsed[changes[0]])
+        return Grid(span / int(changes[-1] - changes[0]), findings=(coarse,))
+    ahead = np.zeros(elapsed.size, dtype=np.int64)
+    ahead[changes] = np.diff(found.shift, prepend=0)
+    places = np.arange(elapsed.size) + np.cumsum(ahead)
+    wander = drift(stamps, elapsed[changes] / found.interval - places[changes])
+    return _with_losses(stamps, found.interval, places, (coarse, *wander))
+
+
+def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> Grid:
+    """The grid with its holes, unless they are not to be believed."""
+    gaps = np.diff(places)
+    if gaps.min() < 1:
+        what = f"up to row {int(np.argmin(gaps)) + 2} of the data there are more rows than {stamps.label} has time for"
+        return Grid(findings=(*found, finding("duplicate stamps", what)), trouble=what)
+    lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
+    if lost > MOST_LOST * places[-1]:
+        what = (
+            f"the stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, and "
+            f"{100 * lost / int(places[-1]):.4g} % of all samples would be missing: a clock that was set, or a logger "
+            "that was stopped"
+        )
+        closed = finding("lost samples", what, consequence="the rows are taken as evenly spaced, the jump is closed up")
+        return Grid(findings=(*found, closed), trouble=what)
+    holes = (lost_samples(places, interval, f"by the stamps of {stamps.label}"),) if lost else ()
+    return Grid(interval, None, places if lost else None, (*holes, *found))

@@ -1,0 +1,1 @@
+"""From columns with headers to channels with units."""

@@ -1,0 +1,144 @@
+"""Datasets of a container by their paths: which share a clock, which are wanted, and the table that these make."""
+
+import math
+import posixpath
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Recording
+from allanite.readers.options import Options
+
+from .arrays import RATE_NAMES, column, split, turned, turned_note
+from .column import Column
+from .dataset import Dataset
+from .description import restored
+from .table import Table
+
+Family = list[Dataset]
+
+
+def rated(found: Sequence[Dataset], numbers: Mapping[str, float]) -> list[Dataset]:
+    """The datasets, each with the sampling rate that stands nearest above it among the lone `numbers` of the file."""
+    rates = {
+        path.rpartition("/")[0]: (value, f"{path!r} in the file")
+        for path, value in numbers.items()
+        if path.rpartition("/")[2].lower() in RATE_NAMES and 0 < value < math.inf
+    }
+    result = []
+    for dataset in found:
+        above = [home for home in rates if not home or f"{dataset.path}/".startswith(f"{home}/")]
+        near = rates[max(above, key=len)] if above and not dataset.rate else (dataset.rate, dataset.source)
+        result.append(replace(dataset, rate=near[0], source=near[1]))
+    return result
+
+
+def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = "") -> Recording:
+    """The channels of the datasets that belong together; `text` is what `description.described` made, if it is there.
+
+    Raises
+    ------
+    UsageError
+        Several recordings with clocks of their own are in the file and none is chosen; the message lists them.
+    DataError
+        There is no array of readings.
+    """
+    series = [dataset for dataset in found if dataset.is_series]
+    if not series:
+        seen = f"; it holds {', '.join(map(str, found[:20]))}" if found else ""
+        raise DataError(f"the file holds no array of readings, with a row for each sample{seen}")
+    places = _places(series)
+    family = series if text else _chosen(_families(series), options, places)
+    options, family = _narrowed(options, family)
+    left = [str(dataset) for dataset in found if dataset not in family]
+    notes = [*notes, *([f"left out, of other length, clock or shape: {', '.join(left[:20])}"] if left else [])]
+    stem = posixpath.commonpath([dataset.parent or "." for dataset in family])
+    columns = list[Column]()
+    for dataset in family:
+        array = dataset.load()
+        notes += [turned_note(dataset.path, array)] if turned(array) else []
+        pieces = enumerate(split(dataset.path, array, dataset.names), places[dataset.path])
+        columns += [_column(piece, position, dataset.unit, stem) for position, piece in pieces]
+    rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
+    table = restored(Table(tuple(columns), rate, source, tuple(notes)), text)
+    return table.recording(options)
+
+
+def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> Column:
+    header, values = piece
+    short = header.removeprefix(f"{stem}/")
+    made = column(short, values, position, unit=unit)
+    return made if short == header else replace(made, header=header)
+
+
+def _places(series: Sequence[Dataset]) -> dict[str, int]:
+    """The place of the first column of each dataset, counted from 1 over all of them."""
+    places, place = dict[str, int](), 1
+    for dataset in series:
+        places[dataset.path] = place
+        place += len(dataset.headers)
+    return places
+
+
+def _families(series: Sequence[Dataset]) -> list[Family]:
+    """Datasets of one length; where several groups keep a clock of that length, or a rate, each with its own."""
+    families: dict[tuple[int, str, float | None], Family] = {}
+    for dataset in series:
+        alike = [d for d in series if d.length == dataset.length]
+        homes = {d.parent for d in alike if d.is_clock}
+        above = [home for home in homes if not home or f"{dataset.path}/".startswith(f"{home}/")]
+        home = max(above, key=len, default="") if len(homes) > 1 else ""
+        rates = {d.rate for d in alike} - {None}
+        families.setdefault((dataset.length, home, dataset.rate if len(rates) > 1 else None), []).append(dataset)
+    return list(families.values())
+
+
+def _chosen(families: list[Family], options: Options, places: Mapping[str, int]) -> Family:
+    """The family that the user names a member of, or else the only one that looks like a sensor's."""
+    named = [family for family in families if _answers(family, options.channels or (), places)]
+    if named:
+        return [dataset for family in named for dataset in family]
+    timed = [family for family in families if options.time and _answers(family, (options.time,), places)]
+    families = timed or families
+    likely = [family for family in families if any(dataset.is_sensor for dataset in family)] or families
+    if len(likely) == 1:
+        return likely[0]
+    example = next(dataset.path for dataset in likely[0] if not dataset.is_clock or len(likely[0]) == 1)
+    lists = "; ".join(", ".join(map(str, family[:20])) for family in likely[:20])
+    raise UsageError(
+        f"the file holds {len(likely)} recordings, each of its own length or clock ({lists}); choose one with "
+        f"channels='{example}' (--channels {example})"
+    )
+
+
+def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> bool:
+    """Whether a user who writes one of `keys` may mean a member of the family, or a column of it."""
+    wanted = {key.strip(" /").lower() for key in keys} | {key.partition("[")[0].strip(" /").lower() for key in keys}
+    for dataset in family:
+        numbers = range(places[dataset.path], places[dataset.path] + len(dataset.headers))
+        short = (header.rpartition("/")[2] for header in dataset.headers)
+        names = (dataset.path, dataset.leaf, *dataset.headers, *short, *map(str, numbers))
+        if wanted & {name.lower() for name in names}:
+            return True
+    return False
+
+
+def _narrowed(options: Options, family: Family) -> tuple[Options, Family]:
+    """What to look for where: of datasets that are named as a whole, every column that may be a signal."""
+    keys = [key.strip("/") for key in options.channels or ()]
+    whole = [[d for d in family if key in (d.path, d.leaf) and len(d.headers) > 1] for key in keys]
+    if not keys or not all(len(found) == 1 for found in whole):
+        return _spelled_out(options, keys, whole), family
+    named = [found[0] for found in whole]
+    return replace(options, channels=None), [d for d in family if d in named or d.is_clock]
+
+
+def _spelled_out(options: Options, keys: list[str], whole: list[Family]) -> Options:
+    """The options with the columns of each dataset that is named beside lone columns."""
+    if not any(len(found) == 1 for found in whole):
+        return options
+    names = [found[0].headers if len(found) == 1 else (key,) for key, found in zip(keys, whole, strict=True)]
+    return replace(options, channels=tuple(name for group in names for name in group))

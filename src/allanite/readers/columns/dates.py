@@ -1,0 +1,113 @@
+"""Dates and times of day in words, as nanoseconds."""
+
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError
+
+DATES = (r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})", r"(?P<d>\d{1,2})[-/.](?P<m>\d{1,2})[-/.](?P<y>\d{4})")
+TIME = (
+    r"(?P<H>\d{1,2}):(?P<M>\d{2})(?::(?P<S>\d{2})(?:[.,:](?P<f>\d{1,9})\d*)?)?\s*(?P<p>[AaPp]?)[Mm]?"
+    r"(?:\s*(?:Z|UTC|[-+]\d{2}:?\d{2}))?"
+)
+PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
+"""Regular expressions of Python and of pyarrow alike; parts are year, month, day, hour, minute, second, fraction."""
+
+DAY = 86_400 * 10**9
+
+Values = NDArray[Any]
+
+
+def pattern_of(word: str) -> str:
+    """The pattern that a word follows; empty if it is no date or time.
+
+    Examples
+    --------
+    >>> bool(pattern_of("2018-04-25")), bool(pattern_of("15:20:24.125")), bool(pattern_of("25.4.2018 3:20 pm"))
+    (True, True, True)
+    >>> pattern_of("1.25"), pattern_of("GYRO")
+    ('', '')
+    """
+    return next((pattern for pattern in PATTERNS if re.fullmatch(pattern, word.strip())), "")
+
+
+def parsed(words: Any, pattern: str, label: str) -> Values:
+    """A column of words that follow one pattern.
+
+    Returns
+    -------
+    array, shape (n,)
+        ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; NaT
+        where a cell is empty.
+
+    Raises
+    ------
+    DataError
+        A word follows another pattern, or is no date.
+    """
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    text = pc.utf8_trim_whitespace(words)
+    found = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
+    wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(found))
+    if pc.any(wrong).as_py():
+        row = pc.index(wrong, True).as_py()
+        raise DataError(
+            f"row {row + 1} of the data, {label}: {text[row].as_py()[:40]!r} is no date or time like the others"
+        )
+
+    def part(name: str) -> Values:
+        if f"<{name}>" not in pattern:
+            return np.zeros(len(words), dtype=np.int64)
+        field = pc.struct_field(found, name)
+        if name == "f":
+            field = pc.utf8_rpad(field, 9, "0")
+        return np.asarray(pc.fill_null(pc.if_else(pc.equal(field, ""), "0", field), "0").cast(pa.int64()))
+
+    empty = np.asarray(pc.is_null(found))
+    days = _days(part("y"), part("m"), part("d"), label) if "<y>" in pattern else None
+    if "<H>" not in pattern:
+        assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
+        return np.where(empty, np.datetime64("NaT", "D"), days)
+    hours = part("H") if "<p>" not in pattern else _hours(part("H"), pc.struct_field(found, "p"))
+    time = (((hours * 60 + part("M")) * 60 + part("S")) * 10**9 + part("f")).astype("timedelta64[ns]")
+    if days is None:
+        return np.where(empty, np.timedelta64("NaT", "ns"), time)
+    return np.where(empty, np.datetime64("NaT", "ns"), days.astype("datetime64[ns]") + time)
+
+
+def _days(year: Values, month: Values, day: Values, label: str) -> Values:
+    if month.max(initial=1) > 12:  # the American order
+        month, day = day, month
+    if month.max(initial=1) > 12 or day.max(initial=1) > 31:
+        raise DataError(f"{label} holds dates with a month {month.max()} or a day {day.max()}")
+    months = (year - 1970) * 12 + np.maximum(month, 1) - 1
+    return np.asarray(
+        months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
+    )
+
+
+def _hours(hours: Values, half: Any) -> Values:
+    """Hours of the day by the twelve-hour clock, where it is one."""
+    import pyarrow.compute as pc
+
+    letter = pc.fill_null(pc.utf8_lower(half), "")
+    after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
+    return np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
+
+
+def past_midnight(time: Values) -> Values:
+    """Nanoseconds since the first midnight from times of day that start again at the next.
+
+    Examples
+    --------
+    >>> hours = np.array([22, 23, 0, 1], dtype="timedelta64[h]").astype("timedelta64[ns]")
+    >>> past_midnight(hours) // (3600 * 10**9)
+    array([22, 23, 24, 25])
+    """
+    stamps = time.astype(np.int64)
+    return np.asarray(stamps + DAY * np.cumsum(np.diff(stamps, prepend=stamps[:1]) < -DAY // 2))

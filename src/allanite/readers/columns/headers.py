@@ -1,0 +1,138 @@
+"""What a column's header says: its name, its unit, and whether it is an inertial signal at all."""
+
+import re
+
+from allanite.core.errors import UnitError
+from allanite.core.units import Signal, Unit, signal_with, unit_of
+
+_BRACKETS = re.compile(r"^(.*?)\s*[\[({]\s*([^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*)\s*[\])}]$")
+_TIME = unit_of("s").dimension
+
+# endings of names such as gyro_x_rad_per_s: loggers write no slash in a name
+SUFFIXES: dict[str, str] = {
+    "dps": "deg/s", "degps": "deg/s", "deg_per_s": "deg/s", "deg_per_sec": "deg/s", "deg_s": "deg/s", "mdps": "mdeg/s",
+    "dph": "deg/h", "deg_per_h": "deg/h", "deg_per_hr": "deg/h", "deg_h": "deg/h", "deg_hr": "deg/h",
+    "rps": "rad/s", "radps": "rad/s", "rad_per_s": "rad/s", "rad_per_sec": "rad/s", "rad_s": "rad/s", "rads": "rad/s",
+    "mrad_per_s": "mrad/s", "urad_per_s": "urad/s",
+    "mps2": "m/s^2", "m_per_s2": "m/s^2", "m_s2": "m/s^2", "ms2": "m/s^2", "m_per_s_2": "m/s^2", "mpss": "m/s^2",
+    "g": "g", "mg": "mg", "ug": "ug", "mgal": "mGal", "mps": "m/s", "m_per_s": "m/s",
+    "arcsec": "arcsec", "urad": "urad", "mrad": "mrad", "rad": "rad", "deg": "deg", "mdeg": "mdeg",
+    "s": "s", "sec": "s", "secs": "s", "seconds": "s", "ms": "ms", "msec": "ms", "us": "us", "usec": "us",
+    "ns": "ns", "nsec": "ns",
+}  # fmt: skip
+
+TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of them carry
+    "time": "", "t": "", "timestamp": "", "timestamps": "", "stamp": "", "stamps": "", "clock": "", "epoch": "",
+    "elapsed": "", "datetime": "", "tow": "", "utc": "",
+    "zeit": "", "zeitstempel": "", "uhrzeit": "", "temps": "", "tiempo": "", "tempo": "",
+    "second": "s", "seconds": "s", "sec": "s", "secs": "s", "s": "s", "millis": "ms", "milliseconds": "ms", "ms": "ms",
+    "micros": "us", "microseconds": "us", "us": "us", "nanoseconds": "ns", "ns": "ns",
+}  # fmt: skip
+
+_RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
+
+_OTHER = re.compile(  # a name that begins like this, up to an end or a number, is no inertial signal
+    r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
+    r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
+    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)"
+)
+_BY_NAME = {
+    "gyro": re.compile(r"gyr|^[gw][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta"),
+    "accelerometer": re.compile(r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force"),
+}
+
+
+def split(header: str) -> tuple[str, str]:
+    """The name and the unit in a header; the unit is empty where none is said.
+
+    Examples
+    --------
+    >>> split("gx [deg/s]"), split("acc_x_mps2"), split("gyro_rad[0]")
+    (('gx', 'deg/s'), ('acc_x_mps2', 'm/s^2'), ('gyro_rad[0]', 'rad'))
+    """
+    header = header.strip()
+    match = _BRACKETS.match(header)
+    if match and match[2].lower() in _RAW and match[1]:
+        return match[1].strip(), ""
+    if match and not _is_index(match[2]):
+        return match[1].strip() or header, match[2].strip()
+    tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
+    for count in range(min(4, len(tokens) - 1), 0, -1):
+        unit = SUFFIXES.get("_".join(tokens[-count:]))
+        if unit:
+            return header, unit
+    return header, ""
+
+
+def _is_index(text: str) -> bool:
+    return text.isdigit() or text.lower() in ("x", "y", "z")
+
+
+def known(unit: str) -> Unit | None:
+    """The unit, None if it is unknown or empty: a header may say anything."""
+    try:
+        return unit_of(unit)
+    except UnitError:
+        return None
+
+
+def signal_of(unit: str) -> Signal | None:
+    """The signal that, or the integral of which over time, has this unit; None if there is none, or it is a number."""
+    size = known(unit)
+    if size is None:
+        return None
+    signal = signal_with(size.dimension) or signal_with(size.dimension, 1)
+    return None if signal is None or signal.name == "dimensionless" else signal
+
+
+def inertial(unit: str) -> Signal | None:
+    """The sensor whose output, or the integral of it, has this unit; None if neither gyro nor accelerometer has."""
+    signal = signal_of(unit)
+    return signal if signal is not None and signal.inertial else None
+
+
+def is_time(unit: str) -> bool:
+    """Whether the unit is one of time."""
+    size = known(unit)
+    return size is not None and size.dimension == _TIME
+
+
+def clock_rank(name: str) -> int:
+    """How surely a name is that of a clock: 0 certainly, 1 perhaps, 2 not. A capital T may be a temperature."""
+    lower = _bare(name)
+    if lower in TIME_NAMES:
+        return 1 if name.strip() == "T" else 0
+    return 1 if re.search(r"time(?!out)|stamp|elapsed", lower) else 2
+
+
+def clock_unit(name: str) -> str:
+    """The unit that the name of a clock carries, as in ``millis``."""
+    return TIME_NAMES.get(_bare(name), "")
+
+
+def is_other(name: str, unit: str = "") -> bool:
+    """Whether a name is that of something else than an inertial signal: a temperature, a counter, a compass.
+
+    A unit of an inertial sensor overrules it, as in ``yaw [deg/s]``; not for the compass, whose G is the gauss.
+
+    Examples
+    --------
+    >>> is_other("Temp1"), is_other("yaw", "deg/s"), is_other("yaw_rate"), is_other("mag_x", "G")
+    (True, False, False, True)
+    """
+    bare = _bare(name)
+    if bare.startswith("m"):
+        return bool(_OTHER.match(bare))
+    if inertial(unit) or re.search(r"rate|gyr|acc", bare):
+        return False
+    return bool(_OTHER.match(bare)) or name.strip() == "T"
+
+
+def sensor_by_name(name: str) -> str:
+    """The sensor that a name suggests; empty if none, or both."""
+    suggested = [sensor for sensor, pattern in _BY_NAME.items() if pattern.search(_bare(name))]
+    return suggested[0] if len(suggested) == 1 else ""
+
+
+def _bare(name: str) -> str:
+    return name.strip().lower().replace(" ", "_")

@@ -1,0 +1,137 @@
+"""How a text file is laid out: delimiter, decimal sign, comments, names, and where the numbers begin."""
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from itertools import accumulate
+
+from allanite.core.errors import DataError
+
+from .cells import MISSING, Row, cells, decoded, has_number, is_number
+from .naming import header
+
+HEAD = 1 << 17
+"""Bytes at the beginning of a file from which its layout is found."""
+
+MARKS = ("#", "%", "//", ";")
+"""What begins a comment line; a semicolon does not where it is the delimiter."""
+
+# delimiter and decimal sign, the likelier first: the order decides where a file can be read in two ways
+_STYLES = ((",", "."), (";", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ","), (" ", ","))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text file is laid out.
+
+    `names` and `units` have one entry a column (empty where the file says nothing), `text` the places of columns that
+    hold words, `offset` and `line` (from 1) say where the first row of numbers begins, `notes` what was passed over.
+    """
+
+    delimiter: str
+    decimal: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    text: frozenset[int]
+    offset: int
+    line: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(self.names)
+
+
+def find(data: bytes) -> Layout:
+    """The layout of a text.
+
+    Raises
+    ------
+    DataError
+        There are no rows of numbers near the beginning, or more names than columns.
+    """
+    lines = _lines(data)
+    plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
+    delimiter, decimal = style(
+        [*plain[:1], *plain[-200:]]
+        if plain
+        else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
+    )
+    marks = MARKS[:3] if delimiter == ";" else MARKS
+    comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
+    rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
+    if not any(has_number(row, decimal) for row in rows):
+        seen = f"its first line is {rows[0].cells[0][:40]!r}" if rows else "it holds comments or blank lines only"
+        raise DataError(f"no rows of numbers were found ({seen}); a text file needs one row for each sample")
+    first, text = _first_row(rows, decimal)
+    names, units, notes = header(rows[: first + 1], comments, delimiter, decimal)
+    if _numbered(rows[first], rows[first + 1 :]):
+        names, first = tuple(rows[first].cells), first + 1
+        notes = (f"line {rows[first - 1].line} with the numbers {', '.join(names[:3])}.. is taken as column names",)
+    if decimal == ",":
+        notes = (*notes, "the decimal sign is a comma")
+    return Layout(delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes)
+
+
+def _lines(data: bytes) -> list[tuple[int, int, str]]:
+    """Number, offset and text of the whole lines at the beginning."""
+    head = data[:HEAD]
+    raw = head.splitlines(keepends=True)
+    if len(data) > HEAD:
+        raw = raw[:-1]
+    if not raw:
+        raise DataError(
+            f"the first line is longer than {HEAD} bytes; one row for each sample is expected, each on its own line"
+        )
+    starts = accumulate((len(line) for line in raw), initial=0)
+    # a tab at either end is an empty cell, unless there is nothing else
+    texts = (decoded(line).strip(" \r\n") for line in raw)
+    return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
+
+
+def style(lines: list[str]) -> tuple[str, str]:
+    """Delimiter and decimal sign: those that make the most of the cells numbers, and then the most numbers."""
+
+    def score(style: tuple[str, str]) -> tuple[float, int]:
+        found = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
+        return (sum(found) / max(1, len(found)), sum(found))
+
+    best = max(_STYLES, key=score)
+    # tabs and blanks mixed: where blanks make as many cells of every line, header too, no cell is empty or has one
+    widths = {len(cells(line, " ")) for line in lines} if best[0] == "\t" else set()
+    return (" ", best[1]) if len(widths) == 1 and all(len(cells(line, "\t")) in widths for line in lines[-1:]) else best
+
+
+def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
+    """Index of the first row of numbers, and the places of the columns that hold words."""
+    numeric = [row for row in rows if has_number(row, decimal)]
+    tail = numeric[len(numeric) // 2 :][:200]
+    width = Counter(len(row.cells) for row in tail).most_common(1)[0][0]
+    tail = [row for row in tail if len(row.cells) == width]
+    text = frozenset(i for i in range(width) if _is_text([row.cells[i] for row in tail], decimal))
+
+    def fits(row: Row) -> bool:
+        checked = [cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING]
+        return (
+            len(row.cells) == width and has_number(row, decimal) and all(is_number(cell, decimal) for cell in checked)
+        )
+
+    wide = next(i for i, row in enumerate(rows) if len(row.cells) == width and has_number(row, decimal))
+    first = next((i for i, row in enumerate(rows) if fits(row)), wide)
+    # a row with numbers directly above, no header between, is no preamble but damaged: it is refused by name later
+    while first and len(rows[first - 1].cells) == width and has_number(rows[first - 1], decimal):
+        first -= 1
+    return first, text
+
+
+def _is_text(column: list[str], decimal: str) -> bool:
+    filled = [cell for cell in column if cell.lower() not in MISSING]
+    return bool(filled) and not any(is_number(cell, decimal) for cell in filled)
+
+
+def _numbered(row: Row, following: list[Row]) -> bool:
+    """Whether a row is the header 0, 1, 2.. that pandas writes for columns without names."""
+    names = row.cells[1:] if row.cells[0] == "" else row.cells
+    fractions = following and any(not re.fullmatch(r"[-+]?\d*", cell) for cell in following[0].cells)
+    return len(names) > 1 and names == [str(i) for i in range(len(names))] and bool(fractions)

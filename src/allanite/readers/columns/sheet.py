@@ -1,0 +1,85 @@
+"""A text file as columns that are asked for by name, whatever they are: angles, cosines, times."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.units import unit_of
+from allanite.readers.formats.text import sheet_of
+from allanite.readers.sandbox.source import checked, digest_of
+
+from .column import Column, lookup, unique
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The columns of a file, where it is, its sha256, and what was assumed.
+
+    Examples
+    --------
+    >>> sheet = Sheet((Column(np.array([0.0, 180.0]), 1, "h", "deg"),))
+    >>> sheet.values("h", "rad").round(3).tolist()
+    [0.0, 3.142]
+    """
+
+    columns: tuple[Column, ...]
+    source: str = ""
+    digest: str = ""
+    notes: tuple[str, ...] = ()
+
+    def values(self, key: str, unit: str, *, given: str | None = None) -> FloatArray:
+        """A column in `unit`, as float64 of shape (n,), NaN where a cell is empty.
+
+        Parameters
+        ----------
+        key : str
+            Name, header, or place counted from 1.
+        unit : str
+            What is wanted: "rad", "s", "1".
+        given : str, optional
+            What the column is in, over its header.
+
+        Raises
+        ------
+        UsageError
+            There is no such column, or nothing says its unit.
+        UnitError
+            It measures something else.
+        DataError
+            It holds text.
+        """
+        column = lookup(self.columns, key)
+        column.demand_numbers()
+        said = given or column.unit
+        if not said and unit != "1":
+            raise UsageError(
+                f"the unit of {column.label} is not known: write it into the header as in '{column.name} [deg]', or "
+                "pass it (--unit deg)"
+            )
+        size, wanted = unit_of(said or "1"), unit_of(unit)
+        # a cosine's difference is a number, and may be written as a small angle too
+        if size.dimension != wanted.dimension and not (unit == "1" and size.dimension == unit_of("rad").dimension):
+            raise UnitError(f"{column.label} is in {said!r}, which cannot be converted to {unit!r}")
+        return np.asarray(column.values, dtype=np.float64) * (size.factor / wanted.factor)
+
+
+def sheet(path: str) -> Sheet:
+    """Read the columns of a text or CSV file.
+
+    Raises
+    ------
+    DataError
+        There is no such file, or it holds no rows of numbers; the line is named.
+    """
+    name, _ = checked(path)
+    try:
+        columns, notes = sheet_of(name)
+    except DataError as error:
+        raise DataError(f"{name}: {error}") from None
+    except OSError as error:
+        raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
+    return Sheet(unique(tuple(columns)), name, digest_of(name), notes)

@@ -1,0 +1,143 @@
+"""NumPy's own files: .npy with one array, .npz with several."""
+
+import math
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError
+from allanite.core.record import Recording
+from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
+from allanite.readers.columns.column import Column
+from allanite.readers.columns.description import KEY, described, keys, restored
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+from allanite.readers.sandbox.archive import demand_directory
+from allanite.readers.sandbox.guard import demand_size, worded
+
+TITLE = "NumPy .npy and .npz"
+
+NPY, ZIP, PICKLE = b"\x93NUMPY", b"PK\x03\x04", b"\x80"
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the first bytes, or else the name, are those of a NumPy file; a .zip may hold one beside others."""
+    archive = head.startswith(ZIP) and b".npy" in head[:4096] and suffix != ".zip"
+    return head.startswith(NPY) or archive or suffix in (".npy", ".npz")
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded.
+
+    A one-dimensional array is one channel; a two-dimensional one has a channel in each column; the fields of a
+    structured array, and the arrays of a .npz, are named like the headers of a text, with a unit where they carry one.
+
+    Raises
+    ------
+    DataError
+        The file is damaged, holds objects, or its arrays are not real numbers in columns.
+    UsageError
+        What the file does not say is not given either.
+    """
+    arrays, notes = _loaded(path), list[str]()
+    text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
+    arrays = [(name, array) for name, array in arrays if name != KEY]
+    columns = list[Column]()
+    rate = next(
+        (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
+    )
+    for name, array in arrays:
+        notes += _notes(name, array)
+        for header, values in split(name, array):
+            columns.append(column(header, values, len(columns) + 1))
+    if not columns:
+        raise DataError("the file holds no array of readings")
+    table = Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes))
+    return restored(table, text).recording(options)
+
+
+def write(recording: Recording, path: str) -> None:
+    """An .npz with an array for each channel, and the rate."""
+    content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
+    with Path(path).open("wb") as file, zipfile.ZipFile(file, "w", allowZip64=True) as archive:
+        for name, array in (content | {"rate": recording[0].rate, KEY: described(recording)}).items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
+
+
+def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
+    """Names and arrays; the name of a lone array is empty."""
+    with Path(path).open("rb") as file:
+        head = file.read(1024)
+    if head.startswith(PICKLE) or (head.startswith(NPY) and (b"'|O" in head or b"'O'" in head)):
+        raise DataError(_objects("the file"))
+    if not head.startswith((NPY, ZIP)):
+        raise DataError(
+            f"the file does not begin like a NumPy file (it begins with {head[:8]!r}); check that it is complete"
+        )
+    with worded():
+        return _members(path) if head.startswith(ZIP) else [("", _copied(path))]
+
+
+def _copied(path: str) -> NDArray[Any]:
+    # a map compares the size that the header claims with that of the file before any memory is taken
+    mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    return np.array(mapped)
+
+
+def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
+    _demand_sizes(path)
+    # numpy leaves a file open whose archive is damaged, if it opened the file itself
+    with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+        return [(name, _member(archive, name)) for name in archive.files]
+
+
+def _member(archive: Any, name: str) -> NDArray[Any]:
+    try:
+        array = archive[name]
+    except ValueError as error:
+        raise DataError(
+            _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged: {error}"
+        ) from None
+    if not isinstance(array, np.ndarray):
+        raise DataError(f"{name!r} in the archive is no NumPy array")
+    return array
+
+
+def _objects(what: str) -> str:
+    return (
+        f"{what} holds pickled Python objects, which are never loaded since they can run code; "
+        "save plain numbers: np.save(path, np.asarray(data, dtype=float))"
+    )
+
+
+def _demand_sizes(path: str) -> None:
+    """Numpy takes the memory that the header of a member claims before it reads the member."""
+    demand_directory(path)
+    with zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+        demand_size(sum(member.file_size for member in members), path, "the archive")
+        for member in members:
+            with archive.open(member) as stream:
+                claimed = _claimed(stream) if member.filename.endswith(".npy") else 0
+            if claimed > member.file_size:
+                raise DataError(
+                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
+                    f"{member.file_size}: the file is damaged"
+                )
+
+
+def _claimed(stream: Any) -> int:
+    form = np.lib.format
+    one = form.read_magic(stream) == (1, 0)
+    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
+    return 0 if dtype.hasobject else math.prod(shape) * dtype.itemsize  # objects are refused by their own words
+
+
+def _notes(name: str, array: NDArray[Any]) -> list[str]:
+    if array.ndim == 0 and not array.dtype.names and name.lower() not in RATE_NAMES:
+        return [f"the single value {name!r} was not used"]
+    return [turned_note(name, array)] if turned(array) else []

@@ -1,0 +1,135 @@
+"""Parquet tables: columns read one by one, units from their metadata or their names."""
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError
+from allanite.core.record import Recording
+from allanite.readers.columns.arrays import RATE_NAMES, column
+from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.dataset import WIDEST
+from allanite.readers.columns.description import KEY, described, restored
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+from allanite.readers.sandbox.guard import demand_size, worded
+
+TITLE = "Apache Parquet .parquet"
+
+_MAGIC = b"PAR1"
+_UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the first bytes, or else the name, are those of a Parquet file."""
+    return head.startswith(_MAGIC) or suffix in (".parquet", ".pq")
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a Parquet table; a missing value is NaN.
+
+    Raises
+    ------
+    DataError
+        The file is damaged, or claims more readings than it can hold.
+    UsageError
+        What the file does not say is not given either.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    with worded(), parquet.ParquetFile(path, memory_map=True) as file:
+        schema, rows = file.schema_arrow, file.metadata.num_rows
+        if len(schema) > WIDEST:
+            raise DataError(f"the table has {len(schema)} columns; a recording has one for each channel")
+        demand_size(rows * 8 * len(schema), path, "the table")
+        demand_size(_unpacked(file.metadata), path, "the table")
+        names = schema.names
+        rate, text, index = _metadata(schema.metadata or {})
+        columns, left = list[Column](), list[str]()
+        for place, field in enumerate(schema, 1):
+            if pa.types.is_nested(field.type):
+                left.append(field.name)
+            else:
+                columns.append(_column(file, field, place, names[: place - 1].count(field.name)))
+    notes = (f"left out, lists or structures: {', '.join(left)}",) if left else ()
+    table = Table(tuple(c for c in columns if c.name not in index), rate, "the metadata of the file", notes)
+    return restored(table, text).recording(options)
+
+
+def write(recording: Recording, path: str) -> None:
+    """A column for each channel, with its unit in the metadata of the column and the rate in that of the file."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    fields = [
+        pa.field(r.name, pa.int64() if r.values.dtype.kind == "i" else pa.float64(), metadata={"unit": r.unit})
+        for r in recording
+    ]
+    metadata = {KEY: described(recording), "rate": repr(recording[0].rate)}
+    table = pa.table([pa.array(r.values) for r in recording], schema=pa.schema(fields, metadata))
+    parquet.write_table(table, path, compression="zstd", use_dictionary=False)
+
+
+def _unpacked(metadata: Any) -> int:
+    """Bytes that the row groups claim to unpack to.
+
+    What single columns claim is not asked: over damaged statistics of one, pyarrow ends the interpreter
+    ("Repetition level histogram size mismatch", pyarrow 26).
+    """
+    return sum(max(0, metadata.row_group(i).total_byte_size) for i in range(metadata.num_row_groups))
+
+
+def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
+    """Sampling rate, our own description and the columns that are only an index, as far as the file has them."""
+    rates = [said[name.encode()] for name in RATE_NAMES if name.encode() in said]
+    try:
+        rate = float(rates[0]) if rates else None
+    except ValueError:
+        rate = None
+    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b""), _index(said)
+
+
+def _index(said: dict[bytes, bytes]) -> set[str]:
+    """The nameless index that pandas writes as a column of its own."""
+    try:
+        names = json.loads(said.get(b"pandas", b"{}")).get("index_columns", [])
+    except (ValueError, AttributeError, RecursionError):
+        return set()
+    return {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
+
+
+def _column(file: Any, field: Any, place: int, before: int) -> Column:
+    """A column; `before` it there are so many of its name."""
+    said = field.metadata or {}
+    unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
+    if not _is_number(field.type):
+        # not all of it: a dictionary of long words stands for any length
+        first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
+        word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
+        return headed(np.empty(0), place, field.name, text=str(word or "text")[:100])
+    chunks = file.read([field.name], use_threads=False).column(before)
+    return column(field.name, _values(chunks), place, unit=unit)
+
+
+def _is_number(kind: Any) -> bool:
+    import pyarrow.types as t
+
+    tests = (t.is_integer, t.is_floating, t.is_decimal, t.is_null, t.is_temporal)
+    return any(test(kind) for test in tests) and not t.is_interval(kind)
+
+
+def _values(chunks: Any) -> NDArray[Any]:
+    """Numbers or stamps, NaN or NaT where one is missing."""
+    import pyarrow as pa
+
+    kind = chunks.type
+    if pa.types.is_decimal(kind) or pa.types.is_null(kind):
+        chunks = chunks.cast(pa.float64())
+    elif pa.types.is_date(kind):
+        chunks = chunks.cast(pa.timestamp("ns"))
+    elif pa.types.is_time(kind):  # of day
+        chunks = chunks.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
+    return np.asarray(chunks.to_numpy())

@@ -1,0 +1,83 @@
+"""PSINS text: the increments of a strapdown unit, as the toolbox of Yan Gongmin (NWPU Xi'an) logs them."""
+
+from pathlib import Path
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.record import Recording
+from allanite.readers.columns import parse
+from allanite.readers.columns.cells import decoded, is_number
+from allanite.readers.columns.column import Column
+from allanite.readers.columns.layout import Layout
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+
+TITLE = "PSINS text: three header rows, then integer increments of three gyros and three accelerometers"
+
+_CHANNELS = (("gx", "arcsec"), ("gy", "arcsec"), ("gz", "arcsec"), ("ax", "ug*s"), ("ay", "ug*s"), ("az", "ug*s"))
+_GRAVITY = (9.7, 9.9)  # m/s^2, anywhere on the Earth
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the first line names PSINS, or the first three rows have the shape of its header."""
+    lines = head[:65536].splitlines()
+    if lines and lines[0].lstrip().startswith(b"%") and b"PSINS" in lines[0]:
+        return True
+    rows = _rows(head[:65536])[:3]
+    if len(rows) < 3 or not all(len(row) == 6 and all(map(is_number, row)) for _, _, row in rows):
+        return False
+    place, scales = [float(cell) for cell in rows[1][2]], [float(cell) for cell in rows[2][2]]
+    return _GRAVITY[0] < place[5] < _GRAVITY[1] and place[4] > 0 and abs(place[0]) <= 90 and min(scales) > 0
+
+
+def read(path: str, options: Options) -> Recording:
+    """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors stand in the file.
+
+    Raises
+    ------
+    DataError
+        A header row is missing or holds something else than its six numbers, or a row below does.
+    """
+    data = Path(path).read_bytes()
+    rows = _rows(data[:65536])
+    if len(rows) < 4:
+        raise DataError(
+            f"a PSINS file has three header rows and then the increments, but {len(rows)} rows of numbers were found"
+        )
+    _, place, scales = (_six(row, line) for line, _, row in rows[:3])
+    interval, gravity = place[4], place[5]
+    if not interval > 0 or not all(scale > 0 for scale in scales):
+        raise DataError(
+            f"the sampling interval ({interval} ms) and the scale factors {scales} of a PSINS header must be positive"
+        )
+    names = tuple(name for name, _ in _CHANNELS)
+    values, notes = parse.columns(data, Layout(" ", ".", names, ("",) * 6, frozenset(), rows[3][1], rows[3][0]))
+    columns = [
+        Column(numbers, i, name, unit, "count", scale, header=name)
+        for i, ((name, unit), numbers, scale) in enumerate(zip(_CHANNELS, values, scales, strict=True), 1)
+        if isinstance(numbers, np.ndarray)
+    ]
+    where = f"the interval of {interval:g} ms in the second header row"
+    return Table(
+        tuple(columns), 1000 / interval, where, (f"local gravity in the header: {gravity:g} m/s^2", *notes)
+    ).recording(options)
+
+
+def _rows(head: bytes) -> list[tuple[int, int, list[str]]]:
+    """Line number, offset and cells of the lines that are neither blank nor comments."""
+    found, offset = [], 0
+    for number, raw in enumerate(head.splitlines(keepends=True), 1):
+        cells = decoded(raw).split()
+        if cells and not cells[0].startswith("%"):
+            found.append((number, offset, cells))
+        offset += len(raw)
+    return found
+
+
+def _six(row: list[str], line: int) -> list[float]:
+    if len(row) != 6 or not all(map(is_number, row)):
+        raise DataError(
+            f"line {line} is a header row of a PSINS file and must hold six numbers, not {' '.join(row)[:60]!r}"
+        )
+    return [float(cell) for cell in row]

@@ -1,0 +1,87 @@
+"""Raw binary: rows of numbers and nothing else. No first byte tells it, so it is read only where the user says so."""
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Recording
+from allanite.readers.columns.arrays import column
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+
+TITLE = "raw binary, with dtype='i2' (--dtype i2)"
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Never: any bytes may be numbers."""
+    return False
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of rows of binary numbers.
+
+    Raises
+    ------
+    UsageError
+        The type is none that NumPy knows, or not one of real numbers.
+    DataError
+        The file holds no whole number of rows.
+    """
+    row, offset = _row(options), options.offset or 0
+    count = _rows(os.path.getsize(path) - offset, row, offset)
+    rows = np.memmap(path, row, mode="r", offset=offset, shape=(count,))
+    columns = (column("", values, i) for i, values in enumerate(_columns(rows), 1))
+    return Table(tuple(columns)).recording(options)
+
+
+def _row(options: Options) -> np.dtype[Any]:
+    """The type of one row."""
+    said = options.dtype or ""
+    try:
+        number = np.dtype(said)
+    except (TypeError, ValueError, SyntaxError, OverflowError):
+        number = np.dtype(object)
+    if not _real(number) or not number.itemsize:
+        raise UsageError(
+            f"unknown type of number {said!r}; it is spelled as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with > in "
+            "front where the high byte comes first, as in '>i2'; 'u4,6i2' for rows of mixed types"
+        )
+    if options.columns is None:
+        return number
+    if number.names:
+        raise UsageError(f"the type {said!r} is that of a whole row; leave out columns={options.columns} (--columns)")
+    try:
+        return np.dtype((number, (options.columns,)))
+    except (ValueError, OverflowError):
+        raise UsageError(f"columns={options.columns} (--columns) are more than a row can have") from None
+
+
+def _real(number: np.dtype[Any]) -> bool:
+    if number.names:
+        return all(_real(number[name]) for name in number.names)
+    return number.base.kind in "iuf"
+
+
+def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
+    if size <= 0:
+        raise DataError(f"the file has {size + offset} bytes and ends before the offset of {offset}; check --offset")
+    count, over = divmod(size, row.itemsize)
+    if over:
+        have = f"{size} bytes behind the offset of {offset}" if offset else f"{size} bytes"
+        raise DataError(
+            f"the file has {have}, which is no multiple of the {row.itemsize} bytes of a row: {count} rows and {over} "
+            "bytes over; check dtype, columns and offset (--dtype, --columns, --offset)"
+        )
+    return count
+
+
+def _columns(rows: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    if rows.dtype.names:
+        for name in rows.dtype.names:
+            yield from _columns(rows[name])
+    else:
+        yield from rows.reshape(len(rows), -1).T

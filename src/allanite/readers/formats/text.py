@@ -1,0 +1,130 @@
+"""Text and CSV: columns of numbers with any delimiter, with or without a header."""
+
+from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.record import Recording
+from allanite.readers.columns import dates, layout, parse, sensors, shapes
+from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+
+from . import csv_file
+
+TITLE = "text or CSV: columns of numbers, with a header or without"
+
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the first bytes are those of a text."""
+    if head.startswith(_UTF16):
+        return True
+    control = sum(head.count(bytes([code])) for code in range(32) if code not in b"\t\n\v\f\r\x1a")
+    return control == 0 and bool(head.strip())
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a text file.
+
+    Raises
+    ------
+    DataError
+        The file holds no rows of numbers, or something else among them; the line is named.
+    UsageError
+        What the file does not say is not given either.
+    """
+    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
+    columns, tags, said = columns_of(data)
+    by = sensors.turns(columns, tags)
+    if by is None:
+        columns, told = sensors.between(columns)
+    else:
+        groups, told = sensors.apart(columns, by)
+        columns = sensors.wanted(groups, options.channels)
+    table = Table(tuple(columns), notes=(*notes, *said, *told))
+    return csv_file.with_description(table, data).recording(options)
+
+
+def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
+    """The columns of a text file, whatever they are, and what was assumed; errors as those of `read`."""
+    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
+    columns, _, said = columns_of(data)
+    return columns, (*notes, *said)
+
+
+def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+    """The columns of a text, those of few words by their place, and what was assumed."""
+    found = layout.find(data)
+    if found.width > shapes.WIDEST:
+        raise DataError(
+            f"line {found.line} holds {found.width} numbers; one row for each sample is expected, each on its own line"
+        )
+    values, passed = parse.columns(data, found)
+    columns, tags, said = _columns(values, found)
+    return columns, tags, (*found.notes, *passed, *said)
+
+
+def _plain(data: bytes) -> bytes:
+    """UTF-8 or Latin-1 without a byte order mark, with line ends that contain a newline."""
+    if data.startswith(_UTF16):
+        try:
+            data = data.decode("utf-16").encode()
+        except UnicodeDecodeError as error:
+            raise DataError(f"the file begins like UTF-16 text but is damaged: {error}") from None
+    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
+    if b"\x00" in data:
+        raise DataError(f"a zero byte stands at byte {data.index(0)} of the text: the file is damaged or binary")
+    return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
+
+
+def _columns(
+    values: list[parse.Parsed], found: layout.Layout
+) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+    """The columns, those of few words by their place, and the words about dates that were put together."""
+    values, names, notes = _dated(values, list(found.names))
+    columns: list[Column] = []
+    tags = {}
+    for place, entry in enumerate(values):
+        if entry is None:
+            continue
+        if isinstance(entry, parse.Tags):
+            tags[len(columns)] = entry
+        columns.append(_column(entry, place, names[place], found.units[place]))
+    return columns, tags, notes
+
+
+def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Parsed], list[str], tuple[str, ...]]:
+    """A column of dates beside one of times of day becomes one of stamps; so does one of times alone."""
+    for day, time in ((i, j) for i in range(len(values)) for j in (i + 1, i - 1) if 0 <= j < len(values)):
+        date, clock = values[day], values[time]
+        if _is(date, "datetime64[D]") and _is(clock, "timedelta64[ns]"):
+            stamps = date.astype("datetime64[ns]") + clock
+            first, second = sorted((day, time))
+            label = " ".join(filter(None, (names[first], names[second])))
+            values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
+            names = [label if i == first else name for i, name in enumerate(names)]
+            return values, names, (f"columns {first + 1} and {second + 1} are taken as date and time of day",)
+    return values, names, ()
+
+
+def _is(values: parse.Parsed, dtype: str) -> TypeGuard[parse.Values]:
+    return isinstance(values, np.ndarray) and values.dtype == dtype
+
+
+def _column(values: Any, place: int, name: str, unit: str) -> Column:
+    if isinstance(values, (str, parse.Tags)):
+        return headed(np.empty(0), place + 1, name, text=values if isinstance(values, str) else values.words[0])
+    if values.dtype == "datetime64[D]":
+        return headed(np.empty(0), place + 1, name, text=str(values[0]))
+    if values.dtype.kind in "mM":
+        stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
+        missing = np.isnat(values)
+        if missing.any():
+            stamps = np.where(missing, np.nan, stamps)
+        usual = "time of day" if values.dtype.kind == "m" else "date and time"
+        return Column(stamps, place + 1, name or usual, "ns", header=name)
+    return headed(values, place + 1, name, unit=unit)

@@ -1,0 +1,1 @@
+"""What keeps hostile files in bounds."""

@@ -1,0 +1,189 @@
+"""Files in files: what is in a .zip, .gz, .bz2 or .xz is unpacked, within limits, and read like a file of its own."""
+
+import bz2
+import gzip
+import lzma
+import os
+import re
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import IO, Any, NamedTuple
+
+from allanite.core.errors import DataError, UsageError
+
+from .archive import demand_directory
+from .guard import demand_size, most, within, worded
+from .source import SEPARATOR, head_of
+
+DEPTH = 3
+"""Layers that are taken off."""
+
+_BLOCK = 1 << 20
+_DECODER = 100 << 20
+"""Memory that the decoder of an .xz may take; xz -9 needs 65 MB, and a file may claim 4 GB."""
+
+# files beside the recording that are no recordings, though they may be text
+_PROSE = re.compile(
+    r"(^|/)(\.|__MACOSX/|readme|license|licence|copying|changelog)|"
+    r"\.(md|rst|pdf|html?|json|ya?ml|xml|toml|ini|cfg|log|py|m|r|c|h|cpp|png|jpe?g|svg)$",
+    re.IGNORECASE,
+)
+
+Judge = Callable[[bytes, str], bool]
+"""Says whether first bytes and suffix are those of a file that can be read."""
+
+
+class Packing(NamedTuple):
+    """Packing of one file: the bytes that it begins with, its suffix, and what opens it."""
+
+    magic: re.Pattern[bytes]
+    suffix: str
+    open: Callable[[IO[bytes]], Any]
+
+
+class _Xz:
+    """Reads an .xz file with bounded memory, which lzma.open does not."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file, self._decoder = file, lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
+
+    def read(self, size: int) -> bytes:
+        """The next bytes, at most `size`; none at the end."""
+        while not self._decoder.eof:
+            fresh = self._file.read(_BLOCK) if self._decoder.needs_input else b""
+            if not fresh and self._decoder.needs_input:
+                raise EOFError("the end is missing")
+            if block := self._decoder.decompress(fresh, size):
+                return block
+        return b""
+
+
+PACKINGS = (
+    Packing(re.compile(rb"\x1f\x8b\x08"), ".gz", lambda file: gzip.GzipFile(fileobj=file)),
+    Packing(re.compile(rb"BZh[1-9](1AY&SY|\x17rE8P\x90)"), ".bz2", bz2.BZ2File),
+    Packing(re.compile(rb"\xfd7zXZ\0"), ".xz", _Xz),
+)
+
+ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
+
+
+@contextmanager
+def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> Iterator[str]:
+    """The path of a file that is packed in nothing any more.
+
+    Parameters
+    ----------
+    path : str
+        The outermost file; given back as it is if nothing is packed in it, or if it is a format of its own.
+    member : str
+        The name of a member of an archive; empty to take the only readable one.
+    judge : callable
+        Says of a member's first bytes and suffix whether it is readable.
+    only_by_suffix : bool
+        Leave alone what only begins like a packed file, as raw numbers may.
+
+    Raises
+    ------
+    DataError
+        The file is damaged, unpacks to more than it may, or holds nothing readable.
+    UsageError
+        Several members are readable and none is chosen, or there is none of that name.
+    """
+    with ExitStack() as stack:
+        for _ in range(DEPTH):
+            packing = _packing(path, judge, only_by_suffix)
+            if packing is None:
+                break
+            stack.enter_context(within(path))
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True))
+            if packing is ZIP:
+                path, member = _member(path, member, judge, folder), ""
+            else:
+                path = _lone(path, packing, folder)
+        if member:
+            raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, which this is not")
+        yield path
+
+
+def _packing(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
+    """What the file is packed in; an .npz is a .zip, but a format of its own."""
+    head, suffix = head_of(path), os.path.splitext(path)[1].lower()
+    for packing in (ZIP, *PACKINGS):
+        if packing.magic.match(head) and (suffix == packing.suffix or not only_by_suffix):
+            return None if packing is ZIP and suffix != ZIP.suffix and judge(head, suffix) else packing
+    return None
+
+
+def _lone(path: str, packing: Packing, folder: str) -> str:
+    """The one file in a packing of one."""
+    name = Path(path).name
+    stem = name[: -len(packing.suffix)] if name.lower().endswith(packing.suffix) else name
+    with worded(f"the {packing.suffix} packing"), Path(path).open("rb") as file:
+        return _copied(packing.open(file), folder, stem, most(path))
+
+
+def _member(path: str, member: str, judge: Judge, folder: str) -> str:
+    demand_directory(path)
+    with worded("the archive"), Path(path).open("rb") as file, ZIP.open(file) as archive:
+        names = [entry.filename for entry in archive.infolist() if not entry.is_dir()]
+        if member and member not in names:
+            raise UsageError(f"the archive has no member {member!r}; it holds {_listed(names)}")
+        name = member or _only(archive, names, judge)
+        demand_size(archive.getinfo(name).file_size, path, f"member {name!r}")
+        with _opened(archive, name) as stream:
+            return _copied(stream, folder, name, most(path))
+
+
+def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
+    """The only readable member."""
+    if "xl/workbook.xml" in names:
+        raise DataError("this is an Excel workbook; save the sheet with the readings as CSV and read that")
+    likely = [name for name in names if not _PROSE.search(name)][:1000]
+    readable = [name for name in likely if _readable(archive, name, judge)]
+    if len(readable) == 1:
+        return readable[0]
+    if not readable:
+        raise DataError(f"the archive holds no file of a format that is read; it holds {_listed(names)}")
+    raise UsageError(
+        f"the archive holds {len(readable)} files that can be read: {_listed(readable)}; choose one as in "
+        f"{'FILE.zip'}{SEPARATOR}{readable[0]}"
+    )
+
+
+def _readable(archive: zipfile.ZipFile, name: str, judge: Judge) -> bool:
+    with _opened(archive, name) as stream:
+        head = stream.read(4096)
+    packed = any(packing.magic.match(head) for packing in (ZIP, *PACKINGS))
+    return packed or judge(head, os.path.splitext(name)[1].lower())
+
+
+def _opened(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
+    if archive.getinfo(name).flag_bits & 1:
+        raise DataError(f"member {name!r} is encrypted; unpack the archive with its password and read the file itself")
+    return archive.open(name)
+
+
+def _copied(stream: IO[bytes], folder: str, name: str, limit: int) -> str:
+    """The contents of `stream` in `folder`, under the last part of `name`, which may be anything."""
+    suffix = re.sub(r"[^.A-Za-z0-9]", "", os.path.splitext(name)[1])[:16]
+    target, size = Path(folder, f"file{suffix}"), 0
+    with target.open("wb") as file:
+        while block := stream.read(_BLOCK):
+            size += len(block)
+            if size > limit:
+                raise DataError(
+                    f"the file unpacks to over {limit / 1e6:.3g} MB, more than it may: it is a decompression bomb or "
+                    "damaged; if it is neither, unpack it and read what was in it"
+                )
+            file.write(block)
+    if not size:
+        raise DataError("the file that is packed in it is empty")
+    return str(target)
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - 20} more" if len(names) > 20 else ""
+    return (", ".join(names[:20]) or "nothing") + more

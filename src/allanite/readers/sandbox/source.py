@@ -1,0 +1,60 @@
+"""The file itself: that it is one, its first bytes and its digest."""
+
+import hashlib
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+from allanite.core.errors import DataError, UsageError
+
+SEPARATOR = "::"
+"""Stands between an archive and the name of a member."""
+
+HEAD = 1 << 16
+"""Bytes by which a format is recognised."""
+
+
+def checked(path: Any) -> tuple[str, str]:
+    """The path as text, if a file that can be read is there, and the member of an archive that ``::`` names in it.
+
+    Raises
+    ------
+    DataError
+        Nothing is there, or a directory, a pipe or a device: opening those may wait for ever.
+    UsageError
+        `path` is no path.
+    """
+    try:
+        name = os.fsdecode(path)
+    except TypeError:
+        raise UsageError(f"a path is expected, not {path!r}") from None
+    file, _, member = name.rpartition(SEPARATOR)
+    name, member = (file, member) if file and not os.path.exists(name) else (name, "")
+    try:
+        mode = os.stat(name)
+    except FileNotFoundError:
+        raise DataError(f"{name}: there is no such file; check the name and the folder") from None
+    except (OSError, ValueError) as error:
+        raise DataError(f"{name!r}: the file cannot be reached ({error}); check the name and your permission") from None
+    if stat.S_ISDIR(mode.st_mode):
+        raise DataError(f"{name}: this is a directory; name one file in it")
+    if not stat.S_ISREG(mode.st_mode):
+        raise DataError(
+            f"{name}: this is no regular file (a pipe, device or socket); save its contents to a file first"
+        )
+    if mode.st_size == 0:
+        raise DataError(f"{name}: the file is empty; was the recording saved?")
+    return name, member
+
+
+def head_of(name: str) -> bytes:
+    """The first bytes of a file."""
+    with Path(name).open("rb") as file:
+        return file.read(HEAD)
+
+
+def digest_of(name: str) -> str:
+    """The sha256 of a file, in hexadecimal digits."""
+    with Path(name).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

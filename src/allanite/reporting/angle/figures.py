@@ -1,0 +1,165 @@
+"""Figures of the angle sensors: errors over the angle, how they were found, what is left, where to measure."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from allanite.angle import Harmonics, Scan, Solution
+from allanite.angle.harmonics import waves
+from allanite.reporting import style
+from allanite.reporting.words import percent, printable
+
+from .numbers import ARCSEC, Result, half_width, parts, solution_of
+
+FloatArray = NDArray[np.float64]
+
+PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
+
+MOST = 3000
+"""Innovations that are drawn."""
+
+LAGS = 40
+
+
+def plot(value: "Result | Scan", level: float = 0.95) -> Figure:
+    """The one figure that says most: errors over the angle, or accuracy over the start of the interval."""
+    return plot_scan(value) if isinstance(value, Scan) else plot_errors(value, level)
+
+
+def plot_errors(result: Result, level: float = 0.95) -> Figure:
+    """The error of each sensor over one period of its harmonics together, with its confidence band."""
+    found = parts(result)
+    with style.look():
+        figure = style.new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
+        axes = figure.subplots(1, len(found), squeeze=False)[0]
+        for ax, harmonics in zip(axes, found, strict=True):
+            _draw_error(ax, harmonics, level)
+    return figure
+
+
+def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
+    common = math.gcd(*harmonics.orders)
+    period = 2 * math.pi / common
+    angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
+    rows = waves(angle, harmonics.orders)
+    error = harmonics.at(angle) / ARCSEC
+    spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
+    half = half_width(level, harmonics.freedom) * spread
+    style.grid(ax)
+    ax.fill_between(
+        np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=f"{percent(level)} band"
+    )
+    ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label="error")
+    ax.axhline(0, color=style.INK, lw=0.8)
+    name = printable(harmonics.name) or "angle"
+    ax.set_title(name, loc="left", fontweight="bold", parse_math=False)
+    ax.set(xlabel="angle (deg), one period", ylabel="error (arcsec)", xlim=(0, math.degrees(period)))
+    ax.legend(loc="best")
+
+
+def plot_history(result: Result, level: float = 0.95) -> Figure:
+    """Every amplitude on its way, with its confidence band."""
+    solution, found = solution_of(result), parts(result)
+    half = half_width(level, math.inf)
+    with style.look():
+        figure = style.new_figure(7.2, 2.1 + 1.5 * len(found))
+        axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
+        first = 0
+        for ax, harmonics in zip(axes, found, strict=True):
+            count = 2 * len(harmonics.orders)
+            _draw_history(ax, solution, range(first, first + count), half)
+            ax.set_title(printable(harmonics.name) or "angle", loc="left", fontweight="bold", parse_math=False)
+            first += count
+        axes[-1].set_xlabel("readings" if _numbered(solution) else "time (min)")
+    return figure
+
+
+def _numbered(solution: Solution) -> bool:
+    return "offset" in solution.names
+
+
+def _draw_history(ax: Axes, solution: Solution, which: range, half: float) -> None:
+    way = solution.history
+    x = way.time if _numbered(solution) else way.time / 60
+    style.grid(ax)
+    # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
+    late = slice(len(x) // 2, None)
+    sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
+    reach = 1.1 * float(np.max(sizes)) / ARCSEC
+    for i, color in zip(which, PALETTE * len(which), strict=False):
+        known = half * way.errors[:, i] / ARCSEC < reach
+        value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
+        ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
+        ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
+    ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def plot_innovations(solution: Solution) -> Figure:
+    """What each reading added, in standard deviations, and how neighbours correlate."""
+    left = solution.innovations
+    keep = np.linspace(0, left.size - 1, min(left.size, MOST)).astype(np.int64)
+    lags = min(LAGS, left.size // 4)
+    centred = left - left.mean()
+    r = np.array([centred[k:] @ centred[: left.size - k] for k in range(1, lags + 1)]) / (centred @ centred)
+    passed = all(check.passed for check in solution.checks)
+    with style.look():
+        figure = style.new_figure(7.2, 2.9)
+        one, two = figure.subplots(1, 2, width_ratios=[1.6, 1])
+        style.grid(one)
+        one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
+        one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
+        one.set(xlabel="reading", ylabel="innovation (standard deviations)", xlim=(1, left.size))
+        style.grid(two)
+        limit = 2.58 / math.sqrt(left.size)
+        two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
+        two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
+        two.axhline(0, color=style.INK, lw=0.8)
+        reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
+        two.set(xlabel="lag (readings)", ylabel="autocorrelation", ylim=(-reach, reach))
+        two.xaxis.set_major_locator(MaxNLocator(integer=True))
+    return figure
+
+
+def plot_scan(scan: Scan) -> Figure:
+    """Expected accuracy and condition by the start of the interval."""
+    hours = scan.starts / 3600
+    with style.look():
+        figure = style.new_figure(7.2, 4.6)
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1])
+        for ax, values, label in (
+            (upper, scan.totals, "sum of expected\nstandard deviations"),
+            (lower, scan.conditions, "condition"),
+        ):
+            style.grid(ax)
+            ax.plot(hours, values, "o-", ms=2.8 if hours.size > 30 else 4, lw=1.1, color=style.DATA)
+            ax.set(ylabel=label)
+            if values.max() > 3 * values.min():
+                ax.set_yscale("log")
+                style.plain_ticks(ax.yaxis)
+                ax.yaxis.set_minor_formatter(_some)
+            ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
+        low, high = (math.degrees(v) for v in scan.best.h)
+        best = f"best: h from {low:.1f} to {high:.1f} deg, sum {scan.best.total:.3g}".replace("-", "−")
+        upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
+        upper.legend(loc="best")
+        lower.set_xlabel("start of the interval (h after h = 0)")
+        _degrees_above(upper, scan)
+    return figure
+
+
+def _some(value: float, _: int) -> str:
+    """Labels of 2, 3 and 5 times a power of ten, and of no other minor tick."""
+    return f"{value:g}" if f"{value:e}"[0] in "235" else ""
+
+
+def _degrees_above(ax: Axes, scan: Scan) -> None:
+    """The smallest h of each interval, above the figure."""
+    ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
+    top = ax.secondary_xaxis("top")
+    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
+    top.set_xlabel("smallest h of the interval (deg)")

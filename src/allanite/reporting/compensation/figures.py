@@ -1,0 +1,72 @@
+"""Figures of a compensation: deviations before and after, and what was taken off, over time."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from allanite.compensation.study import Compensated
+from allanite.core.curve import Curve
+from allanite.core.units import unit_of
+from allanite.reporting import style
+from allanite.reporting.words import percent, printable, printed_unit
+
+FloatArray = NDArray[np.float64]
+
+BEFORE, AFTER, TAKEN = "#6B6B6B", style.DATA, "#C1272D"
+
+POINTS = 400
+"""Means over time that are drawn."""
+
+
+def plot(channel: Compensated, level: float = 0.95) -> Figure:
+    """Deviation by averaging time, and rate by time, of one channel."""
+    with style.look():
+        figure = style.new_figure(7.2, 6.6)
+        top, bottom = figure.subplots(2, 1)
+        _draw_curves(top, channel, level)
+        _draw_rates(bottom, channel)
+        top.set_title(printable(channel.record.name) or "channel", loc="left", fontweight="bold", parse_math=False)
+    return figure
+
+
+def _draw_curves(ax: Axes, channel: Compensated, level: float) -> None:
+    unit = channel.record.signal.sheet[0]
+    style.grid(ax)
+    for curve, color, label in ((channel.before, BEFORE, "before"), (channel.after, AFTER, "after")):
+        if curve is not None:
+            _draw_curve(ax, curve.to(unit), color, label, level)
+    ax.set(xscale="log", yscale="log", xlabel="averaging time (s)", ylabel=f"Allan deviation ({printed_unit(unit)})")
+    style.plain_ticks(ax.xaxis, ax.yaxis)
+    ax.legend(loc="best", title=f"with {percent(level)} bands", title_fontsize=8)
+
+
+def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) -> None:
+    low, high = curve.interval(level)
+    known = np.isfinite(low) & np.isfinite(high)
+    ax.fill_between(curve.tau[known], low[known], high[known], color=color, alpha=0.2, lw=0)
+    ax.plot(curve.tau, curve.deviation, color=color, marker="o", ms=3, lw=1.3, label=label)
+
+
+def _draw_rates(ax: Axes, channel: Compensated) -> None:
+    unit = channel.record.signal.sheet[0]
+    factor = unit_of(unit).factor
+    assert channel.error is not None and channel.corrected is not None  # noqa: S101, PT018 - only what was corrected is drawn
+    y, error = channel.record.rate_values / factor, channel.error / factor
+    bias = float(np.nanmean(y - error))
+    m = max(1, y.size // POINTS)
+    t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
+    style.grid(ax)
+    ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label="before")
+    ax.plot(t, _means(y - bias - error, m), color=AFTER, lw=0.9, label="after")
+    ax.plot(t, _means(error, m), color=TAKEN, lw=1.5, label="what is taken off")
+    means = f", means of {m / channel.record.rate:.3g} s" if m > 1 else ""
+    ax.set(xlabel="time (min)", ylabel=f"rate less the bias ({printed_unit(unit)}){means}")
+    ax.legend(loc="best")
+
+
+def _means(
+    y: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]", m: int
+) -> "np.ndarray[tuple[int, ...], np.dtype[np.float64]]":
+    count = y.size // m
+    return np.asarray(y[: count * m].reshape(count, m).mean(axis=1))

@@ -1,0 +1,107 @@
+"""What figures share: colours and labels of terms, places in a panel, the legend."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from allanite.core.fit import Estimate
+
+from . import style, words
+from .labels import Box, FloatArray, IntArray, place
+
+
+def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
+    """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it."""
+    rows = max(lengths)
+    single = rows == len(lengths) == 1
+    figure = style.new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
+    grid = figure.subplots(rows, len(lengths), squeeze=False, sharex="col")
+    columns = [list(axes[:length]) for axes, length in zip(grid.T, lengths, strict=True)]
+    for axes, length in zip(grid.T, lengths, strict=True):
+        for ax in axes[length:]:
+            ax.set_axis_off()
+        axes[length - 1].tick_params(labelbottom=True)
+    return figure, columns
+
+
+def color_of(symbol: str) -> str:
+    """The colour of a term."""
+    return style.COLORS.get(symbol, style.OTHER)
+
+
+def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
+    """Indices of the points of a term's line, first where it has most to say."""
+    known = np.isfinite(line)
+    return np.argsort(-(line / whole)[known], kind="stable")
+
+
+def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
+    """Write (symbol, text) where it is free, and say where that was."""
+    symbol, text = label
+    box = place(anchors, _size(ax, text), avoid, placed)
+    ax.text(
+        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
+        color=color_of(symbol), zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
+    )  # fmt: skip
+    return box
+
+
+def label_of(estimate: Estimate, level: float) -> str:
+    """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
+    number = words.shown(estimate, estimate.sheet_unit, level)
+    assert number is not None  # noqa: S101 - only what has a value is drawn
+    value = number.value.replace("-", "−") + number.power
+    return f"{estimate.symbol} = {value} {words.printed_unit(estimate.sheet_unit)}"
+
+
+def _size(ax: Axes, text: str) -> tuple[float, float]:
+    """Width and height of a label in fractions of the panel, before anything is laid out."""
+    figure = ax.get_figure(root=True)
+    spec = ax.get_subplotspec()
+    assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
+    rows, columns = spec.get_gridspec().get_geometry()
+    width, height = figure.get_size_inches()
+    # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
+    return len(text) * 5.4 / (72 * 0.86 * width / columns), 11.5 / (72 * 0.8 * height / rows)
+
+
+def pairs(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Points, shape (k, 2), where there is a value."""
+    return np.column_stack([x, y])[np.isfinite(y)]
+
+
+def fractions(ax: Axes, points: FloatArray) -> FloatArray:
+    """Points as fractions of the panel."""
+    low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
+    return np.asarray((np.log(points) - low) / (high - low))
+
+
+def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None:
+    """One legend for all panels, above them; with `marks`, the one where coefficients are read off."""
+    entries: dict[str, Artist] = {}
+    for ax in figure.axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if "model" in entries:
+        entries["each term alone"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        if marks:
+            mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
+            entries["where its coefficient is read off"] = mark
+    if "expected by the model" in entries:
+        entries["expected by the model"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+    columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
+    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6)
+
+
+def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:
+    """So many columns of a legend as are not wider than `width`, in points; it is filled column by column."""
+    for count in range(min(most, len(labels)), 1, -1):
+        # points of a label of 8 points with its line and the space beside it
+        widths = [max(4.9 * len(label) + 45 for label in column) for column in np.array_split(labels, count)]
+        if sum(widths) <= width:
+            return count
+    return 1

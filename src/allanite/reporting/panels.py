@@ -1,0 +1,146 @@
+"""What a figure shows: curves with their fits, and their numbers in the unit that people read."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
+from allanite.core.model import Model, Term
+from allanite.core.units import convert, unit_of
+from allanite.statistics import STATISTICS, expected
+
+from .words import readable_unit
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MOST_POINTS = 400
+"""Points of a curve that are drawn: more are not seen, but weigh."""
+
+
+class Panel(NamedTuple):
+    """A curve and what explains it."""
+
+    name: str
+    curve: Curve
+    fit: Fit | None
+
+    @property
+    def unit(self) -> str:
+        """The unit that is shown."""
+        return readable_unit(self.curve.unit)
+
+    def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
+        """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
+        curve, row = self.curve, STATISTICS[self.curve.statistic]
+        if row.differences and not row.summed and not row.power:
+            variance = expected(model, row.name, tau)
+            return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
+        try:
+            at = curve.tau[thinned(curve.tau.size)]
+            variance = expected(model, row.name, at, rate=curve.rate, size=curve.size or None)
+        except UsageError:  # a maximum, or what depends on the record beyond the model
+            return np.full_like(tau, np.nan)
+        with np.errstate(divide="ignore"):
+            between = np.interp(np.log(tau), np.log(at), np.log(variance), np.nan, np.nan)
+        return np.exp(between / 2) / unit_of(self.unit).factor
+
+    def shown(self, values: FloatArray) -> FloatArray:
+        """Values of the curve in the unit that is shown."""
+        return values * convert(1.0, self.curve.unit, self.unit)
+
+
+class Points(NamedTuple):
+    """The points that are drawn; no limits where the noise is not known."""
+
+    tau: FloatArray
+    deviation: FloatArray
+    edf: FloatArray | None
+    low: FloatArray | None
+    high: FloatArray | None
+
+
+def points(panel: Panel, level: float) -> Points:
+    """The curve in the unit that is shown, thinned to what the eye resolves."""
+    curve = panel.curve
+    keep = thinned(curve.tau.size)
+    tau, deviation = curve.tau[keep], panel.shown(curve.deviation[keep])
+    if curve.law is None:
+        return Points(tau, deviation, None, None, None)
+    low, high = (panel.shown(limit[keep]) for limit in curve.interval(level))
+    return Points(tau, deviation, curve.edf[keep], low, high)
+
+
+def thinned(count: int) -> IntArray:
+    """Indices of the points that are drawn: of many, evenly in the logarithm."""
+    if count <= MOST_POINTS:
+        return np.arange(count)
+    return np.unique(np.rint(np.geomspace(1, count, MOST_POINTS)).astype(np.int64)) - 1
+
+
+def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Range of both axes: room below the curve for the lines of the terms, above for the band.
+
+    Raises
+    ------
+    UsageError
+        Nothing of the curve can be drawn on logarithmic axes.
+    """
+    curve = panel.curve
+    deviation = panel.shown(curve.deviation)
+    visible = deviation[np.isfinite(deviation) & (deviation > 0)]
+    if not visible.size:
+        raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
+    below = 8.0 if panel.fit else 2.5
+    # the upper limits of the last points are far off, and not worth the room
+    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (
+        float(visible.min()) / below,
+        float(visible.max()) * 2.5,
+    )
+
+
+def panels_of(value: Any, fit: Fit | None = None) -> list[Panel]:
+    """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them.
+
+    Raises
+    ------
+    UsageError
+        There is no curve in it.
+    """
+    found = _panels(value, fit)
+    if not found:
+        raise UsageError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
+    return found
+
+
+def _panels(value: Any, fit: Fit | None) -> list[Panel]:
+    if isinstance(value, Curve):
+        return [Panel(value.name, value, fit)]
+    if isinstance(value, Fit):
+        return _panels(value.curve, value)
+    if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
+        return _panels(value.channels, None)
+    if hasattr(value, "curve") and hasattr(value, "quality"):  # a Channel
+        return _panels(value.curve, value.fit)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [panel for item in value for panel in _panels(item, fit)]
+    if value is None:
+        return []
+    raise UsageError(f"a {type(value).__name__} cannot be drawn; give a Curve, a Fit, or a Study")
+
+
+def columns_of(panels: Sequence[Panel]) -> list[list[Panel]]:
+    """Panels side by side by unit; a long single column is broken in two."""
+    by_unit: dict[str, list[Panel]] = {}
+    for panel in panels:
+        by_unit.setdefault(panel.unit, []).append(panel)
+    columns = list(by_unit.values())
+    if len(columns) > 1 or len(panels) < 5:
+        return columns
+    half = math.ceil(len(panels) / 2)
+    return [columns[0][:half], columns[0][half:]]

@@ -1,0 +1,111 @@
+"""The figures of what a model leaves: over time, from sample to sample, and against the normal distribution."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from allanite.core.errors import UsageError
+from allanite.core.residuals import Residuals, chance
+
+from . import style, words
+from .goodness import draw_ratio, draw_surprise
+
+HOURS, MINUTES = 7200.0, 300.0
+"""Lengths in seconds from which time is shown in hours, and in minutes."""
+
+
+def plot_series(residuals: Residuals) -> Figure:
+    """The whitened series with its level, the correlation of neighbours, and the quantiles, side by side.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        With checks.
+    """
+    with style.look():
+        figure = style.new_figure(7.2, 2.6)
+        axes = figure.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0])
+        _draw(axes, residuals)
+    return figure
+
+
+def plot_residuals(residuals: Residuals) -> Figure:
+    """All of it: the ratio of powers by cells of frequency and how surprising it is, and below it the series.
+
+    Raises
+    ------
+    UsageError
+        Too little was left to look at.
+    """
+    if not residuals.checks:
+        raise UsageError(f"of {residuals.name!r} too little is left, ends and gaps apart, to draw residuals")
+    with style.look():
+        figure = style.new_figure(7.2, 6.0)
+        halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
+        above, below = halves
+        verdict = "explained" if residuals.explained else "not explained"
+        color = style.INK if residuals.explained else style.ALARM
+        title = f"{words.printable(residuals.name)}   {verdict}".strip()
+        if residuals.goodness is not None:
+            upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+            title += f", goodness of fit {chance(residuals.goodness.p)}"
+            draw_ratio(upper, residuals.goodness)
+            draw_surprise(lower, residuals.goodness)
+            lower.set(xlabel="frequency (Hz)", xlim=residuals.goodness.frequency[[0, -1]])
+            style.plain_ticks(lower.xaxis)
+            upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
+        _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
+    return figure
+
+
+def _draw(axes: Any, residuals: Residuals) -> None:
+    _draw_series(axes[0], residuals)
+    _draw_correlation(axes[1], residuals)
+    _draw_quantiles(axes[2], residuals)
+
+
+def _color(residuals: Residuals, *names: str) -> str:
+    return style.DATA if all(residuals[name].passed for name in names) else style.ALARM
+
+
+def _draw_series(ax: Axes, residuals: Residuals) -> None:
+    style.grid(ax)
+    length = residuals.size / residuals.rate
+    unit, size = ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
+    time = residuals.time / size
+    ax.fill_between(time, residuals.low, residuals.high, color=style.DATA, alpha=0.35, lw=0)
+    edges = np.linspace(time[0], time[-1], residuals.level.size + 1)
+    color = _color(residuals, "halves", "eighths")
+    for sign in (-1, 1):
+        level, error = sign * residuals.level, 2 * residuals.level_error
+        ax.stairs(level, edges, baseline=None, color=color, lw=1.4)
+        ax.errorbar((edges[:-1] + edges[1:]) / 2, level, error, fmt="none", ecolor=color, lw=1.0)
+    reach = max(5.0, 1.1 * float(max(residuals.high.max(), -residuals.low.min())))
+    ax.set(xlabel=f"time ({unit})", ylabel="standard deviations", xlim=(0, length / size), ylim=(-reach, reach))
+    ax.set_title("over time", loc="left")
+
+
+def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
+    style.grid(ax)
+    lag = np.arange(1, residuals.correlation.size + 1)
+    band = 1.96 / math.sqrt(residuals.size)
+    ax.axhspan(-band, band, color=style.DATA, alpha=0.14, lw=0)
+    ax.axhline(0.0, color=style.INK, lw=1.0)
+    ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
+    reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
+    ax.set(xlabel="samples apart", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
+    ax.yaxis.set_major_locator(MaxNLocator(5))
+    ax.set_title("correlation", loc="left")
+
+
+def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
+    style.grid(ax)
+    ends = residuals.expected[[0, -1]]
+    ax.plot(ends, ends, color=style.INK, lw=1.0)
+    ax.plot(residuals.expected, residuals.observed, ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3)
+    ax.set(xlabel="normal quantile", xticks=range(-4, 5, 2))
+    ax.set_title("quantiles", loc="left")

@@ -1,0 +1,97 @@
+"""The figure of a spectrum: amplitude density against frequency, and the terms that explain it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from allanite.core.fit import Fit
+from allanite.core.model import Model, Term
+from allanite.core.spectrum import Spectrum
+
+from . import style, words
+from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs, stacked
+from .labels import Box
+from .words import readable_unit
+
+FloatArray = NDArray[np.float64]
+
+MOST_POINTS = 200
+"""Values that are drawn as points in a band; more are a line, and its band would hide it."""
+
+
+def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95) -> Figure:
+    """One panel for each channel; sensors of different units side by side.
+
+    Parameters
+    ----------
+    spectra : sequence of Spectrum
+    fits : dict
+        By name of the channel: the terms that are drawn over its spectrum.
+    level : float
+        Of the confidence band.
+    """
+    columns: dict[str, list[Spectrum]] = {}
+    for spectrum in spectra:
+        columns.setdefault(readable_unit(spectrum.unit), []).append(spectrum)
+    with style.look():
+        figure, grid = stacked([len(column) for column in columns.values()])
+        for axes, column in zip(grid, columns.values(), strict=True):
+            lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
+            for ax, spectrum in zip(axes, column, strict=True):
+                ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
+                _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
+            axes[-1].set_xlabel("frequency (Hz)")
+        draw_legend(figure, marks=False, columns=4)
+    return figure
+
+
+def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
+    f, amplitude = spectrum.frequency, spectrum.amplitude
+    seen = amplitude[amplitude > 0]
+    ax.set_yscale("log")
+    ax.set_ylim(seen.min() / (5 if fit else 2), seen.max() * 2)
+    style.plain_ticks(ax.xaxis, ax.yaxis)
+    style.grid(ax)
+    if f.size <= MOST_POINTS:
+        low, high = (np.sqrt(limit) for limit in spectrum.interval(level))
+        label = f"{words.percent(level)} confidence"
+        ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
+    size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
+    ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
+    if fit is not None:
+        _draw_model(ax, spectrum, fit, level)
+    ax.set_title(words.printable(spectrum.name), loc="left", fontweight="bold", parse_math=False)
+    good = None if fit is None else fit.goodness
+    if good is not None and not good.explained:
+        ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
+    else:
+        ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
+    unit = words.printed_unit(spectrum.amplitude_unit)
+    ax.set_ylabel(f"{spectrum.sides}-sided amplitude density ({unit})")
+
+
+def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
+    f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
+    whole = _expected(spectrum, fit.model, f)
+    ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label="model")
+    lines = {term.symbol: _expected(spectrum, term, f) for term in fit.model if term.row.waveform is None}
+    for symbol, line in lines.items():
+        ax.plot(f, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
+    paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
+    drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
+    placed: list[Box] = []
+    for e in (e for e in fit if e.value is not None and e.symbol in lines):
+        anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
+        seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
+        avoid = np.concatenate([drawn, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
+        if len(seen):
+            placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+
+
+def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:
+    """Amplitude density of a model at other frequencies; NaN where it is zero."""
+    density = spectrum.expected(model, f)
+    return np.sqrt(np.where(density > 0, density, np.nan))

@@ -1,0 +1,145 @@
+"""How figures look, and how they become bytes: the same data give the same file, on every machine."""
+
+import io
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from allanite.core.errors import UsageError
+from allanite.core.files import demand_writable, write
+
+PathLike = str | os.PathLike[str]
+
+COLORS = {
+    "Q": "#AA4499",
+    "N": "#0072B2",
+    "B": "#008F6B",
+    "K": "#C1272D",
+    "R": "#B97700",
+    "GM": "#5D6B00",
+    "Sine": "#444B54",
+}
+"""One colour a term, everywhere; after Okabe and Ito, and Tol: distinct to colour-blind eyes and in grey print."""
+
+SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
+"""Colours of curves in one panel, in this order; their order of brightness differs too."""
+
+MARKERS = "osD^vP"
+"""One a colour."""
+
+OTHER = "#6B6B6B"
+INK, DATA, GRID, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#B00020"
+
+_LOOK: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.edgecolor": "#555B63",
+    "axes.linewidth": 0.8,
+    "axes.labelcolor": INK,
+    "axes.axisbelow": True,
+    "xtick.color": "#555B63",
+    "ytick.color": "#555B63",
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "mathtext.fontset": "dejavusans",
+    "svg.hashsalt": "allanite",
+    "svg.fonttype": "path",  # glyphs travel with the file: no font is missing elsewhere
+    "pdf.fonttype": 42,
+    "savefig.dpi": 200,
+}
+
+# no date and no program version: a figure in version control changes only when its content does
+_FORMATS: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
+    "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": None},
+}
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Our settings, and nobody's matplotlibrc; what was set before is set again afterwards."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(cast(Any, _LOOK))
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of so many inches, outside of pyplot's list of open ones."""
+    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def grid(axes: Axes) -> None:
+    """Major and minor lines, both faint."""
+    axes.grid(which="major", color=GRID, linewidth=0.8)
+    axes.grid(which="minor", color=GRID, linewidth=0.35, alpha=0.7)
+    axes.tick_params(which="both", top=True, right=True)
+    axes.tick_params(which="minor", length=2)
+
+
+def plain_ticks(*axes: Axis) -> None:
+    """Label 0.01 to 100000 as they are spoken, and only the rest as powers of ten.
+
+    Where an axis spans less than 60, 2 and 5 are labelled too.
+    """
+    for axis in axes:
+        axis.set_major_formatter(
+            FuncFormatter(lambda v, _: f"{v:g}" if 9e-4 < v < 2e5 else f"$10^{{{math.log10(v):.0f}}}$")
+        )
+        low, high = axis.get_view_interval()
+        few = low > 0 and high / low < 60
+        axis.set_minor_formatter(FuncFormatter(_two_and_five) if few else NullFormatter())
+
+
+def _two_and_five(value: float, _: int | None) -> str:
+    digit = value / 10 ** math.floor(math.log10(value) + 1e-9)
+    return f"{value:g}" if round(digit) in (2, 5) else ""
+
+
+def demand_figure_path(path: PathLike, *, force: bool = False) -> str:
+    """The format that the suffix of `path` names, once the file can be written.
+
+    Raises
+    ------
+    UsageError
+        See `files.demand_writable`; or the suffix is unknown.
+    """
+    suffix = Path(path).suffix.lower().lstrip(".")
+    if suffix not in _FORMATS:
+        raise UsageError(
+            f"a figure is saved as {', '.join(_FORMATS)}, by its suffix, but {os.fspath(path)!r} has {suffix!r}"
+        )
+    demand_writable(path, force=force)
+    return suffix
+
+
+def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
+    """Write a figure in the format of the suffix."""
+    write(path, encode(figure, demand_figure_path(path, force=force)), force=force)
+
+
+def encode(figure: Figure, form: str) -> bytes:
+    """The figure as png, svg or pdf."""
+    buffer = io.BytesIO()
+    with look():
+        figure.savefig(buffer, format=form, metadata=_FORMATS[form])
+    return buffer.getvalue()

@@ -1,0 +1,187 @@
+"""Faults of the channel: bias, roll-off, noise that changes, spikes, saturation, lost readings."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UnitError, UsageError
+from allanite.core.record import KINDS, Record
+from allanite.core.units import signal_with, unit_of
+
+FloatArray = NDArray[np.float64]
+
+
+def constant(record: Record, value: float, unit: str) -> Record:
+    """Add a constant rate, such as a bias or the earth's rate.
+
+    Examples
+    --------
+    >>> record = Record([1.0, 2.0], rate=10.0, unit="deg/s")
+    >>> constant(record, 3600.0, "deg/h").values.tolist()
+    [2.0, 3.0]
+    """
+    return _changed(record, _floats(record) + in_readings(record, value, unit), f"constant of {value:g} {unit} added")
+
+
+def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
+    """Pass the readings through a causal Butterworth low-pass filter, as a sensor or logger has it.
+
+    Parameters
+    ----------
+    record : Record
+    cutoff : float
+        Frequency at which half of the power is left, Hz; below half of the sampling rate.
+    order : int
+        1 rolls off as one time constant does.
+    """
+    if not 0 < cutoff < record.rate / 2:
+        raise UsageError(f"a cutoff lies between 0 and {record.rate / 2:g} Hz (half of the rate), not at {cutoff!r} Hz")
+    if not isinstance(order, int) or not 1 <= order <= 10:
+        raise UsageError(f"the order of a filter is an integer from 1 to 10, not {order!r}")
+    from scipy.signal import butter, sosfilt, sosfilt_zi
+
+    values = _floats(record)
+    _demand_whole(values, "filter the record before readings are lost")
+    sections = butter(order, cutoff, fs=record.rate, output="sos")
+    # as if the first reading had always been there: no jump at the start
+    filtered, _ = sosfilt(sections, values, zi=sosfilt_zi(sections) * values[0])
+    return _changed(record, filtered, f"low-pass filtered at {cutoff:g} Hz, order {order}")
+
+
+def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Record:
+    """Multiply the deviation from the mean by `factor` from the share `at` of the record on: noise that changes.
+
+    Examples
+    --------
+    >>> noise_step(Record([1.0, -1.0, 1.0, -1.0], rate=10.0, unit="deg/s")).values.tolist()
+    [1.0, -1.0, 2.0, -2.0]
+    """
+    if not 0 < at < 1 or not factor >= 0:
+        raise UsageError(f"a step of the noise has a factor >= 0 and a place between 0 and 1, not {factor!r}, {at!r}")
+    values = _floats(record)
+    first = round(at * values.size)
+    later = values[first:]
+    mean = np.nanmean(later)
+    values[first:] = mean + factor * (later - mean)
+    return _changed(record, values, f"noise multiplied by {factor:g} from sample {first} on")
+
+
+def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: "np.random.Generator") -> Record:
+    """Add spikes of either sign to a random `share` of the readings.
+
+    Parameters
+    ----------
+    record : Record
+    share : float
+        Probability that a reading is hit, 0 to 1.
+    size : float
+        Of the spikes, in `unit`; without a unit in standard deviations of the fast noise, which are those of the first
+        differences over the square root of 2.
+    unit : str
+        Of rates, or of the readings.
+    rng : numpy.random.Generator
+
+    Examples
+    --------
+    >>> record = Record(np.zeros(1000), rate=10.0, unit="deg/h")
+    >>> spiked = outliers(record, 0.01, 5.0, "deg/h", rng=np.random.default_rng(1))
+    >>> sorted(set(np.abs(spiked.values).tolist())), spiked.history
+    ([0.0, 5.0], ('9 outliers of 5 deg/h added',))
+    """
+    if not 0 <= share <= 1:
+        raise UsageError(f"the share of outliers lies between 0 and 1, not at {share!r}")
+    values = _floats(record)
+    hit = np.flatnonzero(rng.random(values.size) < share)
+    fast = float(np.nanstd(np.diff(values)) / np.sqrt(2))
+    height = in_readings(record, size, unit) if unit else size * fast
+    values[hit] += height * rng.choice((-1.0, 1.0), hit.size)
+    return _changed(record, values, f"{hit.size} outliers of {size:g} {unit or 'standard deviations'} added")
+
+
+def clip(record: Record, limit: float, unit: str) -> Record:
+    """Readings beyond +-`limit` become the limit: a sensor driven out of its range.
+
+    Examples
+    --------
+    >>> clip(Record([1.0, -7.0, 2.0], rate=10.0, unit="deg/s"), 3.0, "deg/s").values.tolist()
+    [1.0, -3.0, 2.0]
+    """
+    bound = in_readings(record, limit, unit)
+    if not bound > 0:
+        raise UsageError(f"the limit of the range is above 0, not {limit!r} {unit}")
+    values = _floats(record)
+    beyond = int((np.abs(values) > bound).sum())
+    return _changed(record, np.clip(values, -bound, bound), f"{beyond} readings clipped at {limit:g} {unit}")
+
+
+def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generator") -> Record:
+    """Lose a random `share` of the readings in stretches; they become NaN. The first and the last reading stay.
+
+    Parameters
+    ----------
+    record : Record
+    share : float
+        Of the readings that are lost, 0 to 1; on average, and less by overlaps of stretches.
+    length : float
+        Mean length of a stretch, s; lengths are geometrically distributed, at least one reading.
+    rng : numpy.random.Generator
+
+    Examples
+    --------
+    >>> lossy = gaps(Record(np.zeros(1000), rate=10.0, unit="deg/h"), 0.05, 2.0, rng=np.random.default_rng(1))
+    >>> lossy.history
+    ('11 readings lost in 2 stretches',)
+    """
+    if not 0 <= share < 1 or not length > 0:
+        raise UsageError(f"gaps have a share from 0 to 1 and a mean length above 0 s, not {share!r} and {length!r} s")
+    values = _floats(record)
+    if values.size < 3:
+        raise UsageError(f"between the first and the last of {values.size} readings there is none to lose")
+    mean = max(1.0, length * record.rate)
+    count = rng.poisson(share * values.size / mean)
+    first = rng.integers(1, values.size - 1, count)
+    last = np.minimum(first + rng.geometric(1 / mean, count), values.size - 1)
+    steps = np.zeros(values.size, dtype=np.int64)
+    np.add.at(steps, first, 1)
+    np.add.at(steps, last, -1)
+    lost = np.cumsum(steps) > 0
+    values[lost] = np.nan
+    stretches = int((np.diff(lost.astype(np.int8)) > 0).sum())
+    return _changed(record, values, f"{int(lost.sum())} readings lost in {stretches} stretches")
+
+
+def in_readings(record: Record, value: float, unit: str) -> float:
+    """A rate, or what a rate gives in one interval, as the number that a reading of the record would be.
+
+    Raises
+    ------
+    UnitError
+        The unit is neither of this sensor's rate nor of these readings.
+    """
+    found, signal = unit_of(unit), record.signal
+    if signal_with(found.dimension) is signal:
+        interval = 1.0 if record.kind == "rate" else record.interval
+        return value * found.factor * interval / record.factor
+    if signal_with(found.dimension, KINDS[record.kind][0]) is signal:
+        return value * found.factor / record.factor
+    raise UnitError(f"{unit!r} is neither a unit of a rate nor of readings in {record.unit!r}")
+
+
+def _floats(record: Record) -> FloatArray:
+    """A copy of the readings."""
+    if record.kind == "angle":
+        raise UsageError("faults are put into rates and increments, not into angles: simulate a rate first")
+    return np.array(record.values, dtype=np.float64)
+
+
+def _demand_whole(values: FloatArray, advice: str) -> None:
+    if not np.isfinite(values).all():
+        raise UsageError(f"{int((~np.isfinite(values)).sum())} readings are not finite; {advice}")
+
+
+def _changed(record: Record, values: NDArray[Any], what: str) -> Record:
+    """Counts, which are integers, become increments of the same size."""
+    kind = "increment" if record.kind == "count" else record.kind
+    return replace(record, values=values, kind=kind, history=(*record.history, what))

@@ -1,0 +1,76 @@
+"""Bias of a statistic against the one whose expectation it estimates: exact, as published, or by a model."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.statistics.grids import part_of
+from allanite.statistics.moments.moments import by_term
+from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.table import STATISTICS
+
+from .limits import Points
+from .published import published_bias
+
+BIASES = ("exact", "published", "model")
+
+
+def demand_bias(bias: str | None, row: Statistic) -> None:
+    """Refuse a correction that is unknown or that the row does not have.
+
+    Raises
+    ------
+    UsageError
+        The message says which there are.
+    """
+    if bias is None:
+        return
+    if bias not in BIASES:
+        raise UsageError(f"unknown correction of bias {bias!r}; known are {', '.join(BIASES)}, or None")
+    if bool(row.parts) != (bias == "model"):
+        hybrids = ", ".join(name for name, r in STATISTICS.items() if r.parts)
+        raise UsageError(
+            f"bias='model' is for {hybrids}, whose own bias ratio supposes one kind of noise; "
+            f"{row.name} takes {'bias=model or None' if row.parts else 'exact or published'}"
+        )
+
+
+def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequence[int] | None) -> FloatArray:
+    """What the plain variance is multiplied with, one for each point.
+
+    Parameters
+    ----------
+    points : Points
+    bias : {"exact", "published", "model"}
+        "model" replaces the bias ratio of a hybrid.
+    models : sequence of Model
+        One for all points, or one for each.
+    alpha : sequence of int or None
+        Power laws at the points, for the published tables.
+    """
+    row, m, size = points.row, points.m, points.size
+    if bias == "published":
+        if alpha is None:
+            raise UsageError("published factors of bias go by a power law at each tau: take noise='auto'")
+        return np.array([1 / published_bias(row, a, np.array([k]), size)[0] for a, k in zip(alpha, m, strict=True)])
+    each = models if len(models) == len(m) else list(models) * len(m)
+    made = part_of(row, m, size, points.join)
+    parts = [row.parts[i] if row.parts else row for i in made]
+    return np.array(
+        [_exact(part, int(k), model, points) for part, k, model in zip(parts, m, each, strict=True)], dtype=np.float64
+    )
+
+
+def _exact(row: Statistic, m: int, model: Model, points: Points) -> float:
+    """Expectation of the target over that of the statistic, at the same tau."""
+    if not row.target:
+        return 1.0
+    target, rate = STATISTICS[row.target], points.rate
+    if row.tau_factor != 1:  # the target may have no point there, but its expectation has
+        tau = m * row.tau_factor / rate
+        aim = by_term(target, model, 1, None, 1 / tau).sum()
+    else:
+        aim = by_term(target, model, m, None, rate).sum()
+    return float(aim / by_term(row, model, m, points.size, rate).sum())

@@ -1,0 +1,190 @@
+"""The confidence law of a curve: degrees of freedom and limits, worked out when first asked.
+
+V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
+single chi-square of as many is as good; with few, one or two large eigenvalues stand beside a nearly constant floor,
+and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one
+for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.core.curve import Law
+from allanite.core.model import Model, Term
+from allanite.core.units import Signal
+from allanite.statistics.angle import Angle
+from allanite.statistics.grids import part_of, times
+from allanite.statistics.moments.moments import Runs, grouped, noise_of, shares
+from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.terms import TERMS
+
+from .chisquares import Mixture, quantiles
+from .eigenvalues import is_sharp, spectrum_of
+from .powerlaw import PowerLaw, identify_power_law
+
+
+class Points(NamedTuple):
+    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
+
+    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed.
+    """
+
+    row: Statistic
+    m: IntArray
+    runs: Runs
+    size: int
+    rate: float
+    join: float
+    scattered: bool = True
+
+
+MANY = 60.0
+"""Degrees of freedom from which on a chi-square of as many is the law."""
+
+LEADING = 3
+"""Eigenvalues that are told apart."""
+
+STRETCH = (0.5, 1.3)
+"""Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
+
+
+NOTHING = 1e-9
+"""Share of a term below which it has none."""
+
+
+SCATTER_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
+SCATTER = {
+    "N": (0.45, 0.47, 0.70, 0.91, 0.97),
+    "B": (0.66, 0.66, 0.80, 0.92, 0.94),
+    "K": (0.72, 0.74, 0.79, 0.88, 0.89),
+    "R": (0.72, 0.74, 0.79, 0.88, 0.89),
+}
+"""EDF of TheoBR over that of Theo1 at m over the record's length, by term: its bias ratio scatters too (simulated:
+benchmarks/hybrids.py)."""
+
+
+def law(points: Points, models: Sequence[Model]) -> Law:
+    """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
+
+    It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
+    noise alone are wide enough.
+    """
+
+    @cache
+    def found() -> tuple[FloatArray, Mixture]:
+        return mixtures(points, models)
+
+    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        edf, mixture = found()
+        return edf, 1 / quantiles(mixture, (1 + level) / 2), 1 / quantiles(mixture, (1 - level) / 2)
+
+    return limits
+
+
+def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
+    """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
+    models = [noise_of(model) for model in models]
+    made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
+    edf = np.array([e for e, _ in made])
+    weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
+    return edf, Mixture(weight, dof, mean, beside)
+
+
+def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:
+    """Degrees of freedom and law of V / E[V] at a point."""
+    row, m, size = points.row, int(points.m[i]), points.size
+    part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
+    runs = grouped(points.runs)
+    share, r = shares(part, model, m, runs, points.rate)
+    inverse = float(share @ r @ share)
+    if row.parts and part is row.parts[-1] and points.scattered:
+        kept = [np.interp(m / size, SCATTER_AT, SCATTER.get(term.symbol, SCATTER["N"])) for term in model]
+        inverse /= float(share @ kept)
+    edf = max(1 / inverse, 1.0) if inverse > 0 else np.inf
+    if edf >= MANY:
+        return edf, _single(edf)
+    count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
+    return edf, _several(part, model, (m, count, size), (share, r, 1 / edf), points.rate) or _single(edf)
+
+
+def _single(edf: float) -> Mixture:
+    weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
+    if np.isfinite(edf):
+        weight[0], dof[0] = 1 / edf, edf
+    return Mixture(weight, dof, np.array(0.0), np.array(0.0))
+
+
+def _several(
+    row: Statistic,
+    model: Model,
+    where: tuple[int, int, int],
+    moments: tuple[FloatArray, FloatArray, float],
+    rate: float,
+) -> Mixture | None:
+    """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they cannot fit the EDF."""
+    (m, count, size), (share, r, inverse) = where, moments
+    rows = [t.sampled(rate) for t in model]
+    fixed = np.array([term.waveform is not None for term in rows])
+    white = np.array([term.structure is TERMS["Q"].structure for term in rows])
+    white &= is_sharp(row, count)
+    apart = fixed | white
+    smooth = [(t.power(rate), t.sampled(rate)) for t, out in zip(model, apart, strict=True) if not out]
+    if not smooth:
+        return None
+    values = spectrum_of(row, smooth, m, count, size)
+    mass = float(share[~apart].sum())
+    lead, rest = mass * values[:LEADING], mass * values[LEADING:]
+    lead = np.pad(lead, (0, LEADING - lead.size))
+    nu = float(rest.sum() ** 2 / (rest @ rest)) if rest.sum() > 1e-12 else 1.0
+    angle, ramp = float(share[white].sum()), float(share[fixed].sum())
+    own = float(r[np.ix_(white, white)].sum())
+    between = 2 * float(share[fixed] @ r[fixed] @ share)
+    f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
+    if f is None:
+        return None
+    weight = np.array([*(f * lead), (mass - f * lead.sum()) / nu, angle * own])
+    dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
+    # a third difference leaves of a ramp what rounding leaves
+    beside = between / (2 * ramp) if ramp > NOTHING else 0.0
+    return Mixture(weight, dof, np.array(ramp), np.array(beside))
+
+
+def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:
+    """F with ``sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted``, the larger root; None if it is far from 1."""
+    mass, nu = rest
+    a = float(lead @ lead) + float(lead.sum()) ** 2 / nu
+    b, c = -2 * mass * float(lead.sum()) / nu, mass**2 / nu - wanted
+    root = b * b - 4 * a * c
+    if root < 0 or a == 0:
+        return None
+    f = (-b + root**0.5) / (2 * a)
+    f = min(f, mass / float(lead.sum()))
+    return f if STRETCH[0] <= f <= STRETCH[1] else None
+
+
+def automatic(points: Points, angle: Angle, signal: Signal) -> Law:
+    """The law under the power law that is found at each averaging time; nothing is computed before it is asked."""
+
+    @cache
+    def found() -> Law:
+        return law(points, [Model((unit_term(law.symbol, signal),)) for law in power_laws(points, angle)])
+
+    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return found()(level)
+
+    return limits
+
+
+def power_laws(points: Points, angle: Angle) -> tuple[PowerLaw, ...]:
+    """The power law of the noise at each point."""
+    row = points.row.parts[0] if points.row.parts else points.row
+    return identify_power_law(angle, row, times(points.row, points.m, points.size, points.join))
+
+
+def unit_term(symbol: str, signal: Signal) -> Term:
+    """A term with the coefficient 1, SI: of a single term no more is needed."""
+    assert symbol in TERMS  # noqa: S101 - the identification knows no other
+    return Term(symbol, 1.0, signal)

@@ -1,0 +1,268 @@
+"""Which power law the noise follows at each averaging time.
+
+The spectrum of the rate is supposed to go as f^alpha around f = 1/tau. From 30 points of the angle on, taken every tau,
+alpha is found from their lag-1 autocorrelation; below, from the ratio of two variances of the rate's means; and the
+two kinds of noise of the angle, which look alike to both, are told apart by the modified Allan variance.
+"""
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.core.model import Model
+from allanite.statistics.allan import OADEV
+from allanite.statistics.angle import Angle, Piece
+from allanite.statistics.estimate import windows
+from allanite.statistics.modified import MDEV
+from allanite.statistics.moments.moments import by_term
+from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.terms import TERMS
+
+SYMBOLS = {2: "Q", 1: "N", 0: "N", -1: "B", -2: "K", -3: "K", -4: "K"}
+"""alpha -> term of `TERMS`. Flicker of the angle and flicker and random walk of the ramp have no term: the term beside
+them is taken that has the fewer degrees of freedom (N, not Q), or the only one (K), so that no interval is too narrow.
+"""
+
+ENOUGH = 30
+"""Points from which on the autocorrelation decides."""
+
+SHORT = 12
+"""Points of a mean piece below which the angle itself is not correlated, only its differences."""
+
+FEWEST = 12
+"""Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
+"""
+
+EDGES = {
+    2: ((-0.64, 0), (-0.04, -1), (np.inf, -2)),
+    3: ((-1.57, 0), (-0.82, -1), (-0.27, -2), (0.12, -3), (np.inf, -4)),
+}
+"""Differences taken -> (delta below, alpha), half-way between the exact values of the laws.
+
+The published rule, alpha = 2 - round(2 delta) - 2d, supposes noise that is fractionally differenced at the sampling
+step. Sampled every tau, the d-th differences of x have the autocovariance (-1)^(d+1)/2 delta^2d D(h), and from it
+r1/(1 + r1) is at d = 2 -1, -0.277, 0.2 for N, B, K and at d = 3 -2, -1.149, -0.5, -0.037, 0.283 for alpha = 0 .. -4.
+"""
+
+STRUCTURES: dict[int, Callable[[FloatArray], FloatArray]] = {
+    2: TERMS["Q"].structure,
+    0: TERMS["N"].structure,
+    -1: TERMS["B"].structure,
+    -2: TERMS["K"].structure,
+    -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
+    -4: lambda t: t**5,
+}
+"""alpha -> D(t) but for a positive factor. Flicker of the angle is left out: by the ratio it is white noise of it."""
+
+
+class PowerLaw(NamedTuple):
+    """The power law of the noise at an averaging time.
+
+    Attributes
+    ----------
+    alpha : int
+        Exponent of the spectrum of the rate: 2 and 1 white and flicker noise of the angle, 0, -1, -2 white, flicker and
+        random walk noise of the rate, -3, -4 flicker and random walk of the ramp.
+    symbol : str
+        The term of `TERMS` with this exponent, or the nearest safe one (`SYMBOLS`).
+    method : {"lag1", "b1", "rn"}
+        Autocorrelation, ratio of variances, modified over plain Allan variance.
+    m : int
+        Averaging factor at which it was found; smaller than the one asked for where that leaves too few points.
+    """
+
+    alpha: int
+    symbol: str
+    method: str
+    m: int
+
+
+def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple[PowerLaw, ...]:
+    """The power law of a record's noise at averaging times.
+
+    Parameters
+    ----------
+    angle : Angle
+        The record, `integrated` for this row or one of the same order.
+    row : Statistic
+        Its order says how steep a law it converges for: alpha >= -2, or -4 for third differences.
+    times : array, shape (k,)
+        Averaging times in sample intervals (`grids.times`); they are rounded.
+
+    Returns
+    -------
+    tuple of PowerLaw, length k
+
+    Notes
+    -----
+    Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until
+    ``delta = r1 / (1 + r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then
+    ``alpha = 2 - round(2 delta) - 2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola but for
+    its constant, and their products are pooled.
+
+    B1: the variance of the m-sample means of the rate over their Allan variance, and for third differences that about a
+    line over their Hadamard variance, is compared with its exact expectation for each law. A ramp is not removed in the
+    former.
+
+    Each tau costs n/m; where m > 3 and alpha > 0 also two passes over n.
+
+    References
+    ----------
+    W. J. Riley & C. A. Greenhall, Power law noise identification using the lag 1 autocorrelation, EFTF 2004;
+    NIST SP 1065 section 5.5; J. A. Barnes, NBS Technical Note 375, 1969 (B1).
+
+    Examples
+    --------
+    >>> from allanite.core.record import Record
+    >>> from allanite.statistics import integrated
+    >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
+    >>> [law.alpha for law in identify_power_law(integrated(record, 2), OADEV, np.array([1.0, 10.0, 100.0]))]
+    [0, 0, 0]
+    """
+    strides = np.clip(np.rint(times), 1, _longest(angle)).astype(np.int64)
+    flat = angle._replace(pieces=_flat(angle.pieces))
+    laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
+    return tuple(laws[int(m)] for m in strides)
+
+
+def local_term(model: Model, row: Statistic, m: IntArray, *, size: int, rate: float) -> tuple[str, ...]:
+    """Symbol of the term with the largest share of a statistic's expectation at each averaging factor, length k.
+
+    Parameters
+    ----------
+    model : Model
+    row : Statistic
+        Not a hybrid: one of its parts.
+    m : array of int, shape (k,)
+    size : int
+        Sample intervals of the record.
+    rate : float
+        Sampling rate, Hz.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> from allanite.statistics import STATISTICS
+    >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
+    >>> local_term(model, STATISTICS["oadev"], np.array([10, 20]), size=1000, rate=1.0)
+    ('N', 'K')
+    """
+    symbols = [term.symbol for term in model]
+    return tuple(symbols[int(np.argmax(by_term(row, model, k, size, rate)))] for k in m.tolist())
+
+
+def _longest(angle: Angle) -> int:
+    """The largest averaging factor that leaves enough means of the rate, at least 1."""
+    sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
+    candidates = range(1, int(sizes.sum()) // FEWEST + 1)
+    return max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
+
+
+def _law(angle: Angle, flat: Angle, m: int, order: int) -> PowerLaw:
+    # a piece that has no two differences left at the end says nothing on the way either
+    long = [piece.x[::m] for piece in flat.pieces if piece.x.size > m * (order + 1)]
+    enough = sum(x.size for x in long) >= ENOUGH
+    alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
+    if alpha > 0 and m > 3 and (ratio := _modified_ratio(flat, m)) is not None:
+        alpha, method = _by_modified(ratio, m), "rn"
+    return PowerLaw(alpha, SYMBOLS[alpha], method, m)
+
+
+def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
+    """The pieces less one parabola whose constant is each piece's own."""
+    end = pieces[-1].start + pieces[-1].x.size
+    lines = [np.linspace(2 * start / end - 1, 2 * (start + x.size - 1) / end - 1, x.size) for start, x in pieces]
+    x, lines, squares = (
+        [z - z.mean() for z in series] for series in ([piece.x for piece in pieces], lines, [u * u for u in lines])
+    )
+    # two columns, all but orthogonal: normal equations lose no digits that matter, and take a tenth of the time
+    gram = np.array([[_dot(a, b) for b in (lines, squares)] for a in (lines, squares)])
+    line, square = np.linalg.solve(gram, [_dot(lines, x), _dot(squares, x)])
+    rest = (z - line * u - square * v for z, u, v in zip(x, lines, squares, strict=True))
+    return tuple(Piece(piece.start, z) for piece, z in zip(pieces, rest, strict=True))
+
+
+def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
+    return sum(float(x @ y) for x, y in zip(a, b, strict=True))
+
+
+def lag1(pieces: list[FloatArray], most: int) -> int:
+    """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
+    # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
+    first = 0 if sum(z.size for z in pieces) >= SHORT * len(pieces) else 1
+    pieces = [np.diff(z) if first else z - z.mean() for z in pieces]
+    for d in range(first, most + 1):
+        r1 = _autocorrelation(pieces)
+        delta = r1 / (1 + r1)
+        if d == most or delta < 0.25:
+            break
+        pieces = [np.diff(z) for z in pieces]
+    if d in EDGES:
+        return next(alpha for edge, alpha in EDGES[d] if delta < edge)
+    return min(2, 2 - round(2 * delta) - 2 * d)
+
+
+def _autocorrelation(pieces: list[FloatArray]) -> float:
+    """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the pieces together, less their mean; 0 if all is constant."""
+    total, count = sum(float(z.sum()) for z in pieces), sum(z.size for z in pieces)
+    pieces = [z - total / count for z in pieces]
+    squares = _dot(pieces, pieces)
+    pairs = sum(max(z.size - 1, 0) for z in pieces)
+    if not squares:
+        return 0.0
+    # the two sums have other numbers of terms in many short pieces: their ratio may then pass -1, a correlation not
+    products = _dot([z[:-1] for z in pieces], [z[1:] for z in pieces])
+    return max(-0.95, products / squares * (count - 1) / pairs)
+
+
+def _by_ratio(angle: Angle, m: int, order: int) -> int:
+    """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
+    laws = [alpha for alpha in STRUCTURES if alpha >= 2 - 2 * order]
+    rates = [np.diff(piece.x[::m]) for piece in angle.pieces]
+    starts = [
+        piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(angle.pieces, rates, strict=True)
+    ]
+    forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)
+    spread, local = (float(rate @ form @ rate) for form in forms)
+    if not spread or not local:
+        return 0
+    expected = np.array([expected_ratio(forms, start, alpha) for alpha in laws])
+    return laws[int(np.argmin(np.abs(np.log(spread / local / expected))))]
+
+
+def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:
+    """Two quadratic forms of the means of the rate, whose ratio is B1 for order 2.
+
+    They are the variance about a constant and the Allan variance; for order 3 that about a line and the Hadamard
+    variance. The means of each piece begin at `starts`, in units of their length.
+    """
+    start = np.concatenate(starts)
+    trend, _ = np.linalg.qr(np.vander(start - start.mean(), order - 1))
+    spread = (np.eye(start.size) - trend @ trend.T) / max(start.size - order + 1, 1)
+    piece = np.repeat(np.arange(len(starts)), [s.size for s in starts])
+    rows = np.diff(np.eye(start.size), order - 1, axis=0)[piece[order - 1 :] == piece[: 1 - order]]
+    return spread, rows.T @ rows / (math.comb(2 * order - 2, order - 1) * max(len(rows), 1))
+
+
+def expected_ratio(forms: tuple[FloatArray, FloatArray], start: FloatArray, alpha: int) -> float:
+    """Ratio of the forms' expectations for a power law."""
+    D = STRUCTURES[alpha]
+    lag = np.abs(np.subtract.outer(start, start))
+    covariance = 0.5 * (D(lag + 1) + D(np.abs(lag - 1)) - 2 * D(lag))
+    spread, local = (float(np.sum(form * covariance)) for form in forms)
+    return spread / local
+
+
+def _modified_ratio(angle: Angle, m: int) -> float | None:
+    """Modified over plain Allan variance; None where no window of the modified one is complete."""
+    plain, modified = (windows(row, angle, np.array([m])) for row in (OADEV, MDEV))
+    return float(modified.variance[0] / plain.variance[0]) if modified.number[0] and plain.variance[0] else None
+
+
+def _by_modified(ratio: float, m: int) -> int:
+    """The noise of the angle, or white noise of the rate, whose modified over plain Allan variance is nearest."""
+    ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
+    return min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha])))

@@ -1,0 +1,67 @@
+"""What is smooth in the averaging time, worked out at some points of a long curve and interpolated between them."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from allanite.core.curve import Law
+from allanite.statistics.grids import part_of
+from allanite.statistics.row import FloatArray, IntArray
+
+from .limits import Points
+
+MOST = 300
+"""Points of a curve that are all dealt with, one by one."""
+
+EVEN, AT_THE_END = 100, 30
+"""Points of a longer curve, or of a hybrid's part: evenly in the logarithm, and in its last half, by windows left."""
+
+
+def nodes(points: Points) -> list[tuple[IntArray, IntArray]]:
+    """Places in m of the points that are worked out, and of those that are read off them; one pair for each part."""
+    made, order = part_of(points.row, points.m, points.size, points.join), np.argsort(points.m, kind="stable")
+    parts = [order[made[order] == part] for part in np.unique(made)]
+    return [(_few(points.m[part], part), part) for part in parts]
+
+
+def _few(m: IntArray, places: IntArray) -> IntArray:
+    if m.size <= MOST:
+        return places
+    wanted = np.concatenate((np.geomspace(m[0], m[-1], EVEN), m[-1] - np.geomspace(1, m[-1] / 2, AT_THE_END)))
+    kept = np.concatenate((np.searchsorted(m, wanted).clip(0, m.size - 1), [0, m.size - 1]))
+    return np.asarray(places[np.unique(kept)])
+
+
+def sparse_law(points: Points, law: Callable[[Points], Law]) -> Law:
+    """A law of many points, from that of a few."""
+    if points.m.size <= MOST:
+        return law(points)
+    pairs = nodes(points)
+
+    @cache
+    def few() -> Law:
+        return law(points._replace(m=points.m[np.concatenate([few for few, _ in pairs])]))
+
+    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        edf, low, high = few()(level)
+        return 1 / _between(points, pairs, 1 / edf), _between(points, pairs, low), _between(points, pairs, high)
+
+    return limits
+
+
+def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArray:
+    """A function of many points, from its values at a few."""
+    if points.m.size <= MOST:
+        return function(points)
+    pairs = nodes(points)
+    return _between(points, pairs, function(points._replace(m=points.m[np.concatenate([few for few, _ in pairs])])))
+
+
+def _between(points: Points, pairs: list[tuple[IntArray, IntArray]], values: FloatArray) -> FloatArray:
+    """Values at the nodes, in their order, at all points: linear in the logarithm of m."""
+    result, at, logarithm = np.empty(points.m.size), 0, np.log(points.m)
+    for few, part in pairs:
+        result[part] = np.interp(logarithm[part], logarithm[few], values[at : at + few.size])
+        at += few.size
+    return result

@@ -1,0 +1,125 @@
+"""Differences of the angle at very many averaging factors, in O(N log^2 N) for all of them.
+
+The square of a difference of order p with the coefficients c summed over all windows is
+
+    sum_j (sum_a c_a x_(j+am))^2 = sum over a of c_a^2 (R(0) - E) + 2 sum over a < b of c_a c_b (R((b-a) m) - E)
+
+by `frames`, and the edges of a pair are triangles, ``sum over i < a m of e_i e_(i+dm)``, found for all m at once. The
+averaging factors are dealt with in groups of a few octaves, and what is cut into frames for a group are a few of its
+windows: little cancels. The modified Allan variance is the third difference of the angle's running sum.
+"""
+
+import math
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, IntArray, interleaved
+
+from .frames import Edges, framed, triangles
+
+FIRST = 64
+"""Averaging factors below it are summed directly."""
+
+OCTAVES = {False: 3, True: 1}
+"""Octaves of a group: differences of a running sum cancel faster."""
+
+FEW = 0.01
+"""Share of the points below which so few windows are left that they are summed directly: little stands beside much."""
+
+LEFT_OVER = 1e-5
+"""Share of the frames' squares below which a sum is made again directly, for nine digits."""
+
+PAYS = 200
+"""Averaging factors of a group that take as long directly."""
+
+
+def dense(
+    x: FloatArray, m: IntArray, order: int, *, summed: bool = False, direct: Callable[..., FloatArray]
+) -> FloatArray:
+    """Sums of squared differences at ascending averaging factors, however many, shape of m.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+        The angle.
+    m : array of int
+    order : {2, 3}
+    summed : bool
+        Whether the differences are those of the running sum, which has n + 1 points.
+    direct : (x, m) -> sums
+        By the definition; for small m, for those with few windows, and where they are few.
+    """
+    if m.size <= PAYS:
+        return np.asarray(direct(x, m))
+    points = x.size + summed
+    result = np.empty(m.shape)
+    todo = np.ones(m.shape, dtype=bool)
+    # the largest first: what it needs most memory for, the others find freed
+    for low, high in groups(points, order, summed=summed)[::-1]:
+        here = slice(*np.searchsorted(m, (low, min(high, int((1 - FEW) * points) // order))))
+        if here.stop - here.start > PAYS:
+            reach, whole = order * int(m[here][-1]), order * high >= points
+            products, edges = framed(x, reach, order - 1, summed=summed, whole=whole)
+            result[here] = _by_lag(products, m[here], order)
+            squares = float(products[0])
+            del products  # as long as the record
+            _less_edges(result[here], edges, m[here], order)
+            # what is left of so much more has lost its digits: a strong vibration at whole periods
+            todo[here] = result[here] < LEFT_OVER * squares
+    result[todo] = direct(x, m[todo])
+    return result
+
+
+def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, int]]:
+    """Averaging factors from .. to below, that share frames; the last group takes the record as one."""
+    found, low, times = [], FIRST, 1 << OCTAVES[summed]
+    while order * low < points:
+        # four windows make a frame
+        whole = points <= 4 * order * times * low
+        found.append((low, (points - 1) // order + 1 if whole else times * low))
+        low = found[-1][1]
+    return found
+
+
+def split(order: int, *, summed: bool = False) -> Callable[[int, IntArray, int], list[IntArray]]:
+    """Parts of many averaging factors that threads deal with apart, by places in m: the groups, the largest first."""
+
+    def parts(points: int, m: IntArray, threads: int) -> list[IntArray]:
+        ends = [np.searchsorted(m, high) for _, high in groups(points + summed, order, summed=summed)]
+        pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST), *ends])
+        return [piece for piece in pieces[::-1] if piece.size] if m.size > PAYS else interleaved(points, m, threads)
+
+    return parts
+
+
+def _coefficients(order: int) -> list[int]:
+    return [(-1) ** a * math.comb(order, a) for a in range(order + 1)]
+
+
+def _by_lag(products: FloatArray, m: IntArray, order: int) -> FloatArray:
+    """Sums over the windows, were there no edges."""
+    c = _coefficients(order)
+    total = np.full(m.shape, sum(v * v for v in c) * products[0])
+    for a, b in combinations(range(order + 1), 2):
+        total += 2 * c[a] * c[b] * products[(b - a) * m]
+    return total
+
+
+def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> None:
+    """Take the windows that hang over the edges from the sums, in place."""
+    c = _coefficients(order)
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
+        squares = prefix(e)
+        for a in range(1, order + 1):
+            total -= sign * c[a] ** 2 * squares[a * m]
+    for a, b in combinations(range(1, order + 1), 2):
+        total -= 2 * c[a] * c[b] * triangles(edges, (a, b - a, 0), int(m[-1]) + 1)[m]
+
+
+def prefix(e: FloatArray) -> FloatArray:
+    """Running sums of e^2, one more than e has."""
+    from allanite.kernels.frames import running_squares
+
+    return running_squares(np.ascontiguousarray(e))  # type: ignore[no-any-return]

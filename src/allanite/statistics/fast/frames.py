@@ -1,0 +1,261 @@
+"""Sums over all windows of a record, from its autocorrelation, in frames.
+
+A quadratic form of the window's points, summed over all windows, needs of a record only the products that lie l points
+apart. With ``R(l) = sum of z_i z_(i+l)`` over the whole record, and ``w(l)`` the form's weights added up along its l-th
+diagonals,
+
+    sum over windows = sum_l w(l) R(l) - E(first points) - E(last points, backward)
+
+where E is the same form summed over those windows only that hang over the edge, what is beyond it being zero:
+E(e) = sum of w(c, c + l) G(c, l), G(c, l) = sum over i < c of e_i e_(i+l). E is linear in the products of e.
+
+A form that does not see a polynomial may take any from z. The record is cut into frames of a few windows, each less
+its own polynomial, so that what cancels in the end is never larger than a frame. The frames' R add up. Where frame k
+ends and the next one begins, both are cut at the same point, one's far edge is the other's near edge but for a
+polynomial g, and E(z + g) - E(z) remains; with g = sum_j g_j p_j it is 2 E(Y_j, p_j) with Y_j the sum over all seams of
+g_j (z + g / 2): so a few more edges, (Y + p) and (Y - p), stand for all of them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray
+
+LEFT = 3
+"""Windows' starts in a frame, over the length of the longest window."""
+
+BLOCK = 1 << 16
+"""Longest block that is transformed at once: with its zeros it stays in the cache's neighbourhood."""
+
+BATCH = 1 << 17
+"""Points of frames that are transformed in one call."""
+
+LEAF = 256
+"""Side of the triangles that are summed directly."""
+
+RADIX = 16
+"""Blocks into which a triangle is cut."""
+
+
+class Edges(NamedTuple):
+    """The first points of a record, its last ones backward, and what stands for the seams between frames.
+
+    Attributes
+    ----------
+    edges : list of arrays, shape (reach,)
+    signs : list of float
+        The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
+    """
+
+    edges: list[FloatArray]
+    signs: list[float]
+
+
+def framed(
+    x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False
+) -> tuple[FloatArray, Edges]:
+    """The products of a record at lags up to `reach`, and its edges.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+        The angle; with `summed`, its running sum is framed, which has n + 1 points.
+    reach : int
+        Length of the longest window: it covers reach + 1 points.
+    degree : {1, 2}
+        Of the polynomials that the form does not see.
+    summed, whole : bool
+        `whole`: in one frame.
+
+    Returns
+    -------
+    products : array, shape (reach + 1,)
+        R(l).
+    edges : Edges
+    """
+    from allanite.kernels.frames import cut
+
+    points = x.size + summed
+    block = min(fast(reach), BLOCK)
+    right = -(-reach // block)
+    step = LEFT * right * block
+    count = 0 if whole else max(0, (points - reach) // step)
+    total = np.zeros((right + 1, 2 * block + 2))
+    seams = _Seams(reach, degree)
+    batch = max(1, BATCH // (step + right * block))
+    rows = np.zeros((min(batch, count), step + right * block))
+    for k in range(0, count, batch):
+        part = rows[: min(batch, count - k)]
+        for i, row in enumerate(part):
+            cut(x, (k + i) * step, degree, summed, row[: step + reach])
+            seams.begin(row[:reach].copy())
+            seams.end(row[step : step + reach].copy())
+        _add(total, part, block, LEFT * right)
+    tail = np.empty(points - count * step)
+    cut(x, count * step, degree, summed, tail)
+    seams.begin(tail[:reach])
+    _add_one(total, tail, block)
+    edges, signs = seams.edges()
+    return _lags(total, block)[: reach + 1], Edges([*edges, tail[::-1][:reach]], [*signs, 1.0])
+
+
+def autocorrelation(z: FloatArray) -> FloatArray:
+    """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
+    block = min(fast(z.size), BLOCK)
+    total = np.zeros((-(-z.size // block), 2 * block + 2))
+    _add_one(total, z, block)
+    return _lags(total, block)[: z.size]
+
+
+def _add(total: FloatArray, rows: FloatArray, block: int, left: int) -> None:
+    """Add the rows' cross spectra between each of the first `left` blocks and those behind it."""
+    from allanite.kernels.frames import add_products
+
+    spectra = np.fft.rfft(rows.reshape(rows.shape[0], -1, block), 2 * block)
+    add_products(total, spectra.view(np.float64), left)
+
+
+def _add_one(total: FloatArray, z: FloatArray, block: int) -> None:
+    """Add the cross spectra of a frame that is followed by nothing, of any length."""
+    from allanite.kernels.frames import add_products
+
+    whole, rest = divmod(z.size, block)
+    spectra = np.empty((1, whole + (rest > 0), block + 1), dtype=np.complex128)
+    if whole:
+        np.fft.rfft(z[: whole * block].reshape(whole, block), 2 * block, out=spectra[0, :whole])
+    if rest:
+        np.fft.rfft(z[whole * block :], 2 * block, out=spectra[0, whole])
+    add_products(total, spectra.view(np.float64), spectra.shape[1])
+
+
+def _lags(total: FloatArray, block: int) -> FloatArray:
+    """Products by lag, from the cross spectra of blocks that lie 0, 1, 2 ... blocks apart."""
+    result = np.zeros((total.shape[0] + 1, block))
+    for o, spectrum in enumerate(total):
+        lags = np.fft.irfft(spectrum.view(np.complex128), 2 * block)
+        result[o] += lags[:block]
+        if o:
+            result[o - 1, 1:] += lags[block + 1 :]
+    return result.ravel()
+
+
+class _Seams:
+    """The first frame's near edge, and what the seams between frames add up to."""
+
+    def __init__(self, reach: int, degree: int) -> None:
+        self.reach = reach
+        self.first: FloatArray | None = None
+        self.far: FloatArray | None = None
+        self.nodes = np.linspace(0, reach - 1, degree + 1).astype(np.int64)
+        self.sums = np.zeros((degree + 1, reach))
+        self.squares = np.zeros((degree + 1, degree + 1))
+
+    def begin(self, z: FloatArray) -> None:
+        """The near edge of a frame, which begins where the last one has ended."""
+        if self.far is None:
+            self.first = z
+            return
+        g = self.far[self.nodes] - z[self.nodes]
+        for j, size in enumerate(g):
+            self.sums[j] += size * z
+        self.squares += np.outer(g, g)
+
+    def end(self, z: FloatArray) -> None:
+        """The edge beyond the last start of a window in a frame."""
+        self.far = z
+
+    def edges(self) -> tuple[list[FloatArray], list[float]]:
+        """Edges and signs; 2 E(Y, p) = E(Y/s + s p)/2 - E(Y/s - s p)/2."""
+        assert self.first is not None  # noqa: S101 - there is always a tail
+        edges, signs = [self.first], [1.0]
+        if self.far is None:
+            return edges, signs
+        basis = _lagrange(self.nodes, self.reach)
+        for sums, squares, p in zip(self.sums, self.squares, basis, strict=True):
+            Y = sums + 0.5 * squares @ basis
+            if size := float(np.abs(Y).max()):
+                edges += [np.sqrt(0.5 / size) * (Y + size * p), np.sqrt(0.5 / size) * (Y - size * p)]
+                signs += [-1.0, 1.0]
+        return edges, signs
+
+
+def _lagrange(nodes: np.ndarray[tuple[int], np.dtype[np.int64]], reach: int) -> FloatArray:
+    """The polynomials that are 1 at one node and 0 at the others, shape (nodes, reach)."""
+    basis = np.ones((nodes.size, reach))
+    u = np.arange(reach, dtype=np.float64)
+    for i, node in enumerate(nodes):
+        for other in np.delete(nodes, i):
+            basis[i] *= (u - other) / (node - other)
+    return basis
+
+
+def fast(n: int) -> int:
+    """The smallest length from n on that has only the factors 2, 3 and 5, and an even one."""
+    best = 1 << max(1, (n - 1).bit_length())
+    for odd in (3, 5, 9, 15, 27, 25, 45, 75, 81):
+        best = min(best, odd << max(1, -(-n // odd) - 1).bit_length())
+    return best
+
+
+def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArray:
+    """Sum over edges e of sign sum over i < a m of e[i] e[i + d m + offset], m = 0 ... count - 1.
+
+    Cut into blocks of h averaging factors: a block of m and a block of i that lies wholly below make a rectangle, which
+    is a correlation; the blocks of i beside the block of m itself are triangles again, until they are small.
+
+    Parameters
+    ----------
+    edges : Edges
+    steps : (a, d, offset)
+    count : int
+    """
+    from allanite.kernels.frames import add_leaves
+
+    heights = [LEAF]
+    while heights[-1] * RADIX < count and heights[-1] < BLOCK:
+        heights.append(heights[-1] * RADIX)
+    out = np.zeros(-(-count // heights[-1]) * heights[-1])
+    for h in heights:
+        blocks = out.size // h if h == heights[-1] else RADIX
+        parents = max(1, BLOCK // (h * blocks))
+        for begin in range(0, out.size, parents * blocks * h):
+            part = out[begin : begin + parents * blocks * h].reshape(-1, blocks, h)
+            part += _rectangles(edges, steps, begin, part.shape)
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
+        add_leaves(out[:count], np.ascontiguousarray(e), sign, steps, LEAF)
+    return out[:count]
+
+
+def _rectangles(edges: Edges, steps: tuple[int, int, int], begin: int, shape: tuple[int, int, int]) -> FloatArray:
+    """What the blocks of i below give to each block of m, shape (parents, blocks, h)."""
+    from allanite.kernels.frames import add_rectangles
+
+    a, d, offset = steps
+    parents, blocks, h = shape
+    starts = begin + blocks * h * np.arange(parents)
+    size = (a + abs(d)) * h
+    total = np.zeros((parents, blocks, 2 * (size // 2 + 1)))
+    # a I + d J with 0 <= I < J < blocks
+    places = sorted({a * low + d * high for high in range(blocks) for low in range(high)})
+    for e, sign in zip(edges.edges, edges.signs, strict=True):
+        rows = np.array([sign * _stretch(e, a * start, a * blocks * h) for start in starts.tolist()])
+        near = np.fft.rfft(rows.reshape(parents, blocks, a * h), size).view(np.float64)
+        for place in places:
+            first = (a + d) * starts + place * h + offset + min(d, 0) * (h - 1)
+            far = np.fft.rfft(np.array([_stretch(e, k, size) for k in first.tolist()])).view(np.float64)
+            add_rectangles(total, near, far, place, (a, d))
+        del rows, near  # each is as long as the edge
+    lags = np.fft.irfft(total.view(np.complex128), size)[:, :, : abs(d) * h : abs(d)]
+    return lags if d > 0 else lags[:, :, ::-1]
+
+
+def _stretch(e: FloatArray, start: int, size: int) -> FloatArray:
+    """e[start : start + size], zero where there is nothing."""
+    if start >= 0 and start + size <= e.size:
+        return e[start : start + size]
+    row = np.zeros(size)
+    low, high = max(start, 0), min(start + size, e.size)
+    if low < high:
+        row[low - start : high - start] = e[low:high]
+    return row

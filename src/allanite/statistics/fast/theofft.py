@@ -1,0 +1,81 @@
+"""Theo1 from the autocorrelation of a record, in O(N log N) for a group of m and O(m log^2 m) for each of them.
+
+With k = m/2 and w_v = 1/v the square of the definition holds the points 0, v, m - v and m of a window:
+
+    sum_v w_v (x_i - x_{i+v} + x_{i+m} - x_{i+m-v})^2
+
+Summed over all windows by `frames` it is, H being the sum of w_v,
+
+    H (4 R(0) + 2 R(m)) - 4 sum_v w_v (R(v) + R(m-v)) + 2 sum_v w_v R(m-2v) - E
+
+and E holds sums over i < c of e_i e_(i+l). Those with c = m - v, l = v and with c = v, l = m - v are the
+autocorrelation of the edge's first m points; those with c = v, l = m - 2v pair points symmetrically about a centre:
+triangles again. For very many m both are brought from each m to the next (`kernels.theo.every_theo1`), in O(m).
+"""
+
+from functools import cache
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, IntArray
+
+from .everytau import LEFT_OVER, groups, prefix
+from .frames import Edges, autocorrelation, framed, triangles
+
+DIRECT, FRAMES = 0.16, 40.0
+"""Time of a pair of differences by the definition, and of framing a point, ns."""
+
+ONE, EVERY = (1e6, 250.0), 0.2
+"""Time of one m by transforms, and for each of its points; of all m up to the largest, over its square, ns."""
+
+
+def theo1_sums(x: FloatArray, m: IntArray) -> FloatArray:
+    """Sum over i < x.size - m and v = 1 .. m/2 of (x[i] - x[i+v] + x[i+m] - x[i+m-v])^2 / v for ascending even m."""
+    from allanite.kernels.theo import theo1
+
+    result, todo = np.zeros(m.shape), np.ones(m.shape, dtype=bool)
+    cost = DIRECT * (m // 2) * np.maximum(x.size - m, 0)
+    for low, high in groups(x.size, 1):
+        here = (m >= low) & (m < high)
+        most = int(m[here].max(initial=0))
+        if cost[here].sum() > FRAMES * x.size + min(here.sum() * (ONE[0] + ONE[1] * most), EVERY * most**2):
+            products, edges = framed(x, most, 1, whole=high > x.size - 1)
+            result[here] = _of_frames(products, edges, m[here])
+            todo[here] = result[here] < LEFT_OVER * products[0]
+    result[todo] = theo1(x, m[todo])
+    return result
+
+
+def split(points: int, m: IntArray, threads: int) -> list[IntArray]:
+    """Parts that threads deal with apart, by places in m: the groups, the largest first."""
+    ends = [np.searchsorted(m, low) for low, _ in groups(points, 1)]
+    return [piece for piece in np.split(np.arange(m.size), ends)[::-1] if piece.size]
+
+
+def _of_frames(R: FloatArray, edges: Edges, m: IntArray) -> FloatArray:
+    most = int(m[-1])
+    squares = np.sum([sign * prefix(e) for e, sign in zip(edges.edges, edges.signs, strict=True)], axis=0)
+    A, D = -2 * R - 0.5 * squares, -R[: most + 1 : 2]
+    if m.size * (ONE[0] + ONE[1] * most) > EVERY * most**2:
+        from allanite.kernels.theo import every_theo1
+
+        rows = np.array([e[:most] for e in edges.edges])
+        first, second = (sums[m // 2] for sums in every_theo1(A.copy(), D.copy(), rows, np.array(edges.signs)))
+    else:
+        pairs = [_pairs(edges, A, D, int(k)) for k in m]
+        first, second = (np.array(sums) for sums in zip(*pairs, strict=True))
+    return np.asarray(_harmonic(most // 2)[m // 2] * (4 * R[0] + 2 * R[m] - squares[m]) + 2 * (first - second))
+
+
+def _pairs(edges: Edges, A: FloatArray, D: FloatArray, m: int) -> tuple[float, float]:
+    """What `every_theo1` gives, for one m."""
+    k = m // 2
+    weights = 1 / np.arange(1, k + 1)
+    A = A[:m] + sum(sign * autocorrelation(e[:m]) for e, sign in zip(edges.edges, edges.signs, strict=True))
+    mirrored = D[k - 1 :: -1] + triangles(edges, (1, -2, m), k + 1)[1:]
+    return float(weights @ A[1 : k + 1] + weights @ A[m - 1 : k - 1 : -1]), float(weights @ mirrored)
+
+
+@cache
+def _harmonic(k: int) -> FloatArray:
+    return np.concatenate(([0.0], np.cumsum(1 / np.arange(1, k + 1))))

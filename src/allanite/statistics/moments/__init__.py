@@ -1,0 +1,1 @@
+"""Expectation and covariance of every statistic under any model."""

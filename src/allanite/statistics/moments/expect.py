@@ -1,0 +1,91 @@
+"""Expected curves of a model, for single rows and for hybrids."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term
+from allanite.statistics.grids import factors_of, part_of
+from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.table import STATISTICS, statistic_named
+
+from .moments import by_term
+
+
+def expected(
+    model: Model | Term,
+    statistic: str,
+    tau: float | Sequence[float] | FloatArray,
+    *,
+    rate: float | None = None,
+    size: int | None = None,
+    join: float = 0.2,
+    divisor: int = 30,
+) -> FloatArray:
+    """The exact expectation of a statistic's variance under a model.
+
+    Parameters
+    ----------
+    model : Model or Term
+    statistic : str
+        A name in `STATISTICS`.
+    tau : array_like, shape (k,)
+        Averaging times, s.
+    rate : float, optional
+        Sampling rate, Hz; the differences adev, oadev, hdev, ohdev, haar do not need it.
+    size : int, optional
+        Samples of the record, on which totdev, theobr and theoh depend.
+    join, divisor
+        As for `deviation`.
+
+    Returns
+    -------
+    array, shape (k,)
+        Variance, SI.
+
+    Raises
+    ------
+    UsageError
+        The rate or the length is needed and missing, tau fits neither, or the statistic has no expectation.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> expected(N(1.0, "rad/sqrt(s)"), "oadev", [1.0, 4.0]).tolist()
+    [1.0, 0.25]
+    """
+    row = statistic_named(statistic)
+    model = model if isinstance(model, Model) else Model((model,))
+    times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
+    if row.differences and not row.summed:
+        # no time but tau is in these: let it be the sample interval
+        return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
+    if rate is None:
+        raise UsageError(f"the expectation of {row.name} depends on the sampling rate: pass rate=...")
+    if row.parts and size is None:
+        raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
+    m = factors_of(times.tolist(), row, size or 0, rate, join)
+    return expected_at(row, model, m, size, rate, join=join, divisor=divisor)
+
+
+def expected_at(
+    row: Statistic, model: Model, m: IntArray, size: int | None, rate: float, *, join: float, divisor: int
+) -> FloatArray:
+    """The expected variance at averaging factors, shape of m."""
+    if not row.parts:
+        return np.array([by_term(row, model, int(k), size, rate).sum() for k in m])
+    which = part_of(row, m, size or 0, join)
+    plain = np.array([by_term(row.parts[i], model, int(k), size, rate).sum() for i, k in zip(which, m, strict=True)])
+    ratio = expected_ratio(row.parts[-1], model, size or 0, rate, divisor)
+    return np.asarray(np.where(which == len(row.parts) - 1, ratio, 1.0) * plain)
+
+
+def expected_ratio(theo1: Statistic, model: Model, size: int, rate: float, divisor: int) -> float:
+    """Bias ratio of TheoBR, with each of its ratios at its expectation."""
+    last = (size + 1) // divisor - 3
+    i = np.unique(np.rint(np.linspace(0, max(last, 0), 60)).astype(np.int64))  # the ratio is smooth in i
+    allan = [by_term(STATISTICS[theo1.target], model, int(9 + 3 * k), size, rate).sum() for k in i]
+    theo = [by_term(theo1, model, int(12 + 4 * k), size, rate).sum() for k in i]
+    everywhere = np.arange(max(last, 0) + 1)
+    return float(np.mean(np.interp(everywhere, i, np.array(allan) / np.array(theo))))

@@ -1,0 +1,197 @@
+r"""Covariance of a model's rates, its inverse, and generalised least squares.
+
+The mean rates y of successive sample intervals have the covariance, by the lag h,
+
+    c(h) = (D(h+1) - 2 D(h) + D(h-1)) / 2        in units of the sample interval,
+
+for flicker and random walks in the generalised sense: v'Cv is the variance of v'y for every contrast v (sum v = 0). So
+everything here is asked of contrasts; a constant rate is always unknown. C is Toeplitz, its product with a vector two
+Fourier transforms. The cosine transform (DCT-II) diagonalises it but for little, and its zeroth coefficient is the
+constant: it whitens, and is the preconditioner of the conjugate gradients.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Term
+from allanite.terms import NoiseTerm
+
+FloatArray = NDArray[np.float64]
+
+FAR = 30
+"""Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
+
+PRECISION = 1e-11
+"""Residual, over that of the start, at which the conjugate gradients stop."""
+
+MOST = 500
+"""Steps of the conjugate gradients; they need 5 to 40."""
+
+
+def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
+    """Generalised covariance of mean rates at lags 0 to n - 1 samples.
+
+    Parameters
+    ----------
+    terms : Model or iterable of Term
+        Deterministic ones have none and are left out.
+    n : int
+    rate : float
+        Sampling rate, Hz.
+
+    Returns
+    -------
+    array, shape (n,)
+        SI, rate squared.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N, Q
+    >>> autocovariance(N(1.0, "rad/sqrt(s)") + Q(1.0, "rad"), 3, 2.0).tolist()
+    [10.0, -4.0, 0.0]
+    """
+    total = np.zeros(n)
+    for t in terms:
+        if t.row.waveform is None:
+            total += t.power(rate) * _second_difference(t.sampled(rate), n) / 2
+    return total
+
+
+def _second_difference(row: NoiseTerm, n: int) -> FloatArray:
+    near = np.arange(min(n, FAR) + 1, dtype=np.float64)
+    D = row.structure(near)
+    first = np.concatenate(([2 * D[1]], D[2:] - 2 * D[1:-1] + D[:-2]))
+    h = np.arange(FAR, n, dtype=np.float64)
+    if not h.size:
+        return first[:n]
+    series = (row.derivative(k, h) / c for k, c in ((2, 1.0), (4, 12.0), (6, 360.0), (8, 20160.0)))
+    return np.concatenate((first[:FAR], np.asarray(sum(series))))
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance of `size` mean rates under the noise `terms` at `rate` Hz; see the module.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> covariance = Covariance((N(1.0, "rad/sqrt(s)"), K(0.1, "rad/s^1.5")), 5, 1.0)
+    >>> v = covariance.solve(np.array([0.0, 0.0, 1.0, 0.0, 0.0]))
+    >>> np.abs(np.round(covariance.times(v) - covariance.times(v)[0], 9)).tolist()
+    [0.0, 0.0, 1.0, 0.0, 0.0]
+    """
+
+    terms: tuple[Term, ...]
+    size: int
+    rate: float
+
+    @cached_property
+    def first_row(self) -> FloatArray:
+        """Generalised covariance by lag, shape (size,)."""
+        return autocovariance(self.terms, self.size, self.rate)
+
+    @cached_property
+    def spectrum(self) -> FloatArray:
+        """Variance of the coefficients 1 to size - 1 of the orthonormal DCT-II, shape (size - 1,)."""
+        k = np.arange(1, self.size, dtype=np.float64)
+        noise = (t for t in self.terms if t.row.waveform is None)
+        power = np.sum([t.power(self.rate) * t.sampled(self.rate).dct(k, self.size) for t in noise], axis=0)
+        if not np.all(power > 0):
+            raise UsageError("a covariance needs at least one noise term with a coefficient above zero")
+        return np.asarray(power)
+
+    @cached_property
+    def _ring(self) -> FloatArray:
+        """Transform of the circulant matrix in which C is embedded: real, because it is symmetric."""
+        from scipy.fft import next_fast_len, rfft
+
+        c = self.first_row
+        length = next_fast_len(2 * self.size - 1, real=True)
+        return np.asarray(rfft(np.concatenate((c, np.zeros(length - 2 * self.size + 1), c[:0:-1]))).real)
+
+    def times(self, v: FloatArray) -> FloatArray:
+        """C v, shape (size,); for a contrast defined up to a constant."""
+        from scipy.fft import irfft, next_fast_len, rfft
+
+        length = next_fast_len(2 * self.size - 1, real=True)
+        return np.asarray(irfft(rfft(v, length) * self._ring, length)[: self.size])
+
+    def variance(self, v: FloatArray) -> float:
+        """v'Cv: the variance of v'y, for a contrast v or, where all terms are stationary, any v."""
+        return float(v @ self.times(v))
+
+    def whiten(self, y: FloatArray) -> FloatArray:
+        """Coefficients 1 to size - 1 of the DCT-II over their standard deviations, shape (size - 1,).
+
+        Independent with variance 1 for N and K; nearly so for B; Q has two loose directions more, its edges.
+        """
+        from scipy.fft import dct
+
+        return np.asarray(dct(y, norm="ortho")[1:] / np.sqrt(self.spectrum))
+
+    def _precondition(self, r: FloatArray) -> FloatArray:
+        from scipy.fft import dct, idct
+
+        c = dct(r, norm="ortho")
+        c[0] = 0.0
+        c[1:] /= self.spectrum
+        return np.asarray(idct(c, norm="ortho", overwrite_x=True))
+
+    def solve(self, b: FloatArray) -> FloatArray:
+        """The contrast v with C v = b up to a constant, by preconditioned conjugate gradients; shape (size,).
+
+        References
+        ----------
+        R. H. Chan, M. K. Ng, SIAM Review 38 (1996) 427.
+        """
+        v = np.zeros(self.size)
+        r = b - b.mean()
+        z = self._precondition(r)
+        p, rho = z.copy(), float(r @ z)
+        goal = PRECISION**2 * rho
+        for _ in range(MOST):
+            if rho <= goal:
+                return v
+            q = self.times(p)
+            q -= q.mean()
+            step = rho / float(p @ q)
+            v += step * p
+            r -= step * q
+            z = self._precondition(r)
+            rho, last = float(r @ z), rho
+            p = z + (rho / last) * p
+        raise UsageError(
+            f"the covariance of {', '.join(map(str, self.terms))} cannot be inverted at {self.size} samples"
+        )
+
+
+def generalised_least_squares(covariance: Covariance, y: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Best linear unbiased coefficients of `X` in the rates `y`, with a constant besides.
+
+    Parameters
+    ----------
+    covariance : Covariance
+    y : array, shape (n,)
+    X : array, shape (n, p)
+        Regressors without the constant, which is always among them.
+
+    Returns
+    -------
+    (coefficients, covariance) : arrays, shapes (p,) and (p, p)
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> white = Covariance((N(1.0, "rad/sqrt(s)"),), 4, 1.0)
+    >>> beta, error = generalised_least_squares(white, np.array([1.0, 3.0, 5.0, 7.0]), np.arange(4.0)[:, None])
+    >>> beta.round(9).tolist(), error.round(9).tolist()
+    ([2.0], [[0.2]])
+    """
+    solved = np.column_stack([covariance.solve(column) for column in X.T])
+    error = np.asarray(np.linalg.inv(X.T @ solved), dtype=np.float64)
+    return error @ (solved.T @ y), error

@@ -1,0 +1,147 @@
+"""Moments of statistics whose windows are differences, exact but for the quadrature of the lag sums.
+
+With q the order of the difference and F the structure function D, or for running sums minus its second sum E,
+
+    C(h) = -1/2 (-1)^q delta_m1^q delta_m2^q F(h)        covariance of two windows whose centres are h apart
+    T    = sum_h n(h) C_i(h) C_j(h) / (M1 M2)            n(h) pairs of windows at lag h, M windows each
+
+delta_m is the central difference over m. C is smooth in h but where an end of one window meets one of the other.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, Statistic
+from allanite.terms import NoiseTerm
+
+from .lags import lag_nodes
+
+FAR = 40
+"""A difference over m at a lag beyond FAR m is taken from derivatives: there it would lose its digits."""
+
+TAIL = 1000
+"""Half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum."""
+
+
+class Field(NamedTuple):
+    """A function of the lag and its derivatives, (order, t)."""
+
+    value: Callable[[FloatArray], FloatArray]
+    derivative: Callable[[int, FloatArray], FloatArray]
+
+
+def field_of(row: Statistic, term: NoiseTerm) -> Field:
+    """F: the structure function of what the row takes differences of."""
+    if not row.summed:
+        return Field(term.structure, term.derivative)
+    D = term.derivative
+
+    def second_sum(order: int, t: FloatArray) -> FloatArray:
+        # the inverse of a second difference, 1 / (2 cosh x - 2), in powers of the derivative x
+        return np.asarray(D(order, t) / 12 - D(order - 2, t) - D(order + 2, t) / 240 + D(order + 4, t) / 6048)
+
+    return Field(lambda t: np.asarray(-term.summed(t)), second_sum)
+
+
+def responses(row: Statistic, terms: Sequence[NoiseTerm], m: int) -> FloatArray:
+    """Expected variance of each term with coefficient 1 for a unit sample interval, shape (t,)."""
+    zero = np.zeros(1)
+    C = np.array([_covariance(field_of(row, term), row.differences, (m, m), zero)[0] for term in terms])
+    return np.asarray(C / (row.norm(np.array([m])) * float(m) ** 2))
+
+
+def products(
+    row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], runs: Sequence[tuple[int, int]]
+) -> FloatArray:
+    """T, shape (t, t), over runs of (samples, how many such runs), for m[0] <= m[1]; unit sample interval and norm 1.
+
+    Windows of different runs are independent but for a trace of flicker. The square of the mean that deterministic
+    terms give the windows is no variance: their own entries are 0.
+    """
+    total = np.zeros((len(terms), len(terms)))
+    whole = np.zeros(2)
+    for size, times in runs:
+        M = row.count(size, np.array(m)).astype(np.float64)
+        whole += times * M
+        if M.min() > 0:
+            total += times * _one_run(row, terms, m, (int(M[0]), int(M[1])))
+    deterministic = np.array([term.waveform is not None for term in terms])
+    total[np.outer(deterministic, deterministic)] = 0.0
+    return np.asarray(total / whole.prod())
+
+
+def _one_run(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], M: tuple[int, int]) -> FloatArray:
+    h, weight = (_overlapped if row.overlapped else _strided)(row, m, M)
+    pairs = np.minimum(min(M), sum(M) / 2 - h / (1 if row.overlapped else m[0]))
+    C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
+    return np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
+
+
+def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    half = row.differences / 2
+    steps = np.arange(-half, half + 1)
+    end = min(sum(M) / 2 - 1, math.floor(TAIL * half * sum(m)))
+    offset = 0.5 * (row.differences * (m[1] - m[0]) % 2)
+    where = {abs(a * m[0] + b * m[1]) for a in steps for b in steps} | {abs(M[0] - M[1]) / 2, offset}
+    return lag_nodes(sorted(k for k in where if offset <= k <= end), end + offset if end % 1 != offset else end)
+
+
+def _strided(row: Statistic, m: tuple[int, int], M: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    """Windows that start every m samples: the lags are few, and beyond 60 windows nothing is left."""
+    h = m[0] * np.arange(min(M[0], 61), dtype=np.float64)
+    return h, np.ones_like(h)
+
+
+def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int, h: FloatArray) -> FloatArray:
+    """C(h) of a term of coefficient 1 between windows of m, unit sample interval and norm, h >= 0, shape of h."""
+    return _covariance(field_of(row, term), row.differences, (m, m), h)
+
+
+def _covariance(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
+    near = h <= 20 * order * (m[0] + m[1]) / 2
+    C = np.empty_like(h)
+    C[near] = _differences(field, order, m, h[near])
+    C[~near] = _far_field(field, order, m, h[~near])
+    return (-0.5 if order % 2 == 0 else 0.5) * C
+
+
+def _binomial(order: int) -> list[float]:
+    return [(-1.0) ** k * math.comb(order, k) for k in range(order + 1)]
+
+
+def _differences(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
+    weights = _binomial(order)
+    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
+    return np.asarray(np.array(weights) @ _one_difference(field, order, m[0], h + offsets))
+
+
+def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
+    """Central difference of F(|t|) over m, shape of t."""
+    far = np.abs(t) > FAR * m
+    near = t[~far]
+    result = np.empty_like(t)
+    points = np.abs(near + (order / 2 - np.arange(order + 1.0))[:, None] * m)
+    result[~far] = np.array(_binomial(order)) @ field.value(points)
+    if far.any():
+        c1 = order / 24
+        c2 = c1**2 / 2 - order / 2880
+        c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
+        t_ = np.abs(t[far])
+        series = sum(
+            c * float(m) ** (2 * i) * field.derivative(order + 2 * i, t_) for i, c in enumerate((1, c1, c2, c3))
+        )
+        result[far] = float(m) ** order * np.sign(t[far]) ** order * series
+    return result
+
+
+def _far_field(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
+    a, b = float(m[0]), float(m[1])
+    A = order * (a**2 + b**2) / 24
+    B = order * (a**4 + b**4) / 2880
+    C = order * (a**6 + b**6) / 181440
+    weights = (1.0, A, A**2 / 2 - B, A**3 / 6 - A * B + C)
+    series = sum(w * field.derivative(2 * order + 2 * i, h) for i, w in enumerate(weights))
+    return (a * b) ** order * np.asarray(series)

@@ -1,0 +1,147 @@
+"""Expectation, covariance and degrees of freedom of every statistic under any model.
+
+All of it is linear or bilinear in the terms' structure functions D(t). With E_i the expected variance of term i for a
+coefficient of 1, T_ij the covariance of the window squares, p_i the share of term i in the whole expectation,
+
+    1 / EDF = sum_ij p_i p_j r_ij,    r_ij = T_ij / (E_i E_j)
+
+where r_ij depends on the statistic, m and the number of windows only; between deterministic terms (a ramp) it is 0.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.terms import NoiseTerm
+
+from . import lagsums, lines, windowed
+
+Runs = Sequence[tuple[int, int]]
+"""(samples, how many such runs): the stretches without gaps of a record."""
+
+DISTINCT = 40
+"""Different lengths of runs that are dealt with one by one."""
+
+
+def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
+    """Expected variance of each term of a model, SI, shape (t,).
+
+    Raises
+    ------
+    UsageError
+        The statistic has no expectation under one of the terms, or none without the record's length.
+    """
+    E = _responses(row, [t.sampled(rate) for t in model], m, size) * np.array([t.power(rate) for t in model])
+    return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
+
+
+def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | None) -> FloatArray:
+    if row.extreme:
+        raise UsageError(f"{row.name} is a maximum: it has no expectation that a model gives")
+    if row.differences:
+        free = [term.symbol for term in terms if row.order < 2 and term.power <= 0]
+        if free:
+            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record and not on the model alone")
+        return lagsums.responses(row, terms, m)
+    if size is None and not row.span[0]:
+        raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
+    E = np.empty(len(terms))
+    periodic = np.array([term.periodic for term in terms])
+    E[~periodic] = windowed.response(row, [term for term in terms if not term.periodic], m, size or 0)
+    E[periodic] = [lines.response(row, term, m, size or 0) for term in terms if term.periodic]
+    return E
+
+
+def edf(row: Statistic, model: Model, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
+    """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
+
+    Exact for the model's mixture but for the quadrature: 1e-7 for differences, below 1 % for windows. A single row, not
+    a hybrid. Of a model with sinusoids, that of its noise.
+    """
+    model = noise_of(model)
+    runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
+    result = np.empty(len(m))
+    for i, k in enumerate(np.asarray(m).tolist()):
+        share, r = shares(row, model, k, runs, rate)
+        result[i] = 1 / (share @ r @ share)
+    return result
+
+
+def noise_of(model: Model) -> Model:
+    """The part of a model that scatters.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    if model.noise is None:
+        raise UsageError(f"{model} has no noise in it: confidence limits need at least one term of noise")
+    return model.noise
+
+
+def shares(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
+    """p_i, shape (t,), and r_ij, shape (t, t), of a model without sinusoids at an averaging factor."""
+    E = by_term(row, model, m, sum(n * times for n, times in runs), rate)
+    return E / E.sum(), relative(row, [t.sampled(rate) for t in model], m, runs)
+
+
+def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:
+    """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
+    if row.differences:
+        C = np.array([lagsums.covariance_of_windows(row, term, m, np.zeros(1))[0] for term in terms])
+        removed = C == 0
+        C = np.where(removed, 1.0, C)
+        T = lagsums.products(row, terms, (m, m), runs) / np.outer(C, C)
+        return np.where(removed[:, None] | removed, 0.0, T)
+    counts = [int(row.count(size, np.array([m]))[0]) for size, _ in runs]
+    whole = sum(count * times for count, (_, times) in zip(counts, runs, strict=True))
+    samples = sum(n * times for n, times in runs)
+    parts = [
+        times * count**2 * windowed.relative(row, terms, m, count, samples)
+        for count, (_, times) in zip(counts, runs, strict=True)
+        if count
+    ]
+    return np.asarray(sum(parts) / whole**2)
+
+
+def grouped(runs: Runs) -> list[tuple[int, int]]:
+    """The runs by length; of very many lengths, neighbours within a few percent share their mean length."""
+    lengths = Counter[int]()
+    for size, times in runs:
+        lengths[size] += times
+    if len(lengths) <= DISTINCT:
+        return sorted(lengths.items())
+    sizes, many = np.array(sorted(lengths)), np.array([lengths[size] for size in sorted(lengths)])
+    edges = np.geomspace(sizes[0], sizes[-1] + 1, DISTINCT + 1)
+    bins = np.digitize(sizes, edges)
+    return [
+        (round(float(np.average(sizes[bins == b], weights=many[bins == b]))), int(many[bins == b].sum()))
+        for b in np.unique(bins)
+    ]
+
+
+def covariance(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
+    """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
+
+    For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
+    """
+    return np.asarray(covariance_by_term(row, noise_of(model), m, size, rate).sum(axis=(2, 3)))
+
+
+def covariance_by_term(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
+    """What each pair of terms of a model without sinusoids adds to `covariance`, shape (k, k, t, t)."""
+    terms = [t.sampled(rate) for t in model]
+    powers = np.array([t.power(rate) for t in model]) / rate**2
+    scale = row.norm(m) * (m / rate) ** 2.0 / (m * row.tau_factor / rate) ** (2.0 * row.power)
+    result = np.empty((m.size, m.size, len(terms), len(terms)))
+    for i, j in np.ndindex(m.size, m.size):
+        if i <= j:
+            pair = int(min(m[i], m[j])), int(max(m[i], m[j]))
+            T = lagsums.products(row, terms, pair, [(size, 1)])
+            result[i, j] = result[j, i] = 2 * np.outer(powers, powers) * T / (scale[i] * scale[j])
+    return result

@@ -1,0 +1,117 @@
+"""Moments of the statistics over windows (Theo1, modified and Hadamard total, parabolic) and of the total deviation.
+
+Up to a few tens of points a window is taken as it is. A longer one is replaced by windows of few points that last as
+long: a smooth term, D(t), is the same process however finely it is sampled, and what the sampling adds is extrapolated
+away, as a polynomial in 1/m^2 (1/m for Theo1). The number of windows and their lags stay the true ones.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, Statistic
+from allanite.terms import NoiseTerm
+
+from . import folded
+from .compact import averaged, compact, expectation, extrapolation, mean_weights, products, ratios, sampled, white_level
+from .sharp import Sharp, sharp_ratios
+from .theomoments import harmonic, theo_response, white_ratio
+
+EXACT = (32, 48, 64)
+"""Averaging factors, for even m, of the windows that the expectation of a longer one is extrapolated from."""
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How a statistic's long window is reduced.
+
+    Attributes
+    ----------
+    levels : tuple of int
+        Averaging factors of the reduced windows for even m; odd m takes the next ones.
+    power : int
+        The extrapolation is a polynomial in ``m^-power``.
+    sharp : Sharp, optional
+        For white noise of the angle; None where the window averages it, so that it scales as the other terms do.
+    response : (term, m) -> E, or None
+        E of one window where it is known for any m.
+    """
+
+    levels: tuple[int, ...] = (10, 20)
+    power: int = 2
+    sharp: Sharp | None = None
+    response: Callable[[NoiseTerm, int], float] | None = None
+
+
+SCHEMES: dict[str, Scheme] = {
+    "mtotdev": Scheme(),
+    "ttotdev": Scheme(),
+    "htotdev": Scheme(sharp=Sharp(levels=(10, 20, 40), scale=lambda m: 1.0)),
+    "pdev": Scheme(),
+    "theo1": Scheme(
+        levels=(16, 32, 64),
+        power=1,
+        sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
+        response=theo_response,
+    ),
+}
+
+
+def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
+    """Expected variance of each term for a sample interval of 1, shape (t,), without the factor tau^(2 power).
+
+    Parameters
+    ----------
+    row : Statistic
+        The total deviation or a row of `SCHEMES`.
+    terms : sequence of NoiseTerm
+        With a coefficient of 1.
+    m, size : int
+        Averaging factor; intervals of the record, which matter to the total deviation alone.
+    """
+    if row.window is None:
+        return folded.response(row, terms, m, size)
+    scheme = SCHEMES[row.name]
+    if scheme.response is not None:
+        return np.array([scheme.response(term, m) for term in terms]) / _norm(row, m) / float(m) ** 2
+    levels = [k + m % 2 for k in EXACT] if m > EXACT[-1] else [m]
+    D = sampled if scheme.sharp else averaged
+    values = []
+    for level in levels:
+        mean = mean_weights(row.window, level)
+        values.append([expectation(mean, D(term, level / m)) / _norm(row, level) for term in terms])
+    return np.asarray(extrapolation(levels, m, 1) @ np.array(values)) / float(m) ** 2
+
+
+def _norm(row: Statistic, m: int) -> float:
+    return float(row.norm(np.array([m]))[0])
+
+
+def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
+    """r_ij = T_ij / (E_i E_j), shape (t, t): 1/EDF = p r p with p the terms' shares of the expected variance.
+
+    Parameters
+    ----------
+    row, terms, m, size
+        As for `response`.
+    count : int
+        Windows in one run without a gap; the total deviation has none but the whole record.
+    """
+    if row.window is None:
+        return folded.relative(terms, m, size)
+    scheme = SCHEMES[row.name]
+    levels = [k + m % 2 for k in scheme.levels] if m > scheme.levels[-1] else [m]
+    parts = []
+    for level in levels:
+        window = compact(row.window, row.order, level)
+        parts.append(ratios(*products(window, terms, row.order, level / m, count), terms))
+    r = np.asarray(np.tensordot(extrapolation(levels, m, scheme.power), parts, 1))
+    if scheme.sharp is None or len(levels) == 1:
+        return r
+    for i, term in enumerate(terms):
+        if white_level(term):
+            r[i] = r[:, i] = sharp_ratios(row, scheme.sharp, terms, m, count)
+            if scheme.sharp.itself is not None:
+                r[i, i] = scheme.sharp.itself(m, count)
+    return r

@@ -1,0 +1,1 @@
+"""Power spectral densities: Welch and multitaper."""

@@ -1,0 +1,125 @@
+"""Thomson's estimate of a spectrum: one transform under many orthogonal tapers."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record
+from allanite.statistics.row import FloatArray
+
+from .raw_spectrum import Raw, demand_frequencies
+
+LARGEST_TAPERS = 2**16
+"""Length up to which tapers are computed; longer ones are interpolated, with an error of 1e-8."""
+
+SHORT = 4096
+"""Length at which the shape of the tapers is looked at."""
+
+
+@dataclass(frozen=True)
+class Multitaper:
+    """Weighted mean of the periodograms of the entire record under orthogonal tapers (Slepian sequences).
+
+    Frequencies below the full bandwidth, where a steep spectrum is smeared beyond recognition, are left out.
+
+    Parameters
+    ----------
+    bandwidth : float
+        Half bandwidth NW, in units of 1/T: power is spread over f - NW/T to f + NW/T.
+    tapers : int, optional
+        How many; ``2 NW - 3`` if left out. More of them leak: with ``2 NW - 1`` the spectrum of a rate random walk
+        comes out 15 to 50 % too high.
+    weights : {"eigen", "equal"}
+        Weight of each taper: the share of its power within the bandwidth, or all alike.
+
+    References
+    ----------
+    D. J. Thomson, Proc. IEEE 70 (1982) 1055.
+    """
+
+    bandwidth: float = 4.0
+    tapers: int | None = None
+    weights: str = "eigen"
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.bandwidth) and 1 <= self.bandwidth <= 50):
+            raise UsageError(f"the half bandwidth NW of the tapers lies between 1 and 50, not {self.bandwidth!r}")
+        if self.weights not in ("eigen", "equal"):
+            raise UsageError(f"weights of tapers are 'eigen' or 'equal', not {self.weights!r}")
+        if not 1 <= self.count <= 2 * self.bandwidth:
+            most = math.floor(2 * self.bandwidth)
+            raise UsageError(f"NW = {self.bandwidth:g} has 1 to {most} tapers that do not leak, not {self.tapers!r}")
+
+    @property
+    def count(self) -> int:
+        """Number of tapers."""
+        return max(1, math.floor(2 * self.bandwidth) - 3) if self.tapers is None else self.tapers
+
+    @property
+    def title(self) -> str:
+        """In words, with its settings."""
+        return f"multitaper, NW = {self.bandwidth:g}, {self.count} tapers"
+
+    def estimate(self, record: Record) -> Raw:
+        """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
+        from scipy.fft import rfft
+
+        y = record.rate_values
+        lost = int((~np.isfinite(y)).sum())
+        if lost:
+            raise DataError(
+                f"{lost} of {y.size} samples of {record.name!r} are lost: tapers need a record without gaps; use the "
+                "method 'welch', or cut a window without them"
+            )
+        first = math.ceil(2 * self.bandwidth)
+        demand_frequencies((y.size + 1) // 2 - first, record)
+        tapers, shares = slepian(y.size, self.bandwidth, self.count)
+        weights = shares if self.weights == "eigen" else np.ones_like(shares)
+        weights = weights / weights.sum()
+        y = y - y.mean()
+        density = np.zeros((y.size + 1) // 2 - first)
+        for weight, taper in zip(weights, tapers, strict=True):
+            density += weight * np.abs(rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
+        df = record.rate / y.size
+        overlap, bandwidth = _shape(self.bandwidth, weights, y.size)
+        return Raw(first, df, y.size, density / record.rate, overlap, bandwidth * df)
+
+
+def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArray]:
+    """The first tapers, of unit energy, and the share of each one's power within the bandwidth.
+
+    As functions of t/T they depend on the bandwidth alone: those of a long record are interpolated.
+
+    Returns
+    -------
+    tapers : array, shape (count, size)
+    shares : array, shape (count,)
+    """
+    from scipy.signal.windows import dpss
+
+    small = min(size, LARGEST_TAPERS)
+    tapers, shares = dpss(small, bandwidth, count, return_ratios=True)
+    if small < size:
+        from scipy.interpolate import CubicSpline
+
+        shape = CubicSpline((np.arange(small) + 0.5) / small, tapers, axis=1)
+        tapers = shape((np.arange(size) + 0.5) / size)
+        tapers /= np.sqrt((tapers**2).sum(axis=1, keepdims=True))
+    return tapers, shares
+
+
+def _shape(bandwidth: float, weights: FloatArray, size: int) -> tuple[FloatArray, float]:
+    """Overlap as in `Raw`, and the equivalent noise bandwidth in units of 1/T.
+
+    Both depend on the bandwidth alone, and are computed for a short record.
+    """
+    tapers, _ = slepian(min(size, SHORT), bandwidth, weights.size)
+    length = tapers.shape[1]
+    overlap = np.zeros(length // 2 + 1)
+    for a, one in zip(weights, tapers, strict=True):
+        for b, other in zip(weights, tapers, strict=True):
+            overlap += a * b * np.abs(np.fft.rfft(one * other)) ** 2
+    response = weights @ np.abs(np.fft.rfft(tapers, 16 * length, axis=1)) ** 2
+    return overlap, length / float(response.max())

@@ -1,0 +1,50 @@
+"""What every method of estimating a spectrum gives: densities at evenly spaced frequencies."""
+
+from typing import NamedTuple, Protocol
+
+from allanite.core.errors import DataError
+from allanite.core.record import Record
+from allanite.statistics.row import FloatArray
+
+
+class Raw(NamedTuple):
+    """Two-sided densities at the frequencies k df, k = first ... first + size - 1.
+
+    Attributes
+    ----------
+    first, df, period : int, float, int
+        The first k; spacing, Hz; number of frequencies in the sampling rate, so that k and period - k are mirrored.
+    density : array, shape (size,)
+    overlap : array
+        Covariance of two values over the square of their expectation, by the difference of their k; zero beyond its
+        end. The spectrum is taken as flat.
+    resolution : float
+        Equivalent noise bandwidth, Hz.
+    """
+
+    first: int
+    df: float
+    period: int
+    density: FloatArray
+    overlap: FloatArray
+    resolution: float
+
+
+class Method(Protocol):
+    """What estimates a spectrum."""
+
+    @property
+    def title(self) -> str:
+        """In words, with its settings."""
+
+    def estimate(self, record: Record) -> Raw:
+        """Densities at evenly spaced frequencies."""
+
+
+def demand_frequencies(count: int, record: Record) -> None:
+    """Refuse a record, or a segment of it, that no frequency fits into."""
+    if count < 1:
+        raise DataError(
+            f"{record.name!r} has too few of {record.size} samples in a row for a spectrum; record longer, or take "
+            "longer segments"
+        )

@@ -1,0 +1,138 @@
+"""Power spectral density of a record: the methods by name, and their averages over bands."""
+
+import math
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from allanite.core.errors import UsageError
+from allanite.core.record import Record
+from allanite.core.spectrum import Spectrum, side_factor
+from allanite.statistics.row import FloatArray, IntArray
+
+from .multitaper import Multitaper
+from .raw_spectrum import Method, Raw
+from .welch import Welch
+
+METHODS: dict[str, Method] = {"welch": Welch(), "multitaper": Multitaper()}
+"""Methods by name, with their ordinary settings."""
+
+
+def spectrum(
+    record: Record, method: str | Method = "welch", *, sides: str = "one", bins: int | None = None
+) -> Spectrum:
+    """Power spectral density of a record.
+
+    Parameters
+    ----------
+    record : Record
+        Lost samples (NaN) are stepped over by Welch's method and refused by the other.
+    method : {"welch", "multitaper"} or Welch or Multitaper
+        A name stands for the ordinary settings.
+    sides : {"one", "two"}
+        Convention of the density.
+    bins : int, optional
+        Values per decade: those at neighbouring frequencies are averaged, and have more degrees of freedom. All
+        frequencies of the method if left out.
+
+    Returns
+    -------
+    Spectrum
+        SI, at positive frequencies below half the sampling rate. The frequency of an average is the geometric mean of
+        the lowest and the highest of it.
+
+    Raises
+    ------
+    UsageError
+        A name is unknown, or a setting impossible.
+    DataError
+        The record is too short, or has gaps that the method cannot bear.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> from allanite.simulation.record import simulate
+    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 50_000, 100.0, rng=np.random.default_rng(1))
+    >>> two = spectrum(record, sides="two", bins=1).to("deg/h")
+    >>> float((two.amplitude[-1] / 60).round(2)), two.amplitude_unit
+    (0.1, 'deg/h/sqrt(Hz)')
+    >>> spectrum(record, Welch(segment=20.0), bins=1).frequency.size
+    3
+    """
+    factor = side_factor(sides)
+    chosen = method_named(method) if isinstance(method, str) else method
+    raw = chosen.estimate(record)
+    starts = _starts(raw.first, raw.density.size, bins)
+    size = np.diff(np.append(starts, raw.density.size))
+    k = raw.first + starts
+    return Spectrum(
+        frequency=np.sqrt(k * (k + size - 1.0)) * raw.df,
+        width=size * raw.df,
+        density=np.add.reduceat(raw.density, starts) / size * factor,
+        dof=_degrees(raw, k, size),
+        unit=record.signal.unit,
+        sides=sides,
+        method=chosen.title,
+        resolution=raw.resolution,
+        rate=record.rate,
+        name=record.name,
+        history=record.history,
+    )
+
+
+def method_named(name: str, **settings: Any) -> Method:
+    """The method of `METHODS` with other settings; one that it does not have is an error that lists those it has.
+
+    Examples
+    --------
+    >>> method_named("welch", segment=20.0)
+    Welch(segment=20.0, window='hann')
+    """
+    if name not in METHODS:
+        raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
+    method: Any = METHODS[name]
+    known = [field.name for field in fields(method)]
+    for key in settings:
+        if key not in known:
+            raise UsageError(f"{key!r} is no setting of {name!r}; it has {', '.join(known)}")
+    return replace(method, **settings)  # type: ignore[no-any-return]
+
+
+def _starts(first: int, size: int, bins: int | None) -> IntArray:
+    """Where each bin starts, counted from the first frequency; a bin holds at least one."""
+    if bins is None:
+        return np.arange(size)
+    if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or bins < 1:
+        raise UsageError(f"bins is the number of values per decade, at least 1, not {bins!r}")
+    decades = math.log10((first + size) / first)
+    # edges lie half way between frequencies
+    edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)
+    starts = np.unique(np.ceil(edges).astype(np.int64)) - first
+    return starts[starts < size]
+
+
+def _degrees(raw: Raw, k: IntArray, size: IntArray) -> FloatArray:
+    """Degrees of freedom of means over k ... k + size - 1: 2 E^2 / Var, with the covariances of all pairs.
+
+    A real record's value at k is also correlated with that at -k and, by aliasing, at period - k.
+    """
+    neighbours = _sum_of_pairs(raw.overlap, 1 - size, size)
+    mirrored = _sum_of_pairs(raw.overlap, 2 * k, size) + _sum_of_pairs(
+        raw.overlap, raw.period - 2 * (k + size - 1), size
+    )
+    return np.asarray(2.0 * size**2 / (neighbours + mirrored))
+
+
+def _sum_of_pairs(overlap: FloatArray, lowest: IntArray, size: IntArray) -> FloatArray:
+    """Sum of c(lowest + i + j) over i, j = 0 ... size - 1: a second difference of the twice summed c."""
+    end = overlap.size - 1
+    once = np.cumsum(np.concatenate((overlap[:0:-1], overlap)))
+    twice = np.cumsum(once)
+
+    def summed(lag: IntArray) -> FloatArray:
+        inside = np.clip(lag, -end, end)
+        values = twice[inside + end] + once[-1] * (lag - inside)
+        return np.where(lag < -end, 0.0, values)
+
+    return summed(lowest + 2 * size - 2) - 2 * summed(lowest + size - 2) + summed(lowest - 2)

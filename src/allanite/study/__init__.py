@@ -1,0 +1,1 @@
+"""The jobs, and the one loop over the channels of a recording."""

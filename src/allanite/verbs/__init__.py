@@ -1,1 +1,0 @@
-"""Bodies of verbs that need more than one command: parse, compute, render."""
