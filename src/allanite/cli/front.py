@@ -4,6 +4,8 @@ import errno
 import os
 import sys
 import traceback
+from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 import click
@@ -24,6 +26,22 @@ class Failure(click.ClickException):
 
 class Front(click.Group):
     """A group of verbs that ends with a sentence and the exit codes of the design, never with a traceback."""
+
+    def __init__(self, *args: Any, verbs: Mapping[str, str], **extra: Any) -> None:
+        super().__init__(*args, **extra)
+        self.verbs = verbs
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The verbs, in the order of their table."""
+        return list(self.verbs)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a verb; its module is imported now."""
+        if cmd_name not in self.verbs:
+            return None
+        module, _, name = self.verbs[cmd_name].partition(".")
+        command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
+        return command
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; whatever goes wrong becomes a `Failure`."""

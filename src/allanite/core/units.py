@@ -267,3 +267,15 @@ def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
     """The signal that, multiplied by time to `time_power`, has `dimension`; None if there is none."""
     wanted = _add(dimension, _powers(time=-time_power))
     return next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+
+
+def readable_unit(unit: str) -> str:
+    """The data-sheet unit in place of an SI unit; any other unit stays.
+
+    Examples
+    --------
+    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
+    ('deg/h', 'ug', 'deg/s')
+    """
+    sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
+    return next(sheets, unit)

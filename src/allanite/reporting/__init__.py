@@ -1,37 +1,39 @@
-"""What people look at: the terminal table, the figures, the page. Heavy libraries are imported when first used."""
+"""What people look at: text for the terminal, figures, the page. Heavy libraries are imported when first used."""
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+from .views import level_of, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from allanite.comparison.comparison import Comparison
-    from allanite.comparison.pooled import Pool
     from allanite.core.fit import Fit
-    from allanite.study.analysis import Study
-    from allanite.study.survey import Survey
 
 PathLike = str | os.PathLike[str]
 
 
 def plot(
-    value: Any, fit: "Fit | None" = None, *, path: PathLike | None = None, level: float = 0.95, force: bool = False
+    value: Any,
+    fit: "Fit | None" = None,
+    *,
+    path: PathLike | None = None,
+    level: float | None = None,
+    force: bool = False,
 ) -> "Figure":
     """Draw a result for print.
 
     Parameters
     ----------
-    value : Curve, Spectrum, Surface, Residuals, Fit, Channel, Study, Survey, Comparison, Pool, StateSpace, or several
-        Deviation against averaging time, with confidence band, model and terms; several curves without fits share a
-        panel. Density against frequency. Or the curves of all windows, and what changes with time. Of a state space,
-        its curve beside the model's; a measured curve behind it in a sequence is drawn too.
+    value : any result, or a sequence of results of one kind
+        Several curves of one unit share a panel. A state space may be followed by a measured curve.
     fit : Fit, optional
         What is drawn over a curve or spectrum, or over several statistics of one channel.
     path : path, optional
         Where the figure is saved; the suffix (.png, .svg, .pdf) says how.
-    level : float
-        Of the confidence band.
+    level : float, optional
+        Of the confidence band; that of the result's recipe by default, or 0.95.
     force : bool
         Overwrite an existing file.
 
@@ -44,25 +46,34 @@ def plot(
     UsageError
         There is nothing to draw; the file exists, its suffix is unknown, or its folder cannot be written.
     """
-    from .drawings import draw
+    from allanite.core.errors import UsageError
+
     from .style import demand_figure_path, save
 
     if path is not None:
         demand_figure_path(path, force=force)
-    figure = draw(value, fit, level)
+    values = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    if not values:
+        raise UsageError("there is nothing to draw: the sequence is empty")
+    draw = view_of(values[0]).plot
+    if draw is None:
+        raise UsageError(f"a {type(values[0]).__name__} has no figure; al.report writes its page")
+    figure = draw(values, fit, level_of(values[0], level))
     if path is not None:
         save(figure, path, force=force)
     return figure
 
 
-def report(study: "Study | Comparison | Pool", path: PathLike, *, force: bool = False) -> None:
-    """Write a study, a comparison or a pool as one self-contained HTML file: numbers, figures, how they came about.
+def report(value: Any, path: PathLike, *, level: float | None = None, force: bool = False) -> None:
+    """Write a result as one self-contained HTML file: numbers, figures, how they came about.
 
     Parameters
     ----------
-    study : Study, Comparison or Pool
+    value : any result
     path : path
         The file to write.
+    level : float, optional
+        Of intervals; that of the result's recipe by default, or 0.95.
     force : bool
         Overwrite an existing file.
 
@@ -73,23 +84,53 @@ def report(study: "Study | Comparison | Pool", path: PathLike, *, force: bool = 
     """
     from allanite.core.files import demand_writable, write
 
-    from .pages import page
-
     demand_writable(path, force=force)
-    write(path, page(study).encode(), force=force)
+    write(path, page(value, level=level).encode(), force=force)
 
 
-def table(value: "Study | Survey | Comparison | Pool", *, width: int = 120, color: bool = False) -> str:
+def page(value: Any, *, level: float | None = None) -> str:
+    """The page that `report` writes, as text."""
+    from .html import render
+
+    return render(view_of(value).face(value, level_of(value, level)))
+
+
+def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False) -> str:
     """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
-    from allanite.comparison.comparison import Comparison
-    from allanite.comparison.pooled import Pool
-    from allanite.reporting.comparison import text as compared
-    from allanite.study.survey import Survey
+    from .text import render
 
-    from . import listing, text
+    return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
 
-    if isinstance(value, (Comparison, Pool)):
-        return compared.render(value, width=width, color=color)
-    if isinstance(value, Survey):
-        return listing.render(value, width=width, color=color)
-    return text.render(value, width=width, color=color)
+
+def html_of(value: Any) -> str:
+    """The result as a fragment of HTML for a notebook: its tables and sentences, and its figure."""
+    from .html import fragment
+
+    view = view_of(value)
+    level = level_of(value)
+    drawn = None if view.plot is None else view.plot([value], None, level)
+    return fragment(view.face(value, level), drawn)
+
+
+def to_csv(value: Any, *, level: float | None = None) -> str:
+    """The numbers of a result as CSV, unrounded.
+
+    Raises
+    ------
+    UsageError
+        The result has no table of numbers.
+    """
+    import csv
+    import io
+
+    from allanite.core.errors import UsageError
+
+    rows_of = view_of(value).rows
+    if rows_of is None:
+        raise UsageError(f"a {type(value).__name__} has no CSV; write it as JSON")
+    headings, rows = rows_of(value, level_of(value, level))
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(headings)
+    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
+    return out.getvalue()

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.signals import StageNoise, TorqueScale
 from allanite.signals.study import BudgetChannel, BudgetStudy
 
@@ -27,7 +28,7 @@ def render(study: BudgetStudy, width: int = 120) -> str:
     out += [f"{'' if i else 'assumed':<10}{note}" for i, note in enumerate((*_scale(study), *study.notes))]
     for channel in study.channels:
         out += ["", *_lines(channel, width)]
-    return "".join(f"{words.printable(line)}\n" for line in out)
+    return "".join(f"{printable(line)}\n" for line in out)
 
 
 def _scale(study: BudgetStudy) -> list[str]:
@@ -63,7 +64,7 @@ def sentences(channel: BudgetChannel) -> Iterator[str]:
     if channel.budget is None:
         return
     for s in channel.budget.stages:
-        name = words.printable(s.stage.name)
+        name = printable(s.stage.name)
         adds = f"{name} adds {s.symbol} = {number(s.to(s.coefficient))} {s.sheet_unit}"
         if s.measured is None:
             limit = (
@@ -117,18 +118,18 @@ def _draw(ax: Axes, channel: BudgetChannel) -> None:
     for s, color, marker in zip(shown, style.SERIES * 9, style.MARKERS * 9, strict=False):
         at = s.to(s.coefficient) or 0.0
         ax.plot(bits, [at * 2.0 ** (s.stage.bits - b) for b in bits], color=color, lw=1.1)
-        ax.plot([s.stage.bits], [at], marker, color=color, ms=7, label=f"{words.printable(s.stage.name)}, as it is")
+        ax.plot([s.stage.bits], [at], marker, color=color, ms=7, label=f"{printable(s.stage.name)}, as it is")
     known = shown[0].measured if shown[0].measured is not None else shown[0].limit
     if known is not None:
         label = "measured" if shown[0].measured is not None else "not found: limit"
         level = shown[0].to(known) or 0.0
         ax.axhline(level, color=style.INK, lw=1.2, label=label)
         ax.axhline(level / 10, color=style.INK, lw=0.9, ls=(0, (5, 3)), label="1 % of its square")
-    unit = words.printed_unit(shown[0].sheet_unit)
+    unit = printed_unit(shown[0].sheet_unit)
     ax.set(yscale="log", xlabel="bits", ylabel=f"{shown[0].symbol} by rounding ({unit})")
     style.plain_ticks(ax.yaxis)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_title(words.printable(channel.record.name), loc="left", fontweight="bold", parse_math=False)
+    ax.set_title(printable(channel.record.name), loc="left", fontweight="bold", parse_math=False)
     ax.legend(loc="best")
 
 
@@ -149,7 +150,7 @@ def page(study: BudgetStudy) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters["clean"], env.filters["minus"] = words.printable, _printed
+    env.filters["clean"], env.filters["minus"] = printable, _printed
     channels = [
         {
             "name": c.record.name or "channel",
@@ -174,7 +175,7 @@ def page(study: BudgetStudy) -> str:
 
 def _printed(text: str) -> str:
     """A cell with the signs of mathematics."""
-    return words.printed_unit(text.replace("+-", "±").replace("-", "−"))
+    return printed_unit(text.replace("+-", "±").replace("-", "−"))
 
 
 def to_csv(study: BudgetStudy) -> str:

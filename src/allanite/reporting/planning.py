@@ -8,6 +8,7 @@ from allanite.core.model import Model
 from allanite.planning.bound import name_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
+from allanite.reporting.sheet import printable
 from allanite.study.analysis import Channel
 
 from . import words
@@ -28,7 +29,7 @@ def plan_text(plan: RecordingPlan, name: str = "", *, notes: Sequence[str] = (),
         for parameter, errors, needed in zip(plan.names, plan.errors.tolist(), plan.needed.tolist(), strict=True)
     ]
     ramp = "a ramp of unknown size is reckoned with" if plan.ramp else "no ramp"
-    first = f"{words.printable(name) or 'plan'}  {plan.rate:.8g} Hz, {ramp}"
+    first = f"{printable(name) or 'plan'}  {plan.rate:.8g} Hz, {ramp}"
     lines = [first, *(part for note in notes for part in wrapped(note, width)), *aligned([headings, *rows], left=2)]
     return "".join(f"{line}\n" for line in lines)
 
@@ -38,7 +39,7 @@ def notes_of(channel: Channel) -> list[str]:
     absent = [e for e in channel.fit or () if e.value is None and e.upper is not None]
     limits = ", ".join(f"{e.symbol} {e.words()}" for e in absent)
     return [
-        *(f"! {words.printable(alert)}" for alert in words.alerts(channel)),
+        *(f"! {printable(alert)}" for alert in words.alerts(channel)),
         *([f"of this record, and not reckoned with: {limits}"] if limits else []),
     ]
 
@@ -99,7 +100,7 @@ def check_text(check: SelfCheck, name: str = "", *, width: int = 120) -> str:
     ]
     length = words.duration(check.size / check.rate)
     first = (
-        f"{words.printable(name) or 'check'}  {check.records} records of {check.size} readings at {check.rate:.8g} Hz "
+        f"{printable(name) or 'check'}  {check.records} records of {check.size} readings at {check.rate:.8g} Hz "
         f"({length}), intervals at {words.percent(check.level)}"
     )
     doubt = f"said of no model to explain the record: {_with_error(check.unexplained)} of records"

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment
 from allanite.rate.study import RateChannel, RateStudy
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import expected
 
 from . import style, words
@@ -41,7 +42,7 @@ def rate_text(study: RateStudy, width: int = 120) -> str:
     lines += [f"{'' if i else 'assumed':<10}{note}" for i, note in enumerate(study.notes)]
     for channel in study.channels:
         lines += ["", *_channel_lines(channel, study)]
-    return "".join(f"{words.printable(part)}\n" for line in lines for part in _fitted(line, width))
+    return "".join(f"{printable(part)}\n" for line in lines for part in _fitted(line, width))
 
 
 def _fitted(line: str, width: int) -> list[str]:
@@ -144,7 +145,7 @@ def plot_rate(channel: RateChannel) -> Figure:
         _draw_errors(axes[0], found)
         if channel.by_duration:
             _draw_accuracy(axes[1], channel.by_duration)
-        axes[0].set_title(words.printable(found.name), loc="left", fontweight="bold", parse_math=False)
+        axes[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False)
     return figure
 
 
@@ -157,7 +158,7 @@ def _draw_errors(ax: Axes, found: Experiment) -> None:
     for method, errors in zip(found.methods, found.errors / factor, strict=True):
         marker = "o" if t.size <= MOST_MARKED else ""
         ax.plot(t, errors, color=COLORS[method], lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
-    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({words.printed_unit(unit)})")
+    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({printed_unit(unit)})")
     ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
 
 
@@ -175,7 +176,7 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
         if np.isfinite(predicted).any():
             ax.plot(times, predicted, color=COLORS[method], lw=1.0, zorder=3)
     ax.set(xscale="log", yscale="log", xlabel="measuring time (s)")
-    ax.set_ylabel(f"standard deviation ({words.printed_unit(unit)})\npoints measured, lines predicted")
+    ax.set_ylabel(f"standard deviation ({printed_unit(unit)})\npoints measured, lines predicted")
     style.plain_ticks(ax.xaxis, ax.yaxis)
 
 
@@ -190,7 +191,7 @@ def rate_page(study: RateStudy) -> str:
     look = re.search(r"<style>.*?</style>", folder.joinpath("page.html.j2").read_text(encoding="utf-8"), re.DOTALL)
     assert look is not None  # noqa: S101 - the page of a study holds the style of all pages
     env = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    env.filters["clean"], env.filters["formula"] = words.printable, lambda latex: formula(_plain(latex))
+    env.filters["clean"], env.filters["formula"] = printable, lambda latex: formula(_plain(latex))
     channels = [
         {
             "name": c.record.name or "channel",

@@ -81,9 +81,16 @@ def look() -> Iterator[None]:
         yield
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without a magic word."""
+
+    def _repr_svg_(self) -> str:
+        return encode(self, "svg").decode()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
-    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure = NotebookFigure(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 

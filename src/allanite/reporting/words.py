@@ -7,11 +7,12 @@ import numpy as np
 from allanite.core.fit import Estimate
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
-from allanite.core.units import SIGNALS, Signal, convert
+from allanite.core.units import Signal, convert
 from allanite.study.analysis import Channel
 from allanite.terms import TERMS
 
 from .digits import Digits, digits
+from .sheet import printable, printed_unit
 
 SENSORS = {
     "gyro": "gyroscope",
@@ -37,24 +38,6 @@ STATUS = {
     "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
 }
 """What each status means."""
-
-
-def printable(text: str) -> str:
-    """`text` without control characters: names out of a file must not drive the terminal."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-
-
-def printed_unit(unit: str) -> str:
-    """A unit as it is printed.
-
-    Examples
-    --------
-    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
-    ('deg/h/√h', 'µg', 'm/s²')
-    """
-    for plain, printed in (("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^2", "²"), ("^3", "³")):
-        unit = unit.replace(plain, printed)
-    return unit.replace("^1.5", "¹·⁵").replace("^2.5", "²·⁵").replace("ug", "µg")
 
 
 def title(symbol: str, signal: Signal) -> str:
@@ -105,18 +88,6 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
     if number is not None:
         return f"{number.pretty()} {printed_unit(unit)}"
     return f"{below(estimate)} {most.pretty()} {printed_unit(unit)}" if most else ""
-
-
-def readable_unit(unit: str) -> str:
-    """The data-sheet unit in place of an SI unit; any other unit stays.
-
-    Examples
-    --------
-    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
-    ('deg/h', 'ug', 'deg/s')
-    """
-    sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
-    return next(sheets, unit)
 
 
 def duration(seconds: float) -> str:

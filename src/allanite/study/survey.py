@@ -1,85 +1,206 @@
-"""One kind of value from every channel of a recording: curves, spectra or surfaces."""
+"""Curves, spectra or surfaces of every channel of a recording."""
 
-import os
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from typing import Any, Protocol
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
+from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.record import Record, Recording
-from allanite.core.spectrum import Spectrum
+from allanite.core.record import Record
+from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
-from allanite.prepare import inspect
+from allanite.core.units import readable_unit
+from allanite.statistics import deviation, statistic_named
+from allanite.statistics.dynamic import dynamic
+from allanite.statistics.spectra.spectrum import method_named, spectrum
 
-from .analysis import Recipe, provenance_of, recording_of
-from .analysis import fitted as fit_of
+from .channels import Inspected, Job, Progress, Source, run
+from .noise import Noise, noise_of
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 Value = Curve | Spectrum | Surface
 
-Measure = Callable[[Record, Fit | None], Iterable[Value]]
-"""What is done with a channel; the fit is None where none was asked for, or none could be made."""
+
+class Settings(Protocol):
+    """What is measured of each channel: frozen dataclasses, whose fields are the choices."""
+
+    @property
+    def to(self) -> str | None:
+        """Unit of the values; that of data sheets by default."""
+
+    @property
+    def fitted(self) -> bool:
+        """Whether the noise is identified first."""
+
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+        """The values of one channel; `fit` is None where none was asked for, or none could be made."""
 
 
-@dataclass(frozen=True, eq=False)
-class Survey:
-    """What was measured of each channel.
+@dataclass(frozen=True)
+class Deviations:
+    """Statistics over averaging time.
 
     Attributes
     ----------
-    values : tuple of Curve, Spectrum or Surface
-        In the order of the channels; each carries the name of its channel.
-    fits : dict
-        The fit of a channel, by its name, where one was asked for and could be made.
-    alerts, refusals : dict
-        By name of the channel: what must be known beside its values; why it has none.
-    recipe, notes, provenance
-        As of a `Study`.
+    statistic : tuple of str
+        Names in `STATISTICS`.
+    taus, m, threads
+        As of `deviation`.
+    limits : bool
+        Whether there are confidence limits, for which the noise is identified.
+    to : str, optional
+        Unit of the values; that of data sheets by default.
     """
 
-    values: tuple[Value, ...]
-    fits: dict[str, Fit]
-    alerts: dict[str, tuple[str, ...]]
-    refusals: dict[str, str]
-    recipe: Recipe
-    notes: tuple[str, ...]
-    provenance: dict[str, str]
+    statistic: tuple[str, ...] = ("oadev",)
+    taus: str | tuple[float, ...] = "octave"
+    m: tuple[int, ...] | None = None
+    limits: bool = True
+    threads: int = 1
+    to: str | None = None
 
-    def to_dict(self) -> dict[str, Any]:
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
+
+    @property
+    def fitted(self) -> bool:
+        """Limits suppose a noise."""
+        return self.limits
+
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+        """One curve a statistic."""
+        noise = fit.model if fit else None
+        for name in self.statistic:
+            yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
+
+
+@dataclass(frozen=True)
+class Densities:
+    """A power spectral density; `fit` identifies the noise too, and draws its terms.
+
+    The other attributes are those of `spectrum` and of its methods.
+    """
+
+    estimator: str = "welch"
+    sides: str = "one"
+    bins: int | None = 20
+    segment: float | None = None
+    window: str | None = None
+    bandwidth: float | None = None
+    tapers: int | None = None
+    weights: str | None = None
+    fit: bool = False
+    to: str | None = None
+
+    def __post_init__(self) -> None:
+        side_factor(self.sides)
+        self._row()
+
+    def _row(self) -> Any:
+        settings = {key: getattr(self, key) for key in ("segment", "window", "bandwidth", "tapers", "weights")}
+        return method_named(self.estimator, **{key: value for key, value in settings.items() if value is not None})
+
+    @property
+    def fitted(self) -> bool:
+        """As asked."""
+        return self.fit
+
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+        """One spectrum."""
+        yield spectrum(record, self._row(), sides=self.sides, bins=self.bins or None)
+
+
+@dataclass(frozen=True)
+class Windows:
+    """A statistic in windows that slide along the record; attributes as of `dynamic`."""
+
+    statistic: str = "oadev"
+    window: float | None = None
+    step: float | None = None
+    taus: str | tuple[float, ...] = "octave"
+    m: tuple[int, ...] | None = None
+    to: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "statistic", statistic_named(self.statistic).name)
+
+    @property
+    def fitted(self) -> bool:
+        """The noise is not identified: it may change."""
+        return False
+
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+        """One surface."""
+        yield dynamic(record, self.statistic, taus=self.taus, m=self.m, window=self.window, step=self.step)
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """The values of one channel, or the reason (`refusal`) why there are none."""
+
+    record: Record
+    quality: Quality
+    values: tuple[Value, ...] = ()
+    noise: Noise | None = None
+    alerts: tuple[str, ...] = ()
+    refusal: str = ""
+
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise, where it was asked for and could be identified."""
+        return None if self.noise is None else self.noise.fit
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
-        level = self.recipe.level
         return {
-            "allanite": 1,
-            "type": "Survey",
+            "name": self.record.name,
+            "quality": self.quality.to_dict(),
             "values": [value.to_dict(level) for value in self.values],
-            "fits": {name: fit.to_dict(level) for name, fit in self.fits.items()},
-            "alerts": {name: list(alerts) for name, alerts in self.alerts.items()},
-            "refusals": self.refusals,
-            "recipe": self.recipe.to_dict(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
+            "fit": None if self.fit is None else self.fit.to_dict(level),
+            "alerts": list(self.alerts),
+            "refusal": self.refusal,
         }
 
 
+@dataclass(frozen=True, eq=False)
+class Survey(Job[Measured]):
+    """Curves, spectra or surfaces of every channel, and the settings that made them."""
+
+    settings: Settings = field(default_factory=Deviations)
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """All values, in the order of the channels; each carries the name of its channel."""
+        return tuple(value for channel in self.channels for value in channel.values)
+
+    @property
+    def fits(self) -> dict[str, Fit]:
+        """The fit of a channel, by its name."""
+        return {channel.record.name: channel.fit for channel in self.channels if channel.fit is not None}
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data."""
+        settings: Any = self.settings
+        used = (*READING, *SELECTING, *(IDENTIFYING if self.settings.fitted else ("level",)))
+        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
+        return self.recipe.to_dict(used) | own
+
+
 def survey(
-    source: Recording | Record | str | os.PathLike[str],
-    measure: Measure,
-    recipe: Recipe | None = None,
-    *,
-    fitted: bool = False,
-    progress: Callable[[str, float], None] | None = None,
+    source: Source, settings: Settings, recipe: Recipe | None = None, *, progress: Progress | None = None
 ) -> Survey:
     """Measure every channel of a recording.
 
     Parameters
     ----------
     source : Recording, Record or path
-    measure : (Record, Fit or None) -> iterable of values
+    settings : Deviations, Densities or Windows
+        What is measured.
     recipe : Recipe, optional
-        How the file is read and, with `fitted`, how the noise is identified.
-    fitted : bool
-        Identify the noise of each channel first. A channel that does not support it is measured without.
+        How the file is read, and how the noise is identified where the settings ask for it.
     progress : callable, optional
         Called with what is being done and the fraction that is finished.
 
@@ -92,36 +213,30 @@ def survey(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from allanite.statistics import deviation
-    >>> record = Record(np.arange(300) % 2, rate=10.0, unit="deg/h", name="z")
-    >>> found = survey(record, lambda record, fit: [deviation(record, name) for name in ("adev", "oadev")])
+    >>> from allanite.core.model import N
+    >>> from allanite.simulation.record import simulate
+    >>> record = simulate(N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
+    >>> found = survey(record, Deviations(("adev", "oadev"), limits=False))
     >>> [(value.name, value.statistic) for value in found.values]
     [('z', 'adev'), ('z', 'oadev')]
     """
     recipe = recipe or Recipe()
-    tell = progress or (lambda what, fraction: None)
-    tell("reading", 0.0)
-    recording = recording_of(source, recipe)
-    values: list[Value] = []
-    fits: dict[str, Fit] = {}
-    alerts: dict[str, tuple[str, ...]] = {}
-    refusals: dict[str, str] = {}
-    for i, record in enumerate(recording):
-        tell(f"measuring {record.name}", (i + 0.3) / (len(recording) + 0.3))
-        alerts[record.name] = tuple(str(finding) for finding in inspect(record).warnings)
-        if fitted:
-            try:
-                fits[record.name] = fit_of(record, recipe)
-            except DataError as error:
-                alerts[record.name] += (
-                    f"the noise is not identified, and there are no limits or lines of it: {error}",
-                )
-        try:
-            values += measure(record, fits.get(record.name))
-        except DataError as error:
-            refusals[record.name] = str(error)
-    if not values:
-        raise DataError("; ".join(f"{name or 'the record'}: {why}" for name, why in refusals.items()))
-    tell("done", 1.0)
-    return Survey(tuple(values), fits, alerts, refusals, recipe, recording.notes, provenance_of(recording))
+
+    def work(seen: Inspected) -> Measured:
+        noise, alerts = _noise(seen.record, recipe) if settings.fitted else (None, ())
+        values = settings.measure(seen.record, None if noise is None else noise.fit)
+        shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
+        return Measured(seen.record, seen.quality, shown, noise, (*alerts, *seen.alerts))
+
+    def refused(seen: Inspected, why: str) -> Measured:
+        return Measured(seen.record, seen.quality, refusal=why)
+
+    return run(partial(Survey, settings=settings), source, recipe, work, refused, doing="measuring", progress=progress)
+
+
+def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+    try:
+        noise = noise_of(record, recipe)
+    except DataError as error:
+        return None, (f"noise not identified, so no confidence limits or model curves are shown: {error}",)
+    return noise, noise.doubts

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from allanite.angle import Harmonics, Scan, Solution
 from allanite.angle.harmonics import waves
 from allanite.reporting import style
-from allanite.reporting.words import percent, printable
+from allanite.reporting.sheet import printable
+from allanite.reporting.words import percent
 
 from .numbers import ARCSEC, Result, half_width, parts, solution_of
 

@@ -10,6 +10,7 @@ from allanite.angle import Calibration, Scan
 from allanite.core.version import __version__
 from allanite.reporting import words
 from allanite.reporting.html import svg
+from allanite.reporting.sheet import printable
 
 from . import figures
 from .numbers import Result, lines, noise, others, parts, solution_of
@@ -33,7 +34,7 @@ def page(value: "Result | Scan", *, level: float = 0.95, provenance: dict[str, s
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters["clean"], env.filters["minus"] = words.printable, _minus
+    env.filters["clean"], env.filters["minus"] = printable, _minus
     content = _scan(value) if isinstance(value, Scan) else _result(value, level)
     made = {"allanite": __version__, **(provenance or {})}
     template = env.get_template("angle/scan.html.j2" if isinstance(value, Scan) else "angle/harmonics.html.j2")

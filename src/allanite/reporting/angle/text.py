@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from allanite.angle import Plan, Scan
 from allanite.core.finding import Finding
-from allanite.reporting.words import duration, percent, printable
+from allanite.reporting.sheet import printable
+from allanite.reporting.words import duration, percent
 
 from .numbers import Result, lines, noise, others, solution_of
 

@@ -12,8 +12,10 @@ from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
+from allanite.core.units import readable_unit
 from allanite.reporting import style, words
 from allanite.reporting.drawing import draw_legend
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
 from .sheets import Value
@@ -74,7 +76,7 @@ def _pair(pair: Pair, whole: Comparison) -> Callable[[Axes, Axes], None]:
 
 def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
     i, name = called
-    shown = curve.to(words.readable_unit(curve.unit))
+    shown = curve.to(readable_unit(curve.unit))
     low, high = shown.interval(level)
     color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]
     ax.fill_between(
@@ -96,19 +98,19 @@ def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> Non
         ms=3.4,
         mew=0,
         zorder=3,
-        label=words.printable(name),
+        label=printable(name),
     )
 
 
 def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
-    unit = words.readable_unit(curve.unit)
+    unit = readable_unit(curve.unit)
     values = np.concatenate([c.to(unit).deviation for c in curves])
     ax.set(xscale="log", yscale="log", ylim=(values.min() / 2.5, values.max() * 2.5))
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
-    ax.set_title(words.printable(name), loc="left", fontweight="bold", parse_math=False)
-    ax.set_ylabel(f"{STATISTICS[curve.statistic].title} ({words.printed_unit(unit)})")
+    ax.set_title(printable(name), loc="left", fontweight="bold", parse_math=False)
+    ax.set_ylabel(f"{STATISTICS[curve.statistic].title} ({printed_unit(unit)})")
 
 
 def _ratio(ax: Axes, ratios: Ratios, whole: Comparison) -> None:
@@ -123,7 +125,7 @@ def _ratio(ax: Axes, ratios: Ratios, whole: Comparison) -> None:
                 ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
                 capsize=2.0, zorder=3, label=label,
             )  # fmt: skip
-    _ratio_frame(ax, ratio, f"variance of {words.printable(whole.names[1])}\nover {words.printable(whole.names[0])}")
+    _ratio_frame(ax, ratio, f"variance of {printable(whole.names[1])}\nover {printable(whole.names[0])}")
 
 
 def _ratio_frame(ax: Axes, ratio: FloatArray, label: str) -> None:
@@ -145,7 +147,7 @@ def _pooled(channel: PooledChannel, names: tuple[str, ...], level: float) -> Cal
         _curve(above, whole, (0, "all runs"), level)
         for name, curve in zip(names, channel.curves, strict=True):
             color, label = (style.ALARM, "apart") if name in apart else (style.OTHER, "one run")
-            unit = words.readable_unit(curve.unit)
+            unit = readable_unit(curve.unit)
             above.plot(curve.tau, curve.to(unit).deviation, color=color, lw=0.8, zorder=2.5, label=label)
             below.plot(curve.tau, curve.variance / whole.variance, color=color, lw=0.8, zorder=3)
         _frame(above, whole, channel.name, channel.curves)

@@ -10,6 +10,7 @@ from allanite.comparison.comparison import Comparison
 from allanite.core.version import __version__
 from allanite.reporting import words
 from allanite.reporting.html import svg
+from allanite.reporting.sheet import printable, printed_unit
 
 from .figures import plot_comparison
 from .sheets import Value, sheets
@@ -53,15 +54,15 @@ def page(value: Value) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    env.filters["clean"], env.filters["printed"] = words.printable, _printed
+    env.filters["clean"], env.filters["printed"] = printable, _printed
     return env.get_template("comparison/comparison.html.j2").render(_content(value))
 
 
 def _printed(cell: str, unit: bool) -> str:
     """A cell with the signs of print: of a unit its roots and powers, of a number its minus."""
-    shown = words.printable(cell)
+    shown = printable(cell)
     if unit:
-        return words.printed_unit(shown)
+        return printed_unit(shown)
     return _MINUS.sub("−", shown)
 
 

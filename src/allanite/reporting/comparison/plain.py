@@ -8,8 +8,7 @@ from typing import Any
 
 from allanite.comparison.comparison import Comparison
 from allanite.comparison.pooled import Pool
-from allanite.core.units import convert
-from allanite.reporting import words
+from allanite.core.units import convert, readable_unit
 
 from .sheets import Value
 
@@ -39,7 +38,7 @@ def _pairs(value: Comparison) -> Iterator[list[Any]]:
     for pair in value:
         if pair.ratios is None:
             continue
-        unit = words.readable_unit(pair.ratios.before.unit)
+        unit = readable_unit(pair.ratios.before.unit)
         factor = convert(1.0, pair.ratios.before.unit, unit)
         for tau, before, after, nu, mu, ratio, low, high, p in pair.ratios.rows(value.level)[1]:
             percent = [100 * (math.sqrt(v) - 1) for v in (ratio, low, high)]
@@ -57,7 +56,7 @@ def _pooled(value: Pool) -> Iterator[list[Any]]:
     for channel in value:
         if channel.curve is None or channel.p is None:
             continue
-        unit = words.readable_unit(channel.curve.unit)
+        unit = readable_unit(channel.curve.unit)
         whole, runs_shown = channel.curve.to(unit), [curve.to(unit).deviation for curve in channel.curves]
         low, high = whole.interval(value.level)
         for i, tau in enumerate(whole.tau.tolist()):

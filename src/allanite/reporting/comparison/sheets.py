@@ -10,7 +10,7 @@ from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
 from allanite.core.fit import Estimate
 from allanite.core.record import Record
-from allanite.core.units import convert
+from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.statistics import STATISTICS
@@ -102,7 +102,7 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
 
 
 def _ratios(ratios: Ratios, whole: Comparison) -> Table:
-    unit = words.readable_unit(ratios.before.unit)
+    unit = readable_unit(ratios.before.unit)
     headings = ["tau [s]", *(f"{name} [{unit}]" for name in whole.names), "edf before", "edf after", "variance ratio",
                 _level(whole.level), "p"]  # fmt: skip
     factor = convert(1.0, ratios.before.unit, unit)
@@ -170,7 +170,7 @@ def _runs(channel: PooledChannel, whole: Pool) -> Table:
 
 
 def _pooled_curve(curve: Curve, channel: PooledChannel, whole: Pool) -> Table:
-    shown = curve.to(words.readable_unit(curve.unit))
+    shown = curve.to(readable_unit(curve.unit))
     low, high = shown.interval(whole.level)
     assert channel.p is not None  # noqa: S101 - comes with the curve
     headings = ["tau [s]", f"all runs [{shown.unit}]", _level(whole.level), "edf", "p of one variance"]

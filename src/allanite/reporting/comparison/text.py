@@ -7,7 +7,7 @@ from rich.text import Text
 
 from allanite.comparison.change import OUTCOMES
 from allanite.comparison.comparison import Comparison
-from allanite.reporting import words
+from allanite.reporting.sheet import printable
 from allanite.reporting.text import LABEL, printed, prose
 
 from .sheets import Sheet, Table, Value, sheets
@@ -41,7 +41,7 @@ def _lines(value: Value, width: int) -> Iterator[Text]:
 
 
 def _sheet(sheet: Sheet, width: int) -> Iterator[Text]:
-    yield Text(words.printable(sheet.name) or "channel", style="bold")
+    yield Text(printable(sheet.name) or "channel", style="bold")
     for line in sheet.about:
         yield from prose(line, width, first="  ", indent=4, style="dim")
     for alert in sheet.alerts:
@@ -59,7 +59,7 @@ def _table(table: Table) -> Iterator[Text]:
     yield Text(_line(table.headings, widths, table.left), style="dim")
     kept = [round(i) for i in np.linspace(0, len(table.rows) - 1, min(MOST_ROWS, len(table.rows)))]
     for i in kept:
-        yield Text(_line([words.printable(c) for c in table.rows[i]], widths, table.left), style=STYLES[table.marks[i]])
+        yield Text(_line([printable(c) for c in table.rows[i]], widths, table.left), style=STYLES[table.marks[i]])
     if len(kept) < len(table.rows):
         yield Text(f"  {len(kept)} of {len(table.rows)} rows; --csv writes all", style="dim")
 

@@ -9,7 +9,8 @@ from allanite.compensation.study import Compensated
 from allanite.core.curve import Curve
 from allanite.core.units import unit_of
 from allanite.reporting import style
-from allanite.reporting.words import percent, printable, printed_unit
+from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.words import percent
 
 FloatArray = NDArray[np.float64]
 

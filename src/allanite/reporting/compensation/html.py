@@ -7,7 +7,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from allanite.compensation.study import Compensated, CompensationStudy
 from allanite.reporting.html import svg
-from allanite.reporting.words import about, percent, printable
+from allanite.reporting.sheet import printable
+from allanite.reporting.words import about, percent
 
 from .figures import plot
 from .numbers import CURVES, curve_rows, lines, verdict

@@ -9,7 +9,7 @@ from allanite.compensation.study import Compensated
 from allanite.core.curve import Curve
 from allanite.core.units import unit_of
 from allanite.reporting.digits import digits
-from allanite.reporting.words import printable
+from allanite.reporting.sheet import printable
 
 
 class Line(NamedTuple):

@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 
 from allanite.compensation.study import Compensated, CompensationStudy
+from allanite.reporting.sheet import printable
 from allanite.reporting.tables import prose_lines, table_lines
-from allanite.reporting.words import about, percent, printable
+from allanite.reporting.words import about, percent
 
 from .numbers import CURVES, curve_rows, lines, verdict
 

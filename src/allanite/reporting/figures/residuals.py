@@ -10,8 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.residuals import Residuals, chance
+from allanite.reporting import style
+from allanite.reporting.sheet import printable
 
-from . import style, words
 from .goodness import draw_ratio, draw_surprise
 
 HOURS, MINUTES = 7200.0, 300.0
@@ -49,7 +50,7 @@ def plot_residuals(residuals: Residuals) -> Figure:
         above, below = halves
         verdict = "explained" if residuals.explained else "not explained"
         color = style.INK if residuals.explained else style.ALARM
-        title = f"{words.printable(residuals.name)}   {verdict}".strip()
+        title = f"{printable(residuals.name)}   {verdict}".strip()
         if residuals.goodness is not None:
             upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
             title += f", goodness of fit {chance(residuals.goodness.p)}"

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from allanite.core.fit import Estimate
+from allanite.reporting import style, words
+from allanite.reporting.sheet import printed_unit
 
-from . import style, words
 from .labels import Box, FloatArray, IntArray, place
 
 
@@ -55,7 +56,7 @@ def label_of(estimate: Estimate, level: float) -> str:
     number = words.shown(estimate, estimate.sheet_unit, level)
     assert number is not None  # noqa: S101 - only what has a value is drawn
     value = number.value.replace("-", "−") + number.power
-    return f"{estimate.symbol} = {value} {words.printed_unit(estimate.sheet_unit)}"
+    return f"{estimate.symbol} = {value} {printed_unit(estimate.sheet_unit)}"
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.spectrum import Spectrum
+from allanite.core.units import readable_unit
+from allanite.reporting import style, words
+from allanite.reporting.sheet import printable, printed_unit
 
-from . import style, words
 from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs, stacked
 from .labels import Box
-from .words import readable_unit
 
 FloatArray = NDArray[np.float64]
 
@@ -63,13 +64,13 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
     if fit is not None:
         _draw_model(ax, spectrum, fit, level)
-    ax.set_title(words.printable(spectrum.name), loc="left", fontweight="bold", parse_math=False)
+    ax.set_title(printable(spectrum.name), loc="left", fontweight="bold", parse_math=False)
     good = None if fit is None else fit.goodness
     if good is not None and not good.explained:
         ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
     else:
         ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
-    unit = words.printed_unit(spectrum.amplitude_unit)
+    unit = printed_unit(spectrum.amplitude_unit)
     ax.set_ylabel(f"{spectrum.sides}-sided amplitude density ({unit})")
 
 

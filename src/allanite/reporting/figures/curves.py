@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
+from allanite.reporting import style, words
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
-from . import style, words
 from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs
 from .labels import Box, FloatArray
 from .panels import Panel, Points, columns_of, points, span
@@ -62,8 +63,8 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
     if panel.fit is not None:
         _draw_model(ax, panel, drawn, level)
-    ax.set_title(words.printable(panel.name), loc="left", fontweight="bold", parse_math=False)
-    ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({words.printed_unit(panel.unit)})")
+    ax.set_title(printable(panel.name), loc="left", fontweight="bold", parse_math=False)
+    ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({printed_unit(panel.unit)})")
     good = panel.fit.goodness if panel.fit else None
     if good is not None and not good.explained:
         ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)

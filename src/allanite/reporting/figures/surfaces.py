@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.surface import Surface
+from allanite.core.units import readable_unit
+from allanite.reporting import style, words
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
-
-from . import style, words
-from .words import readable_unit
 
 FloatArray = NDArray[np.float64]
 
@@ -51,8 +51,8 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
     norm = Normalize(0, (surface.time[-1] + surface.window / 2) / size)
     _draw_curves(left, tau, deviation, surface.time / size, norm)
     left.set(xlabel="averaging time τ (s)")
-    left.set_ylabel(f"{STATISTICS[surface.statistic].title} ({words.printed_unit(surface.unit)})")
-    left.set_title(words.printable(surface.name), loc="left", fontweight="bold", parse_math=False)
+    left.set_ylabel(f"{STATISTICS[surface.statistic].title} ({printed_unit(surface.unit)})")
+    left.set_title(printable(surface.name), loc="left", fontweight="bold", parse_math=False)
     _draw_time_scale(figure, left, norm, unit)
     left.legend(loc="upper right")
     mesh = _draw_ratios(right, tau, deviation, surface.time / size)

@@ -11,10 +11,8 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
-from allanite.core.units import convert, unit_of
+from allanite.core.units import convert, readable_unit, unit_of
 from allanite.statistics import STATISTICS, expected
-
-from .words import readable_unit
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

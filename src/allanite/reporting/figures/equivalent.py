@@ -1,6 +1,6 @@
-"""A state space for people: its matrices as text, and its Allan deviation beside the model's."""
+"""The Allan deviation of a state space beside the model's."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,44 +8,13 @@ from matplotlib.figure import Figure
 
 from allanite.core.curve import Curve
 from allanite.core.units import convert
+from allanite.reporting import style
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statespace import StateSpace
-from allanite.statespace.build import MEASUREMENTS
 from allanite.statistics import expected
-
-from . import style, words
-from .planning import aligned, wrapped
 
 PER_OCTAVE = 4
 """Averaging times of the lines."""
-
-
-def state_space_text(space: StateSpace, name: str = "", *, notes: Sequence[str] = (), width: int = 120) -> str:
-    """States, matrices that can be pasted into a program, and what they leave out."""
-    low, high = space.tau
-    headings, rows = space.rows()
-    shown = [[str(i + 1), row[0], row[1], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows)]
-    lines = [f"{words.printable(name) or 'model'}  {space.rate:.8g} Hz; {space.model}"]
-    lines += [part for note in notes for part in wrapped(note, width)]
-    lines += wrapped(
-        f"Allan deviation within {100 * space.ripple:.2g} % of the model's from {low:g} to {high:g} s; "
-        f"{MEASUREMENTS[space.measurement].meaning}",
-        width,
-    )
-    lines += ["", *aligned([["", *headings], *shown], left=3), "", "  x' = Phi x + w, reading = H x + v, SI units"]
-    for label in ("Phi", "Qd", "H", "R", "P0"):
-        lines += _matrix(label, getattr(space, label))
-    lines += ["", *(part for note in space.notes for part in wrapped(f"- {note}", width))]
-    return "".join(f"{line}\n" for line in lines)
-
-
-def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
-    """As Python, JSON and MATLAB-like programs read it, to the last digit."""
-    rows = [[repr(float(v)) if v else "0" for v in row] for row in matrix]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for i, row in enumerate(rows):
-        cells = ", ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))
-        opening = f"{label} = [[" if i == 0 else " " * (len(label) + 4) + "["
-        yield f"  {opening}{cells}]" + ("]" if i == len(rows) - 1 else ",")
 
 
 def plot_state_space(space: StateSpace, curves: Sequence[Curve] = (), *, level: float = 0.95) -> Figure:
@@ -62,7 +31,7 @@ def plot_state_space(space: StateSpace, curves: Sequence[Curve] = (), *, level: 
             _draw_measured(above, curve.to(unit), level)
         above.plot(tau, whole * factor, color=style.INK, lw=1.3, label="model")
         above.plot(tau, own * factor, "o", ms=3.2, mew=0, color=style.SERIES[1], label="state space", zorder=4)
-        above.set(xscale="log", yscale="log", ylabel=f"Allan deviation ({words.printed_unit(unit)})")
+        above.set(xscale="log", yscale="log", ylabel=f"Allan deviation ({printed_unit(unit)})")
         below.plot(tau, 100 * (own / whole - 1), color=style.SERIES[1], lw=1.2)
         below.axhline(0.0, color=style.INK, lw=0.8)
         largest = max(3 * 100 * space.ripple, 1.0)
@@ -85,6 +54,4 @@ def _grid(space: StateSpace) -> np.ndarray:
 def _draw_measured(ax: Axes, curve: Curve, level: float) -> None:
     if curve.law is not None:
         ax.fill_between(curve.tau, *curve.interval(level), color=style.DATA, alpha=0.2, lw=0)
-    ax.plot(
-        curve.tau, curve.deviation, color=style.DATA, lw=0.9, label=words.printable(f"measured {curve.name}".strip())
-    )
+    ax.plot(curve.tau, curve.deviation, color=style.DATA, lw=0.9, label=printable(f"measured {curve.name}".strip()))

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.fit import Goodness
-
-from . import style, words
+from allanite.reporting import style
+from allanite.reporting.sheet import printable
 
 SURPRISING = 3.0
 """Standard deviations beyond which a cell is marked: one in 370 by chance."""
@@ -29,7 +29,7 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
     with style.look():
         figure = style.new_figure(7.2, 3.6)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-        title = f"{words.printable(name)}   goodness of fit p = {goodness.p:.2g}".strip()
+        title = f"{printable(name)}   goodness of fit p = {goodness.p:.2g}".strip()
         color = style.INK if goodness.explained else style.ALARM
         upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
         draw_ratio(upper, goodness)

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.reporting import style
+from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
-from . import style, words
 from .drawing import draw_legend, stacked
 from .panels import Panel, points, span
 
@@ -56,11 +57,11 @@ def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
         _draw_curve(ax, panel, (i, label), level if len(group) <= MOST_BANDS else None)
     ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
     what = next(iter(titles)) if len(titles) == 1 else "deviation"
-    ax.set_ylabel(f"{what} ({words.printed_unit(group[0].unit)})")
+    ax.set_ylabel(f"{what} ({printed_unit(group[0].unit)})")
 
 
 def _called(panel: Panel) -> tuple[str, str]:
-    return words.printable(panel.name), STATISTICS[panel.curve.statistic].title
+    return printable(panel.name), STATISTICS[panel.curve.statistic].title
 
 
 def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | None) -> None:

@@ -1,0 +1,175 @@
+"""Where results go: the terminal, standard output, files."""
+
+import os
+import shutil
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from allanite.core.errors import LongJobWarning, UsageError
+from allanite.core.files import demand_writable, write
+
+if TYPE_CHECKING:
+    from allanite.core.record import Recording
+    from allanite.study.recipe import Recipe
+
+STDOUT = "-"
+WIDTH = 120
+"""Columns of text that no terminal bounds."""
+
+PRINTED = ("json", "csv")
+"""What may go to standard output."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Where a result is to go: name of the option -> path, and how."""
+
+    paths: Mapping[str, str]
+    force: bool = False
+    quiet: bool = False
+
+    @property
+    def piped(self) -> bool:
+        """Whether standard output is taken."""
+        return STDOUT in self.paths.values()
+
+
+def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequence[str] = ()) -> Outputs:
+    """Take the options of results out of `choices`, and refuse before the work what could not be written after it.
+
+    Parameters
+    ----------
+    choices : dict
+        Options of a verb; those of its results are removed.
+    inputs : sequence of path or None
+        Files that are read; they are never overwritten.
+    also : sequence of str
+        Other options that name a file to write.
+
+    Raises
+    ------
+    UsageError
+        A file exists, cannot be written, or two things would go to the same place.
+    """
+    named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
+    paths = {name: path for name, path in named if path is not None}
+    found = Outputs(paths, choices.pop("force", False), choices.pop("quiet", False))
+    if list(paths.values()).count(STDOUT) > 1:
+        raise UsageError("only one thing can go to standard output; give the other one a file")
+    taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
+    for name, path in paths.items():
+        if path == STDOUT and name in PRINTED:
+            continue
+        where = os.path.realpath(path)
+        if where in taken:
+            raise UsageError(f"--{name} would overwrite {taken[where]} {path!r}; give it another name")
+        taken[where] = f"--{name}"
+        _demand_place(name, path, force=found.force)
+    return found
+
+
+def _demand_place(name: str, path: str, *, force: bool) -> None:
+    if name == "plot":
+        from allanite.reporting.style import demand_figure_path
+
+        demand_figure_path(path, force=force)
+    else:
+        demand_writable(path, force=force)
+
+
+def demand_recording(path: str | None) -> None:
+    """Refuse before the work begins a recording that no format is written for."""
+    from allanite.readers.formats.table import writer_for
+
+    if path is not None:
+        writer_for(os.path.splitext(path)[1].lower())
+
+
+def recipe_of(choices: dict[str, Any], **given: Any) -> "Recipe":
+    """Take the keys of a recipe out of `choices`; `given` are other defaults than the recipe's."""
+    from allanite.study.recipe import Recipe
+
+    choices.pop("recipe", None)
+    known = {key: choices.pop(key) for key in [f.name for f in fields(Recipe)] if key in choices}
+    return Recipe.from_dict(given | {key: value for key, value in known.items() if value is not None})
+
+
+@contextmanager
+def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
+    """A bar on stderr where it is a terminal, and warnings as sentences when they arise."""
+    from allanite.reporting.progress import bar
+
+    shown = sys.stderr.isatty() and not (out is not None and out.quiet)
+    with warnings.catch_warnings(), bar(shown=shown) as tell:
+        warnings.simplefilter("always", LongJobWarning)
+        warnings.showwarning = lambda message, *_, **__: click.echo(f"allanite: {message}", err=True)
+        yield tell
+
+
+@dataclass(frozen=True)
+class Extra:
+    """What a verb writes besides the forms that every result has: name of the option -> what is written."""
+
+    data: Mapping[str, Callable[[], str | bytes]] = field(default_factory=dict)
+    recordings: "Mapping[str, Callable[[], Recording]]" = field(default_factory=dict)
+
+
+def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
+    """Print a result, unless standard output is taken or quiet was asked for, and write what was asked for."""
+    extra = extra or Extra()
+    if not (out.quiet or out.piped):
+        print_result(value)
+    for name, path in out.paths.items():
+        if name in extra.recordings:
+            from allanite.readers import write as write_recording
+
+            write_recording(extra.recordings[name](), path, force=out.force)
+        else:
+            data = extra.data[name]() if name in extra.data else encoded(value, name, path)
+            put(path, data, force=out.force)
+        if path != STDOUT and not out.quiet:
+            click.echo(f"{name}: {path}", err=out.piped)
+
+
+def encoded(value: Any, name: str, path: str) -> str | bytes:
+    """A result as the option `name` writes it."""
+    from allanite import reporting
+    from allanite.reporting.json import to_json
+
+    if name == "json":
+        return to_json(value)
+    if name == "csv":
+        return reporting.to_csv(value)
+    if name == "plot":
+        from allanite.reporting.style import encode
+
+        return encode(reporting.plot(value), Path(path).suffix.lower().lstrip("."))
+    return reporting.page(value)
+
+
+def put(path: str, data: str | bytes, *, force: bool) -> None:
+    """Write `data` to a file or to standard output."""
+    raw = data.encode() if isinstance(data, str) else data
+    if path == STDOUT:
+        click.echo(raw, nl=False)
+    else:
+        write(path, raw, force=force)
+
+
+def print_result(value: Any) -> None:
+    """Print a result as wide as the terminal is."""
+    from allanite.reporting import table
+
+    terminal = sys.stdout.isatty()
+    width = shutil.get_terminal_size().columns if terminal else WIDTH
+    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ)
+    # a terminal that does not know a letter gets its number, not an error
+    encoding = sys.stdout.encoding or "utf-8"
+    click.echo(text.encode(encoding, "backslashreplace").decode(encoding), nl=False)

@@ -1,0 +1,235 @@
+"""The options of the command line, each declared once, and how their texts are read."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from allanite.core.errors import UsageError
+
+Decorator = Callable[[Any], Any]
+
+
+class Separated(click.ParamType[Any]):
+    """Words or numbers between commas; a recipe may hold a list."""
+
+    def __init__(self, kind: type, name: str, count: int | None = None, example: str = "") -> None:
+        self.kind, self.name, self.count, self.example = kind, name, count, example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
+        """The parts of the text, or what a recipe gives."""
+        parts = value.split(",") if isinstance(value, str) else value
+        try:
+            found = tuple(self.kind(part.strip() if isinstance(part, str) else part) for part in parts)
+        except (TypeError, ValueError):
+            found = ()
+        if not found or (self.count is not None and len(found) != self.count):
+            self.fail(f"{self.name} are wanted, as {self.example}, not {value!r}", param, ctx)
+        return found
+
+
+NAMES = Separated(str, "names", example="gx,gy")
+NUMBERS = Separated(float, "numbers", example="1,10,100")
+INTEGERS = Separated(int, "integers", example="1,10,100")
+BAND = Separated(float, "two frequencies in Hz", 2, "0.01,10")
+
+
+class Taus(click.ParamType[Any]):
+    """The name of a grid, or seconds between commas."""
+
+    name = "grid"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Seconds where they are numbers, and a name otherwise."""
+        try:
+            return NUMBERS.convert(value, param, ctx)
+        except click.BadParameter:
+            return value
+
+
+class Scale(click.ParamType[Any]):
+    """A number, or a number with its unit."""
+
+    name = "scale"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | str:
+        """A float where it is one."""
+        try:
+            return float(value)
+        except ValueError:
+            return str(value)
+
+
+class Duration(click.ParamType[Any]):
+    """Seconds, or a length of time with its unit; several between commas where `several`."""
+
+    name = "duration"
+
+    def __init__(self, several: bool = False) -> None:
+        self.several = several
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Seconds."""
+        if isinstance(value, (int, float)):
+            return float(value)
+        if not self.several:
+            return seconds_of(value)
+        return tuple(part if isinstance(part, float) else seconds_of(str(part)) for part in _parts(value))
+
+
+def _parts(value: Any) -> Any:
+    return value.split(",") if isinstance(value, str) else value
+
+
+def seconds_of(text: str) -> float:
+    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
+    from allanite.core.notation import split_quantities
+    from allanite.core.units import convert
+
+    found = split_quantities(text.split())
+    if len(found) != 1 or not found[0][0] > 0:
+        raise click.BadParameter(f"a duration is wanted, as 3600, '10 min' or 24h, not {text!r}")
+    value, unit = found[0]
+    return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+
+
+class Percent(click.ParamType[Any]):
+    """A number of percent, as a share."""
+
+    name = "percent"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The share."""
+        return float(click.FLOAT.convert(value, param, ctx)) / 100
+
+
+def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -> str | None:
+    """Take the keys of a TOML file as defaults: what the command line says wins."""
+    if path is None:
+        return None
+    from allanite.study.recipe import load_toml
+
+    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - {"recipe", *OUTPUTS, "force", "quiet"}
+    choices = load_toml(path)
+    for key in choices:
+        if key not in known:
+            raise UsageError(f"unknown key {key!r} in the recipe; known are {', '.join(sorted(k for k in known if k))}")
+    ctx.default_map = {**(ctx.default_map or {}), **choices}
+    return path
+
+
+def _path(name: str, help: str) -> Decorator:  # noqa: A002 - the word of click
+    return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help)
+
+
+OUTPUTS = ("report", "plot", "csv", "json")
+"""Names of the options by which a result is written."""
+
+OPTIONS: dict[str, Decorator] = {
+    "file": click.argument("file", type=click.Path()),
+    "optional file": click.argument("file", required=False, type=click.Path()),
+    "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
+    "rate": click.option("--rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
+    "unit": click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
+    "kind": click.option("--kind", help="What a reading is: rate, increment, angle or count."),
+    "scale": click.option(
+        "--scale", type=Scale(), metavar="STEP", help="Size of one step of the readings: 0.01 (in --unit) or 0.01deg/s."
+    ),
+    "channels": click.option(
+        "--channels", type=NAMES, metavar="A,B,...", help="Columns by name or number; by default all that fit."
+    ),
+    "time": click.option("--time", help="Column of time stamps."),
+    "dtype": click.option(
+        "--dtype",
+        metavar="TYPE",
+        help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows.",
+    ),
+    "columns": click.option("--columns", type=int, metavar="N", help="Numbers in a row of raw binary."),
+    "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
+    "from": click.option(
+        "--from", "start", type=float, metavar="S", help="Start of the window, s after the first sample."
+    ),
+    "until": click.option("--until", type=float, metavar="S", help="End of the window."),
+    "quiet-window": click.option(
+        "--quiet-window", type=float, metavar="S", help="Use the quietest stretch of this length, seconds."
+    ),
+    "outliers": click.option(
+        "--outliers",
+        metavar="WORD",
+        help="mark: exclude everywhere; keep: include everywhere.  [exclude from the fit only]",
+    ),
+    "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [auto]"),
+    "method": click.option(
+        "--method",
+        metavar="NAME",
+        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]",
+    ),
+    "band": click.option("--band", type=BAND, metavar="LO,HI", help="Frequencies that are used, Hz."),
+    "level": click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
+    "recipe": click.option(
+        "--recipe",
+        metavar="TOML",
+        type=click.Path(),
+        is_eager=True,
+        callback=_load_recipe,
+        help="Read options from a file; those given here win.",
+    ),
+    "statistic": click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [oadev]"),
+    "taus": click.option(
+        "--taus", type=Taus(), metavar="GRID", help="octave, decade, log, all, or seconds as 1,10,100."
+    ),
+    "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, in place of --taus."),
+    "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [deg/h, ug]"),
+    "model": click.option("--model", metavar="TERMS", help="The noise, as 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
+    "sensor": click.option("--sensor", metavar="NAME", help="Or a typical gyro: mems, fog or rlg."),
+    "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
+    "samples": click.option("--samples", type=int, metavar="N", help="Or the number of samples."),
+    "seed": click.option(
+        "--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True, help="Of the random numbers."
+    ),
+    "threads": click.option(
+        "--threads", type=click.IntRange(1), default=1, show_default=True, help="Most threads to use."
+    ),
+    "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat the stretches between gaps one by one."),
+    "orders": click.option(
+        "--orders",
+        type=INTEGERS,
+        metavar="K,K,...",
+        default="128,256",
+        show_default=True,
+        help="Harmonics of the angle.",
+    ),
+    "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site, degrees."),
+    "report": _path("report", "Write the HTML page."),
+    "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
+    "json": _path("json", "Write everything as JSON; - is standard output."),
+    "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
+    "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
+    "quiet": click.option("--quiet", is_flag=True, help="Print nothing but errors and what goes to standard output."),
+}
+
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+"""Options that say what is in a file."""
+
+SELECTING = ("from", "until", "quiet-window", "outliers")
+"""Options that select readings."""
+
+IDENTIFYING = ("terms", "method", "band", "level")
+"""Options of every verb that identifies noise."""
+
+RESULTS = (*OUTPUTS, "force", "quiet")
+"""Options of every verb that has a result."""
+
+RECORDING = (*READING, *SELECTING, "recipe")
+"""Options of every verb that reads a recording."""
+
+
+def options(*wanted: str | Decorator) -> Decorator:
+    """Give a command these options, in this order: names in `OPTIONS`, or options of its own."""
+
+    def give(command: Any) -> Any:
+        for option in reversed(wanted):
+            command = (OPTIONS[option] if isinstance(option, str) else option)(command)
+        return command
+
+    return give

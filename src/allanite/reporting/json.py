@@ -1,0 +1,25 @@
+"""Results as JSON."""
+
+import json
+import math
+from typing import Any, Protocol
+
+
+class Plain(Protocol):
+    """Whatever can become plain data."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+
+
+def to_json(value: Plain) -> str:
+    """Strictly valid JSON: what is no number is null."""
+    return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def _strict(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _strict(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_strict(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

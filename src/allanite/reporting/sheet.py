@@ -1,0 +1,226 @@
+"""Sheets: the neutral form of every result, which the terminal, the page and the notebook render."""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from .digits import SUPERSCRIPT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
+Mark = Literal["", "good", "weak", "alarm", "quiet", "strong"]
+Where = Literal["", "page", "text"]
+"""Where a part is shown: everywhere, on the page only, in the terminal only."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading and kind of a column; `aside` columns follow below the others where a terminal is narrow."""
+
+    heading: str
+    kind: Kind = "number"
+    aside: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells in plain ASCII, as they can be copied into a command.
+
+    Attributes
+    ----------
+    columns : sequence of Column
+    rows : sequence of rows of cells
+    title : str
+    marks : sequence of Mark, one a row
+    key : str
+        What the columns mean; stands below the table on the page.
+    details : bool
+        Whether the page folds the table away.
+    most : int
+        Rows that a terminal shows at most, spread evenly over all.
+    """
+
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[str]]
+    title: str = ""
+    marks: Sequence[Mark] = ()
+    key: str = ""
+    details: bool = False
+    most: int = 28
+    where: Where = ""
+
+    def mark(self, row: int) -> Mark:
+        """The mark of a row."""
+        return self.marks[row] if self.marks else ""
+
+
+@dataclass(frozen=True)
+class Note:
+    """A sentence: an "alert" must not be overlooked, "good" is reassuring, "quiet" is small print."""
+
+    text: str
+    level: Literal["alert", "good", "note", "strong", "quiet"] = "note"
+    where: Where = ""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure that is drawn only where it is shown."""
+
+    draw: "Callable[[], Figure]"
+    label: str
+    caption: str = ""
+    title: str = ""
+    where: Where = "page"
+
+
+@dataclass(frozen=True)
+class Code:
+    """Lines that can be copied into a program."""
+
+    text: str
+    title: str = ""
+    where: Where = ""
+
+
+Part = Table | Note | Drawing | Code
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What is said of one channel.
+
+    `verdict` stands at the top of the page too, with the name before it; `doubt` marks it there.
+    """
+
+    name: str
+    about: Sequence[str] = ()
+    parts: Sequence[Part] = ()
+    verdicts: Sequence[str] = ()
+    doubt: bool = False
+
+
+@dataclass(frozen=True)
+class Face:
+    """A whole result.
+
+    Attributes
+    ----------
+    title, brand : str
+        Of the page.
+    sheets : sequence of Sheet
+    header : sequence of (label, text)
+        Where the numbers come from: the first lines of the terminal.
+    parts : sequence of Part
+        Before the sheets.
+    close : sequence of Part
+        After the sheets.
+    how : sequence of Part
+        How the result was computed, for the page.
+    choices : str
+        The recipe that was really used, as TOML.
+    provenance : dict
+    notes : sequence of str
+        What was assumed when reading.
+    """
+
+    title: str
+    brand: str
+    sheets: Sequence[Sheet] = ()
+    header: Sequence[tuple[str, str]] = ()
+    parts: Sequence[Part] = ()
+    close: Sequence[Part] = ()
+    how: Sequence[Part] = ()
+    choices: str = ""
+    provenance: dict[str, str] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+def columns(*headings: str, left: int = 1) -> tuple[Column, ...]:
+    """Columns of numbers, the first `left` of names; "unit" is a unit, and an interval is known by its name."""
+    return tuple(Column(h, _kind(h, i < left)) for i, h in enumerate(headings))
+
+
+def _kind(heading: str, left: bool) -> Kind:
+    if heading == "unit":
+        return "unit"
+    if heading.endswith(("interval", "limits")):
+        return "interval"
+    return "name" if left else "number"
+
+
+def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:
+    """The first lines of a result: its file, what was assumed, its digest, what made it."""
+    lines = [("file", provenance.get("source") or "(data in memory)")]
+    lines += [("" if i else "assumed", note) for i, note in enumerate(notes)]
+    lines += [("sha256", provenance["sha256"])] if provenance.get("sha256") else []
+    return [*lines, ("made by", f"allanite {provenance.get('allanite', '')}{method}")]
+
+
+def toml(choices: dict[str, Any]) -> str:
+    """Plain choices as TOML: the keys of a recipe file.
+
+    Examples
+    --------
+    >>> print(toml({"rate": 100.0, "channels": ["gx"], "window": None}), end="")
+    rate = 100.0
+    channels = ["gx"]
+    """
+    import json
+
+    return "".join(f"{k} = {json.dumps(v, ensure_ascii=False)}\n" for k, v in choices.items() if v is not None)
+
+
+_SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
+_POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
+_UNITS = (
+    ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^1.5", "¹·⁵"), ("^2.5", "²·⁵"), ("^2", "²"),
+    ("^3", "³"), ("ug", "µg"),
+)  # fmt: skip
+
+
+def printable(text: str) -> str:
+    """`text` without control characters: names out of a file must not drive the terminal."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as it is printed.
+
+    Examples
+    --------
+    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
+    ('deg/h/√h', 'µg', 'm/s²')
+    """
+    for plain, shown in _UNITS:
+        unit = unit.replace(plain, shown)
+    return unit
+
+
+def printed_number(cell: str) -> str:
+    """A number or interval as it is printed.
+
+    Examples
+    --------
+    >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
+    ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
+    """
+    cell = cell.replace("+-", "±").replace(" .. ", " … ")
+    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(SUPERSCRIPT)}", cell)
+    return _SIGN.sub("−", cell)
+
+
+def printed(cell: str, kind: Kind) -> str:
+    """A cell as it is printed, by the kind of its column; names are left as they are."""
+    shown = printable(cell)
+    if kind == "unit":
+        return printed_unit(shown)
+    return printed_number(shown) if kind in ("number", "interval") else shown
+
+
+def printed_heading(heading: str) -> str:
+    """A heading: the unit in its brackets as it is printed."""
+    return re.sub(r"\[(.*?)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))

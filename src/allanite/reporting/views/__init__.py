@@ -1,0 +1,74 @@
+"""How each result is shown: one file a result, with a `VIEW`, and one line in the table."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from allanite.core.errors import UsageError
+from allanite.reporting.sheet import Face
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from allanite.core.fit import Fit
+
+Rows = tuple[Sequence[str], list[list[Any]]]
+
+
+@dataclass(frozen=True)
+class View:
+    """The forms of a result.
+
+    Attributes
+    ----------
+    face : (value, level) -> Face
+        What the terminal, the page and a notebook show.
+    plot : (values, fit, level) -> Figure, optional
+        The figure for print, of one value or of several that are drawn together.
+    rows : (value, level) -> (headings, rows), optional
+        The numbers for a CSV file, unrounded.
+    """
+
+    face: Callable[[Any, float], Face]
+    plot: "Callable[[Sequence[Any], Fit | None, float], Figure] | None" = None
+    rows: Callable[[Any, float], Rows] | None = None
+
+
+VIEWS: dict[str, str] = {
+    "Study": "analysis.STUDY",
+    "Channel": "analysis.CHANNEL",
+    "Survey": "survey.SURVEY",
+    "Curve": "survey.CURVE",
+    "Spectrum": "survey.SPECTRUM",
+    "Surface": "survey.SURFACE",
+    "Fit": "fit.FIT",
+    "Residuals": "fit.RESIDUALS",
+    "Model": "fit.MODEL",
+}
+"""Type of a result: where its `View` is. They are imported when first asked for."""
+
+
+def view_of(value: Any) -> View:
+    """The view of a result.
+
+    Raises
+    ------
+    UsageError
+        It is no result.
+    """
+    name = type(value).__name__
+    if name not in VIEWS:
+        raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
+    module, _, attribute = VIEWS[name].partition(".")
+    found = getattr(import_module(f"allanite.reporting.views.{module}"), attribute)
+    assert isinstance(found, View)  # noqa: S101 - the table says so
+    return found
+
+
+def level_of(value: Any, level: float | None = None) -> float:
+    """The confidence level: as given, that of the result's recipe, or 0.95."""
+    if level is not None:
+        return level
+    recipe = getattr(value, "recipe", None)
+    return float(recipe.level) if recipe is not None else float(getattr(value, "level", 0.95))

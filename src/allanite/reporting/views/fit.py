@@ -1,0 +1,162 @@
+"""How coefficients are shown, and what a model leaves."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from allanite.core.fit import Estimate, Fit
+from allanite.core.model import Model
+from allanite.core.residuals import Residuals, chance
+from allanite.reporting import words
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of
+from allanite.terms import TERMS
+
+from . import View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong"}
+"""Mark of a row by the status of its term."""
+
+GOODNESS = (
+    "Power of the record over the power that the model leads one to expect, in cells of frequency, and the same in "
+    "standard deviations. A model that explains the record leaves nine cells in ten or more within the shaded band; "
+    "cells beyond three standard deviations are red."
+)
+RESIDUALS_CAPTION = (
+    "The record over its model, in standard deviations: white, Gaussian and of one level if the model is right. Left: "
+    "least and largest value of short stretches, and the level of each eighth. Middle: correlation of residuals so "
+    "many samples apart, with the band that chance keeps to nineteen times in twenty. Right: their quantiles against those "
+    "of the normal distribution."
+)
+
+
+def terms_table(fit: Fit, level: float) -> Table:
+    """The coefficients, in the units of data sheets and in SI."""
+    interval = f"{words.percent(level)} interval"
+    heads = (
+        Column("", "symbol"), Column("term", "name"), Column("value"), Column(interval, "interval"),
+        Column("unit", "unit"), Column("status", "status"), Column("SI value", aside=True), Column(interval, "interval", aside=True),
+        Column("SI unit", "unit", aside=True),
+    )  # fmt: skip
+    rows = [
+        [e.symbol, words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
+        for e in fit
+    ]
+    return Table(heads, rows, marks=[MARKS.get(e.status, "") for e in fit])
+
+
+def _cells(estimate: Estimate, unit: str, level: float) -> list[str]:
+    """Value, interval and unit; of an absent term its limit."""
+    number, most = words.shown(estimate, unit, level), words.limit(estimate, unit)
+    if number is not None:
+        return [*number.plain(), unit]
+    return ["", f"{words.below(estimate)} {most.plain()[0]}" if most else "", unit if most else ""]
+
+
+def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
+    """Whether the model explains the record: figures and checks, for the page."""
+    good = fit.goodness
+    if good is not None:
+        yield Drawing(
+            lambda: _goodness(fit),
+            "observed over expected power by frequency",
+            GOODNESS,
+            "does the model explain the record?",
+        )
+    if residuals is not None and residuals.checks:
+        yield Drawing(
+            lambda: _series(residuals), "residuals over time, their correlation and quantiles", RESIDUALS_CAPTION,
+            "what the model leaves",
+        )  # fmt: skip
+        yield _checks(residuals, "page")
+
+
+def _checks(residuals: Residuals, where: Any = "") -> Table:
+    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("what it is", "text"))
+    rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
+    return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
+
+
+def _goodness(fit: Fit) -> "Figure":
+    from allanite.reporting.figures.goodness import plot_goodness
+
+    assert fit.goodness is not None  # noqa: S101 - drawn only where it is
+    return plot_goodness(fit.goodness)
+
+
+def _series(residuals: Residuals) -> "Figure":
+    from allanite.reporting.figures.residuals import plot_series
+
+    return plot_series(residuals)
+
+
+def definitions(fits: Iterable[Fit]) -> Table:
+    """What each coefficient means, with its formula and source."""
+    signals = {e.symbol: e.signal for fit in fits for e in fit}
+    heads = (
+        Column("", "symbol"), Column("term", "name"), Column("Allan variance", "formula"), Column("meaning", "text"),
+        Column("source", "text"),
+    )  # fmt: skip
+    rows = [
+        [s, words.title(s, signals[s]), row.formula, row.meaning, row.reference]
+        for s, row in TERMS.items()
+        if s in signals
+    ]
+    return Table(heads, rows, "what each coefficient means", where="page")
+
+
+def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
+    """Doubts, coefficients and notes of a fit."""
+    good = fit.goodness
+    if good is not None:
+        yield Note(good.verdict, "good" if good.explained else "alert")
+    yield from (Note(note) for note in fit.notes)
+    yield terms_table(fit, level)
+
+
+def _face(fit: Fit, level: float) -> Face:
+    sheet = Sheet(fit.name or "noise", (f"method {fit.method}",), tuple(fit_parts(fit, level)))
+    return Face(fit.name or "Noise", "noise coefficients", (sheet,), how=(definitions([fit]),))
+
+
+def _plot(values: Sequence[Fit], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.curves import plot_panels
+    from allanite.reporting.figures.panels import panels_of
+
+    return plot_panels(panels_of(list(values), fit), level=level)
+
+
+def _rows(fit: Fit, level: float) -> tuple[list[str], list[list[Any]]]:
+    return fit.rows(level)
+
+
+def _residuals_face(residuals: Residuals, level: float) -> Face:
+    note = Note(residuals.verdict, "good" if residuals.explained else "alert")
+    drawing = Drawing(lambda: _plot_residuals([residuals], None, level), "residuals", RESIDUALS_CAPTION)
+    return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(note, _checks(residuals), drawing)),))
+
+
+def _plot_residuals(values: Sequence[Residuals], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.residuals import plot_residuals
+
+    return plot_residuals(values[0])
+
+
+def _model_face(model: Model, level: float) -> Face:
+    heads = columns("", "term", "value", "unit", left=2)
+    rows = [
+        [
+            t.symbol,
+            words.title(t.symbol, t.signal),
+            f"{t.to(t.signal.sheet[t.row.power]):.6g}",
+            t.signal.sheet[t.row.power],
+        ]
+        for t in model
+    ]
+    return Face(str(model), "a noise model", (Sheet("model", parts=(Table(heads, rows),)),), header_of({}, ())[:0])
+
+
+FIT = View(_face, _plot, _rows)
+RESIDUALS = View(_residuals_face, _plot_residuals)
+MODEL = View(_model_face)

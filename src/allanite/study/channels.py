@@ -1,0 +1,246 @@
+"""The loop over channels: read, cut, mark outliers, inspect, refuse, tell progress, and say where it all came from.
+
+Every job that takes a recording goes through here, so that the same file gets the same words in each of them.
+"""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
+
+from allanite.core.errors import DataError
+from allanite.core.finding import Finding, Quality
+from allanite.core.record import Record, Recording
+from allanite.core.version import __version__
+from allanite.prepare import inspect, mark_outliers, quiet_window, trim
+from allanite.readers import read
+
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+
+Source = Recording | Record | str | os.PathLike[str]
+Progress = Callable[[str, float], None]
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False)
+class Inspected:
+    """One channel before a job begins with it.
+
+    `records` are those that the job takes together: one, or a record of each recording that is compared.
+    """
+
+    name: str
+    records: tuple[Record, ...]
+    qualities: tuple[Quality, ...]
+
+    @property
+    def record(self) -> Record:
+        """The first record."""
+        return self.records[0]
+
+    @property
+    def quality(self) -> Quality:
+        """What was found in the first record."""
+        return self.qualities[0]
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside the numbers of the first record."""
+        return tuple(str(finding) for finding in self.quality.warnings)
+
+
+@dataclass(frozen=True, eq=False)
+class Job(Generic[Result]):
+    """What a job gives: a result for each channel, and how it came about.
+
+    Attributes
+    ----------
+    channels : tuple
+        One result a channel, in the order of the file; each has its `record`, and a `refusal` where there is none.
+    recipe : Recipe
+    findings : tuple of Finding
+        About the file as a whole: its clock.
+    notes : tuple of str
+        What was assumed when reading.
+    provenance : dict
+        Version and inputs.
+    """
+
+    channels: tuple[Result, ...]
+    recipe: Recipe
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+    provenance: dict[str, str]
+
+    def __getitem__(self, key: str | int) -> Result:
+        if isinstance(key, int):
+            return self.channels[key]
+        for channel in self.channels:
+            if channel.record.name == key:  # type: ignore[attr-defined]
+                return channel
+        raise KeyError(key)
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data."""
+        return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "allanite": 1,
+            "type": type(self).__name__,
+            "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],  # type: ignore[attr-defined]
+            "findings": [finding.to_dict() for finding in self.findings],
+            "recipe": self.choices(),
+            "notes": list(self.notes),
+            "provenance": self.provenance,
+        }
+
+
+def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:
+    """The part of a recording that the recipe selects.
+
+    Parameters
+    ----------
+    source : Recording, Record or path
+        A path is read with the recipe's options.
+    along : sequence of str
+        Other columns of the file that are read too, as the last channels.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, or its clock does not support the job.
+    UsageError
+        An option is wrong, or one that is needed is missing.
+    """
+    whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
+    part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+    if recipe.outliers != "mark":
+        return part
+    return replace(part, records=tuple(mark_outliers(record) for record in part))
+
+
+def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
+    if isinstance(source, Recording):
+        return source
+    if isinstance(source, Record):
+        return Recording((source,))
+    options = recipe.to_dict(READING)
+    return read(source, **options, along=tuple(along)) if along else read(source, **options)
+
+
+def each_channel(
+    channels: Sequence[tuple[str, tuple[Record, ...]]],
+    work: Callable[[Inspected], Result],
+    refused: Callable[[Inspected, str], Result],
+    *,
+    findings: Sequence[Finding] = (),
+    doing: str = "analysing",
+    progress: Progress | None = None,
+) -> tuple[Result, ...]:
+    """Inspect every channel, and do the work on those that support it.
+
+    Parameters
+    ----------
+    channels : sequence of (name, records)
+    work : Inspected -> result
+        It may raise DataError, which becomes a refusal.
+    refused : (Inspected, reason) -> result
+        What a channel without a result becomes.
+    findings : sequence of Finding
+        About the files as a whole; a fatal one refuses every channel.
+    doing : str
+        What is told as progress, before the name.
+    progress : callable, optional
+        Called with what is being done and the fraction that is finished.
+    """
+    tell = progress or (lambda what, fraction: None)
+    fatal = Quality(tuple(findings)).refusal
+    results = []
+    for i, (name, records) in enumerate(channels):
+        tell(f"{doing} {name}", (i + 0.3) / (len(channels) + 0.3))
+        seen = Inspected(name, records, tuple(inspect(record) for record in records))
+        results.append(_result(seen, work, refused, fatal))
+    tell("done", 1.0)
+    return tuple(results)
+
+
+def _result(
+    seen: Inspected, work: Callable[[Inspected], Result], refused: Callable[[Inspected, str], Result], fatal: str
+) -> Result:
+    why = fatal or _refusal(seen)
+    if why:
+        return refused(seen, why)
+    try:
+        return work(seen)
+    except DataError as error:
+        return refused(seen, str(error))
+
+
+def _refusal(seen: Inspected) -> str:
+    refusals = [(i, quality.refusal) for i, quality in enumerate(seen.qualities, 1) if quality.refusal]
+    if len(seen.records) == 1:
+        return "".join(why for _, why in refusals)
+    return "; ".join(f"record {i}: {why}" for i, why in refusals)
+
+
+def run(
+    kind: Callable[..., Result],
+    source: Source,
+    recipe: Recipe,
+    work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any],
+    *,
+    doing: str = "analysing",
+    demand: bool = True,
+    progress: Progress | None = None,
+) -> Result:
+    """Open one source and do the work on each of its channels.
+
+    Parameters
+    ----------
+    kind : callable
+        Makes the job's result of the fields of `Job`.
+    source, recipe
+        As of `open_recording`.
+    work, refused, doing, progress
+        As of `each_channel`.
+    demand : bool
+        Whether it is an error if no channel supports the job.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, or no channel supports the job.
+    UsageError
+        An option is wrong, or one that is needed is missing.
+    """
+    if progress is not None:
+        progress("reading", 0.0)
+    recording = open_recording(source, recipe)
+    channels = [(record.name, (record,)) for record in recording]
+    results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
+    if demand:
+        demand_result(recording.channels, results)
+    return kind(results, recipe, recording.findings, recording.notes, provenance_of(recording))
+
+
+def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
+    """Raise DataError, with the reason of each channel, where none has a result."""
+    if all(result.refusal for result in results):
+        reasons = [(name, result.refusal) for name, result in zip(names, results, strict=True)]
+        if len({why for _, why in reasons}) == 1 and len(reasons) > 1:
+            raise DataError(f"{', '.join(name for name, _ in reasons)}: {reasons[0][1]}")
+        raise DataError("; ".join(f"{name or 'the record'}: {why}" for name, why in reasons))
+
+
+def provenance_of(*recordings: Recording) -> dict[str, str]:
+    """Version and inputs, for whoever wants to do it again."""
+    import platform
+
+    made = {"allanite": __version__, "python": platform.python_version()}
+    for i, recording in enumerate(recordings, 1):
+        which = "" if i == 1 else f" {i}"
+        made |= {f"source{which}": recording.source, f"sha256{which}": recording.digest}
+    return made

@@ -1,0 +1,86 @@
+"""The noise of a channel: identified in one way for every job, with whether the model explains the record."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.core.residuals import Residuals
+from allanite.identification import METHODS, identify
+from allanite.identification.checks.residuals import residuals
+
+from .recipe import Recipe
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """A fit, and what its model leaves of the record.
+
+    `leftover` makes `residuals` when they are first asked for; None without a model of all frequencies.
+    """
+
+    fit: Fit
+    leftover: Callable[[], Residuals] | None = None
+
+    @cached_property
+    def residuals(self) -> Residuals | None:
+        """What the model leaves of the record; None where the method or the band does not give it."""
+        return None if self.leftover is None else self.leftover()
+
+    @property
+    def explained(self) -> bool:
+        """Whether nothing says that the model does not explain the record."""
+        good = self.residuals or self.fit.goodness
+        return good is None or good.explained
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model explains the record, in a sentence; empty where the method does not say."""
+        good = self.residuals or self.fit.goodness
+        return "" if good is None else good.verdict
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What must stand beside every number that uses this noise: that the model does not explain the record."""
+        return () if self.explained else (self.verdict,)
+
+
+def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines: bool = True) -> Noise:
+    """The noise of a channel as the recipe wants it identified.
+
+    A method that reads a curve reads that of the recipe's statistic, or the fit says that it cannot.
+
+    Parameters
+    ----------
+    record : Record
+    recipe : Recipe
+    terms : str, optional
+        In place of those of the recipe.
+    lines : bool
+        Whether sinusoids are found and taken out first.
+
+    Raises
+    ------
+    DataError
+        The record does not support it.
+    """
+    row = METHODS.get(recipe.method)
+    readable = row is not None and recipe.statistic in row.allowed
+    outliers = recipe.outliers or "mark"
+    fit = identify(
+        record,
+        method=recipe.method,
+        terms=terms or recipe.terms,
+        statistic=recipe.statistic if readable else None,
+        band=recipe.band,
+        outliers=outliers,
+        lines=lines,
+    )
+    if row is not None and row.allowed and not readable:
+        note = (
+            f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
+        )
+        fit = replace(fit, notes=(*fit.notes, note))
+    known = fit.goodness is not None and recipe.band is None
+    return Noise(fit, partial(residuals, record, fit, outliers=outliers) if known else None)

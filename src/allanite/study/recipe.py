@@ -1,0 +1,114 @@
+"""Recipe: every choice of a job as plain data."""
+
+import os
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.prepare.outliers import demand_choice
+
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+"""Keys that say what the file holds."""
+
+SELECTING = ("start", "until", "quiet_window", "outliers")
+"""Keys that select readings."""
+
+IDENTIFYING = ("terms", "method", "band", "level")
+"""Keys of the identification."""
+
+CURVE = ("statistic", "taus")
+"""Keys of the curve of a study."""
+
+_NUMBERS = ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset")
+_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers")
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Every choice of an analysis as plain data.
+
+    The first group says what the file holds (None: taken from the file), the second which readings are used, the others
+    what is done with them. `outliers`: "mark" excludes them everywhere, "keep" includes them everywhere; by default
+    they are excluded from the fit only.
+    """
+
+    rate: float | None = None
+    unit: str | None = None
+    kind: str | None = None
+    scale: float | str | None = None
+    channels: tuple[str, ...] | None = None
+    time: str | None = None
+    dtype: str | None = None
+    columns: int | None = None
+    offset: int | None = None
+    start: float | None = None
+    until: float | None = None
+    quiet_window: float | None = None
+    outliers: str | None = None
+    statistic: str = "oadev"
+    taus: str | tuple[float, ...] = "log"
+    terms: str = "auto"
+    method: str = "whittle"
+    band: tuple[float, float] | None = None
+    level: float = 0.95
+
+    def __post_init__(self) -> None:
+        for key in _NUMBERS:
+            value = getattr(self, key)
+            fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
+            if value is not None and (isinstance(value, bool) or not fine):
+                raise UsageError(f"{key} is a number, not {value!r}")
+        for key in _WORDS:
+            value = getattr(self, key)
+            if value is not None and not isinstance(value, str):
+                raise UsageError(f"{key} is a word, not {value!r}")
+        if self.outliers is not None:
+            demand_choice(self.outliers)
+        if not 0 < self.level < 1:
+            raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
+        if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
+            raise UsageError(f"a band is two frequencies in Hz, not {self.band!r}")
+
+    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
+        """Plain data of these keys; what was left open is left out."""
+        return {
+            k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items() if k in keys and v is not None
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Recipe":
+        """A recipe from plain data, for example a TOML table.
+
+        Raises
+        ------
+        UsageError
+            A key is unknown; the message lists the known ones.
+        """
+        known = [f.name for f in fields(cls)]
+        for key in data:
+            if key not in known:
+                raise UsageError(f"unknown key {key!r} in the recipe; known are {', '.join(known)}")
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
+        return cls(**values)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Recipe":
+        """A recipe from a TOML file."""
+        return cls.from_dict(load_toml(path))
+
+
+def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The table in a TOML file.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be read, or is not TOML.
+    """
+    import tomllib
+
+    try:
+        with open(path, "rb") as file:
+            return tomllib.load(file)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"the recipe {os.fspath(path)!r} cannot be read: {error}") from None
