@@ -1,7 +1,7 @@
 """The options of the command line, each declared once, and how their texts are read."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,8 +9,13 @@ from allanite.core.errors import UsageError
 
 Decorator = Callable[[Any], Any]
 
+if TYPE_CHECKING:
+    ParamType = click.ParamType[Any]
+else:
+    ParamType = click.ParamType  # generic in newer versions only
 
-class Separated(click.ParamType[Any]):
+
+class Separated(ParamType):
     """Words or numbers between commas; a recipe may hold a list."""
 
     def __init__(self, kind: type, name: str, count: int | None = None, example: str = "") -> None:
@@ -34,7 +39,7 @@ INTEGERS = Separated(int, "integers", example="1,10,100")
 BAND = Separated(float, "two frequencies in Hz", 2, "0.01,10")
 
 
-class Taus(click.ParamType[Any]):
+class Taus(ParamType):
     """The name of a grid, or seconds between commas."""
 
     name = "grid"
@@ -47,7 +52,7 @@ class Taus(click.ParamType[Any]):
             return value
 
 
-class Scale(click.ParamType[Any]):
+class Scale(ParamType):
     """A number, or a number with its unit."""
 
     name = "scale"
@@ -60,7 +65,7 @@ class Scale(click.ParamType[Any]):
             return str(value)
 
 
-class Duration(click.ParamType[Any]):
+class Duration(ParamType):
     """Seconds, or a length of time with its unit; several between commas where `several`."""
 
     name = "duration"
@@ -93,7 +98,7 @@ def seconds_of(text: str) -> float:
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
-class Percent(click.ParamType[Any]):
+class Percent(ParamType):
     """A number of percent, as a share."""
 
     name = "percent"

@@ -26,8 +26,8 @@ GOODNESS = (
 RESIDUALS_CAPTION = (
     "The record over its model, in standard deviations: white, Gaussian and of one level if the model is right. Left: "
     "least and largest value of short stretches, and the level of each eighth. Middle: correlation of residuals so "
-    "many samples apart, with the band that chance keeps to nineteen times in twenty. Right: their quantiles against those "
-    "of the normal distribution."
+    "many samples apart, with the band that chance keeps to nineteen times in twenty. Right: their quantiles against "
+    "those of the normal distribution."
 )
 
 
@@ -36,8 +36,8 @@ def terms_table(fit: Fit, level: float) -> Table:
     interval = f"{words.percent(level)} interval"
     heads = (
         Column("", "symbol"), Column("term", "name"), Column("value"), Column(interval, "interval"),
-        Column("unit", "unit"), Column("status", "status"), Column("SI value", aside=True), Column(interval, "interval", aside=True),
-        Column("SI unit", "unit", aside=True),
+        Column("unit", "unit"), Column("status", "status"), Column("SI value", aside=True),
+        Column(interval, "interval", aside=True), Column("SI unit", "unit", aside=True),
     )  # fmt: skip
     rows = [
         [e.symbol, words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
