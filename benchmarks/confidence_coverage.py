@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import allanite as al
+from allanite.core.model import term
 
 SAMPLES = 256
 UNITS = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5", "R": "rad/s^2"}
@@ -54,7 +55,7 @@ CELLS = [(noise, name) for noise in NOISES for name in FACTORS]
 
 
 def model_of(noise: str) -> al.Model:
-    return al.Model(tuple(al.model.term(s, v, UNITS[s]) for s, v in NOISES[noise].items()))
+    return al.Model(tuple(term(s, v, UNITS[s]) for s, v in NOISES[noise].items()))
 
 
 def records_of(noise: str, count: int) -> list[al.Record]:

@@ -5,15 +5,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sphinx.application import Sphinx
-from x.compensation import compensation_page
-from x.methods import efficiencies, methods_page
-from x.reference import api_page, help_pages, units_page
-from x.statistics import statistic_index, statistic_page
-from x.terms import term_index, term_page
-from x.tutorial import beside, run_tutorial
 
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
+from generate.compensation import compensation_page
+from generate.methods import efficiencies, methods_page
+from generate.reference import api_page, help_pages, units_page
+from generate.statistics import statistic_index, statistic_page
+from generate.terms import term_index, term_page
+from generate.tutorial import beside, run_tutorial
 
 RESULTS = Path("benchmarks", "results", "methods.md")
 

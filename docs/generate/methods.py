@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from x.markdown import table
 
 import allanite as al
+from generate.markdown import table
 
 RATE, SIZE, SEED = 100.0, 2**18, 1
 

@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 
 import click
-from x.markdown import shown, table
 
 import allanite as al
 from allanite.cli import VERBS, main
 from allanite.core.units import ATOMS, SIGNALS, SPELLINGS, convert
 from allanite.terms import TERMS
+from generate.markdown import shown, table
 
 
 def units_page() -> list[str]:

@@ -4,12 +4,13 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from x.markdown import figure, sections, table
 
 import allanite as al
+from allanite.core.model import term
 from allanite.reporting.words import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.row import Statistic
+from generate.markdown import figure, sections, table
 
 EXAMPLE = (("Q", 3.0, "arcsec"), ("N", 0.1, "deg/sqrt(h)"), ("B", 1.0, "deg/h"), ("K", 10.0, "deg/h/sqrt(h)"))
 """The noise of the curves on the pages of the statistics."""
@@ -64,7 +65,7 @@ def statistic_page(name: str, folder: Path) -> list[str]:
 
 def _statistic_figure(name: str, folder: Path) -> Path:
     """One simulated record in this statistic, with what its true terms lead one to expect."""
-    model = al.Model(tuple(al.model.term(*part) for part in EXAMPLE))
+    model = al.Model(tuple(term(*part) for part in EXAMPLE))
     record = al.simulate(model, 16_384, 1.0, rng=np.random.default_rng(2), name="example")
     curve = al.deviation(record, name, taus="octave")
     truth = tuple(al.Estimate(t.symbol, t.signal, t.value, None, "identified", None, "truth") for t in model)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.conformance.test_benchmark_tables import ROOT, binomial_tail
+from tests import ROOT
+from tests.conformance.test_benchmark_tables import binomial_tail
 from tests.reference.angle import PAPER_SUMS
 
 import allanite as al

@@ -3,13 +3,12 @@
 import math
 import re
 import sys
-from pathlib import Path
 
 import pytest
+from tests import ROOT
 
 import allanite as al
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results"
 
 

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.model import term
 
 BIASED = [name for name, row in al.STATISTICS.items() if row.target and not row.parts]
 UNIT = {"Q": "rad", "N": "rad/sqrt(s)", "B": "rad/s", "K": "rad/s^1.5"}
 
 
 def model_of(**coefficients):
-    return al.Model(tuple(al.model.term(s, v, UNIT[s]) for s, v in coefficients.items()))
+    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in coefficients.items()))
 
 
 def record_of(model, n=2000, seed=1):

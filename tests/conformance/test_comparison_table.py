@@ -3,12 +3,11 @@
 import math
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results"
 FILES = ("comparison.md", "comparison_ratio.md")
 

@@ -2,14 +2,13 @@
 
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import ROOT
 
 import allanite as al
 
-ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "benchmarks" / "results" / "methods.md").read_text(encoding="utf-8")
 
 

@@ -1,16 +1,15 @@
 """Published bias factors against exact expectations, as docs/published_formulas.md states them for 256 intervals."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from tests import ROOT
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES
 
 import allanite as al
 from allanite.statistics.confidence.published import PUBLISHED_BIAS, published_bias
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "published_formulas.md"
+PAGE = ROOT / "docs" / "published_formulas.md"
 SIZE = 256
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
 RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128)}

@@ -2,11 +2,10 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pytest
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "benchmarks" / "results" / "rate.md").read_text(encoding="utf-8")
 PAGE = (ROOT / "docs" / "rate_paper.md").read_text(encoding="utf-8")
 

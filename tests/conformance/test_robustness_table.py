@@ -2,12 +2,11 @@
 
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "benchmarks" / "results" / "robustness.md").read_text()
 
 

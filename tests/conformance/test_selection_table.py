@@ -2,11 +2,10 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pytest
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "benchmarks" / "results" / "selection.md").read_text()
 LINES = [[c.strip() for c in line.strip("|").split("|")] for line in TEXT.splitlines() if line.startswith("| ")]
 ROWS = [dict(zip(LINES[0], line, strict=True)) for line in LINES[1:]]

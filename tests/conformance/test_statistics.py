@@ -12,11 +12,13 @@ from tests.reference.terms import UndefinedError
 from tests.reference.windows import windowed
 
 import allanite as al
+from allanite.core.model import term
+from allanite.core.units import SIGNALS
 from allanite.statistics import GRIDS, covariance, edf
 
 ROWS = list(al.STATISTICS)
 GAPPED = ["adev", "oadev", "hdev", "ohdev", "mdev", "theo1", "haar"]
-UNITS = {symbol: al.units.SIGNALS[2].si[row.power] for symbol, row in al.TERMS.items()}
+UNITS = {symbol: SIGNALS[2].si[row.power] for symbol, row in al.TERMS.items()}
 
 
 def record_of(y, rate=1.0, **options):
@@ -199,7 +201,7 @@ SIZES = {"Q": 3.0, "N": 1.0, "B": 0.5, "K": 0.1, "R": 0.02}
 
 
 def model_of(symbols):
-    return al.Model(tuple(al.model.term(s, SIZES[s], UNITS[s]) for s in symbols))
+    return al.Model(tuple(term(s, SIZES[s], UNITS[s]) for s in symbols))
 
 
 @pytest.mark.parametrize("name", ["adev", "oadev", "haar", "hdev", "ohdev", "mdev", "tdev"])
@@ -283,9 +285,9 @@ GOLDEN = {  # confidence of Q, N, B, K alone and in equal shares, by exact lag s
 def test_golden_degrees_of_freedom(case):
     name, n, m = case
     row, symbols = al.STATISTICS[name], "QNBK"
-    level = {s: al.expected(al.model.term(s, 1.0, UNITS[s]), name, float(m), rate=1.0)[0] for s in symbols}
-    models = [al.Model((al.model.term(s, 1.0, UNITS[s]),)) for s in symbols]
-    models.append(al.Model(tuple(al.model.term(s, level[s] ** -0.5, UNITS[s]) for s in symbols)))
+    level = {s: al.expected(term(s, 1.0, UNITS[s]), name, float(m), rate=1.0)[0] for s in symbols}
+    models = [al.Model((term(s, 1.0, UNITS[s]),)) for s in symbols]
+    models.append(al.Model(tuple(term(s, level[s] ** -0.5, UNITS[s]) for s in symbols)))
     found = [edf(row, model, np.array([m]), n, 1.0)[0] for model in models]
     np.testing.assert_allclose(found, GOLDEN[case], rtol=3e-6, atol=6e-5)
 

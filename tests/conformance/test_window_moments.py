@@ -3,12 +3,12 @@
 import dataclasses
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import ROOT
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
@@ -246,7 +246,7 @@ def test_any_record_has_at_least_one_degree_of_freedom(name, data):
     assert np.all(degrees(shares_of(E), r) >= 0.995)
 
 
-TABLE = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "window_moments.md"
+TABLE = ROOT / "benchmarks" / "results" / "window_moments.md"
 
 
 def test_the_committed_table_holds_what_is_claimed():

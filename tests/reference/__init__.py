@@ -4,15 +4,15 @@ x holds the N + 1 points of the phase (angle), float64 or longdouble; a referee 
 term.
 """
 
-from x.allan import adev, oadev
-from x.hadamard import hdev, ohdev
-from x.interval import mtie, tierms
-from x.modified import mdev, tdev
-from x.parabolic import pdev
-from x.terms import UndefinedError
-from x.theo import theo1, theobr, theoh
-from x.total import htotdev, mtotdev, totdev, ttotdev
-from x.wavelet import haar
+from tests.reference.allan import adev, oadev
+from tests.reference.hadamard import hdev, ohdev
+from tests.reference.interval import mtie, tierms
+from tests.reference.modified import mdev, tdev
+from tests.reference.parabolic import pdev
+from tests.reference.terms import UndefinedError
+from tests.reference.theo import theo1, theobr, theoh
+from tests.reference.total import htotdev, mtotdev, totdev, ttotdev
+from tests.reference.wavelet import haar
 
 REFEREES = {
     "adev": adev,

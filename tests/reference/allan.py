@@ -1,6 +1,6 @@
 """The Allan variance from the phase x_0 .. x_N, as NIST SP 1065 and IEEE Std 952 print it."""
 
-from x.terms import indices, mean, phase
+from tests.reference.terms import indices, mean, phase
 
 
 def adev(x, m, tau0):

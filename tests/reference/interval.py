@@ -1,7 +1,8 @@
 """Squares of the time interval errors of the phase x_0 .. x_N. NIST SP 1065 5.2.18; ITU-T G.810."""
 
 import numpy as np
-from x.terms import indices, mean, require
+
+from tests.reference.terms import indices, mean, require
 
 
 def mtie(x, m, tau0):

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 from scipy.special import sici
-from x.dense import moments, quadratic_form
 
 from allanite.terms import TERMS
+from tests.reference.dense import moments, quadratic_form
 
 
 def flicker_of_the_angle(t):

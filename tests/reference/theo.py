@@ -1,7 +1,7 @@
 """Theo1, its form with the bias removed, and the hybrid, from the phase x_0 .. x_N."""
 
-from x.allan import oadev
-from x.terms import indices, mean, require
+from tests.reference.allan import oadev
+from tests.reference.terms import indices, mean, require
 
 
 def theo1(x, m, tau0):

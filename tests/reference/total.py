@@ -1,9 +1,10 @@
 """The total variances from the phase x_0 .. x_N: raw, without any factor for their bias."""
 
 import numpy as np
-from x.hadamard import ohdev
-from x.modified import mean_second_differences
-from x.terms import indices, mean, rate, require
+
+from tests.reference.hadamard import ohdev
+from tests.reference.modified import mean_second_differences
+from tests.reference.terms import indices, mean, rate, require
 
 
 def totdev(x, m, tau0):

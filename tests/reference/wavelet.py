@@ -1,6 +1,6 @@
 """The Haar wavelet variance of the rate, by the pyramid of the maximal overlap transform."""
 
-from x.terms import mean, rate, require
+from tests.reference.terms import mean, rate, require
 
 
 def haar(x, m, tau0):

@@ -1,7 +1,8 @@
 """The same statistics a second way: weights on the rate samples of one window, window after window, gaps left out."""
 
 import numpy as np
-from x.terms import mean, require
+
+from tests.reference.terms import mean, require
 
 
 def _steps(m, *heights):

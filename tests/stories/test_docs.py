@@ -9,12 +9,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from tests import ROOT
 
 import allanite as al
 from allanite.cli import VERBS
 from allanite.comparison.change import OUTCOMES
+from allanite.core.units import ATOMS, SPELLINGS
 
-ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
 RESULTS = Path("benchmarks", "results")
@@ -110,7 +111,7 @@ def test_every_method_has_its_values_and_its_efficiency(site):
 
 def test_units_are_those_of_the_table(site):
     page = text(site, "generated/units.html")
-    for name in (*al.units.ATOMS, *al.units.SPELLINGS):
+    for name in (*ATOMS, *SPELLINGS):
         assert f" {name} " in page
     assert "0.000290888" in page
 

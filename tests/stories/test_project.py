@@ -9,10 +9,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from tests import ROOT
 
 import allanite
 
-ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(sys.executable).parent
 MAKE = shutil.which("make")
 OF_MAKE = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "FILE", "ARGS")

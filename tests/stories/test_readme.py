@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 SAMPLE = "examples/tactical_gyro.csv"
 

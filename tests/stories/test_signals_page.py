@@ -4,16 +4,15 @@ import re
 import shlex
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import ROOT
 
 import allanite as al
 from allanite.cli import main
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "compensation.md").read_text(encoding="utf-8")
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.model import term
 from allanite.identification.curves.allan_hadamard import drift
 from allanite.identification.curves.gls import moments_of, octaves, standard_errors
 from allanite.identification.curves.nonnegative import solve
@@ -19,7 +20,7 @@ RATE, SIZE = 2.0, 2**14
 
 
 def model_of(**coefficients):
-    return al.Model(tuple(al.model.term(s, v, UNIT[s]) for s, v in coefficients.items()))
+    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in coefficients.items()))
 
 
 def record_of(model, seed=1, size=SIZE):

@@ -5,11 +5,11 @@ The first mutations of the same seed files of which `benchmarks/fuzz_readers.py`
 
 import importlib.util
 import time
-from pathlib import Path
 
 import pytest
+from tests import ROOT
 
-SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "fuzz_readers.py"
+SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
 spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
 fuzz = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(fuzz)

@@ -8,6 +8,7 @@ from scipy.fft import dct
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
+from allanite.core.model import term
 from allanite.terms.markov import gauss_markov
 from allanite.terms.sine import sine
 
@@ -165,7 +166,7 @@ def test_models_with_shapes():
     with pytest.raises(al.UsageError, match="each term may stand once"):
         _ = two + al.GM(3.0, "deg/h", time_constant=10.0)
     with pytest.raises(al.UsageError, match="time_constant in s"):
-        al.model.term("GM", 1.0, "deg/h")
+        term("GM", 1.0, "deg/h")
     with pytest.raises(al.UsageError, match="above 0"):
         al.GM(1.0, "deg/h", time_constant=0.0)
     assert str(al.Sine(1.0, "deg/h", frequency=2.0)) == "Sine = 1 deg/h with frequency 2 Hz"

@@ -3,11 +3,11 @@
 import json
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import ROOT
 
 import allanite as al
 from allanite.cli import main
@@ -24,7 +24,7 @@ MODELS = {
 
 def script():
     """The benchmark holds the referee."""
-    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+    sys.path.insert(0, str(ROOT / "benchmarks"))
     try:
         import bound
     finally:

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import allanite as al
+from allanite.core.units import convert
 from allanite.signals import TorqueScale, rate_from_current
 from allanite.signals.codes import Codes, codes
 
@@ -31,7 +32,7 @@ def test_the_scale_factor_is_the_torque_over_the_momentum():
     assert replace(SCALE, sides=1.0).factor == pytest.approx(SCALE.factor / 4)
     # one ampere in arcsec per second, which is the same number in deg/h
     rate = rate_from_current(al.Record([1.0, 2.0], 1000.0, "A"), SCALE)
-    assert al.units.convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
+    assert convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])

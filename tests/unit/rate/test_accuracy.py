@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.model import term
 from allanite.rate import RATE_ESTIMATORS, Options, Plan, by_duration, experiment, predicted_standard_error
 from allanite.rate.inputs import interval_of
 from allanite.rate.measure import in_si, setting_of
@@ -45,7 +46,7 @@ def simulated(model, rng):
 @pytest.fixture(scope="module", params=MODELS)
 def runs(request):
     """Errors of the linear methods over 400 runs, against the mean of the slow rate; and the model."""
-    model = al.Model(tuple(al.model.term(*t) for t in MODELS[request.param]))
+    model = al.Model(tuple(term(*t) for t in MODELS[request.param]))
     methods = [m for m in RATE_ESTIMATORS if m != "staircase"]
     errors = {m: [] for m in methods}
     weights, setting = None, None

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from scipy import signal
 
 import allanite as al
+from allanite.core.model import term
+from allanite.core.units import SIGNALS
 from allanite.statistics.spectra.multitaper import LARGEST_TAPERS, slepian
 from allanite.statistics.spectra.spectrum import METHODS
 from allanite.statistics.spectra.welch import WINDOWS
@@ -64,8 +66,8 @@ def test_long_tapers_are_the_short_ones_stretched():
 @pytest.mark.parametrize("symbol", ["Q", "N", "B", "K"])
 def test_the_level_is_that_of_the_model(method, symbol):
     """Mean of 40 records within 5 standard errors at every tenth of a decade, where the resolution is fine enough."""
-    unit = al.units.SIGNALS[0].si[al.TERMS[symbol].power]
-    model = al.Model((al.model.term(symbol, 1.0, unit),))
+    unit = SIGNALS[0].si[al.TERMS[symbol].power]
+    model = al.Model((term(symbol, 1.0, unit),))
     spectra = [
         al.spectrum(al.simulate(model, 4096, 10.0, rng=np.random.default_rng(seed)), method, bins=10)
         for seed in range(1, 41)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.model import term
 from allanite.statistics import STATISTICS, edf
 from allanite.terms import TERMS
 
@@ -16,7 +17,7 @@ RUNS = 100
 def test_every_octave_has_the_expected_variance(symbols, rate):
     """100 records of 2048, seeds 1 to 100; 4.5 standard errors at 11 octaves, error probability below 1e-4."""
     size = {"Q": 0.5 / rate, "N": 1.0 / rate**0.5, "B": 0.3, "K": 0.02 * rate**0.5, "R": 1e-4 * rate}
-    model = al.Model(tuple(al.model.term(s, size[s], UNIT[s]) for s in symbols))
+    model = al.Model(tuple(term(s, size[s], UNIT[s]) for s in symbols))
     curves = [
         al.deviation(al.simulate(model, 2048, rate, rng=np.random.default_rng(seed))) for seed in range(1, RUNS + 1)
     ]
@@ -71,7 +72,7 @@ def test_derivatives_of_the_structure_function(symbol):
 @pytest.mark.parametrize("symbol", ["N", "B", "K", "Q"])
 def test_spectrum_and_structure_are_one_process(symbol):
     """Allan variance by the spectral integral against D."""
-    model = al.Model((al.model.term(symbol, 1.0, UNIT[symbol]),))
+    model = al.Model((term(symbol, 1.0, UNIT[symbol]),))
     tau0, m = 0.25, 6
     # of the sampled rate, aliases included: the integral ends at half the sampling rate
     f = np.geomspace(1e-8, 0.5 / tau0, 400_001)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.units import convert
 from allanite.prepare import inspect, trim
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.B(1.0, "deg/h")
@@ -53,7 +54,7 @@ class Quantity:
         self.magnitude, self.unit = magnitude, unit
 
     def to(self, unit):
-        return Quantity(self.magnitude * al.units.convert(1.0, self.unit, unit), unit)
+        return Quantity(self.magnitude * convert(1.0, self.unit, unit), unit)
 
 
 def test_quantities_bring_their_unit():

@@ -5,6 +5,7 @@ import pytest
 from scipy.fft import dct
 
 import allanite as al
+from allanite.core.model import term
 from allanite.identification.likelihood.selection import Profile, select, subsets
 from allanite.identification.likelihood.whittle import likelihood, spectrum
 from allanite.statistics.moments.lags import lag_nodes, sum_nodes
@@ -14,7 +15,7 @@ UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 
 
 def model_of(**coefficients):
-    return al.Model(tuple(al.model.term(s, v, UNIT[s]) for s, v in coefficients.items()))
+    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in coefficients.items()))
 
 
 def generalised_covariance(symbol, n):
