@@ -66,7 +66,8 @@ def _css(column: Column, text: str, mark: str) -> str:
     """Classes of a cell; the status is its own class."""
     names = {"number": "number", "name": "name", "symbol": "symbol", "text": "wrap", "formula": "formula"}
     own = text.split(",", maxsplit=1)[0] if column.kind == "status" else names.get(column.kind, "")
-    return " ".join(filter(None, (own, "aside" if column.aside else "", mark)))
+    shown = mark if mark != "strong" or (column.kind == "number" and not column.aside) else ""
+    return " ".join(filter(None, (own, "quiet" if column.aside else "", shown)))
 
 
 def _counted() -> Any:

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.reporting import plot, table
-from allanite.reporting.html import page
+from allanite.reporting import page, plot, table
 
 SENSORS = {
     "MEMS": al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),

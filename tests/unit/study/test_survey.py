@@ -11,8 +11,9 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.reporting import plot, table
+from allanite.reporting.sheet import toml
 from allanite.reporting.style import encode
-from allanite.study.survey import survey
+from allanite.study.survey import Densities, survey
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
 
@@ -70,7 +71,9 @@ def test_spectrum_is_that_of_the_library(file):
     assert {(row["unit"], row["amplitude_unit"], row["sides"]) for row in found} == {
         ("(deg/h)^2/Hz", "deg/h/sqrt(Hz)", "two")
     }
-    found = rows(run("spectrum", file, "--channels", "y", "--method", "multitaper", "--bins", "0", "--csv", "-").stdout)
+    found = rows(
+        run("spectrum", file, "--channels", "y", "--estimator", "multitaper", "--bins", "0", "--csv", "-").stdout
+    )
     assert len(found) == al.spectrum(al.read(file)["y"], "multitaper").frequency.size
 
 
@@ -94,7 +97,8 @@ def test_files_table_and_json(verb, file, tmp_path):
     assert paths["plot"].read_bytes().startswith(b"\x89PNG")
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert data["type"] == "Survey"
-    assert [(value["type"], value["name"]) for value in data["values"]] == [(VERBS[verb], n) for n in ("x", "y", "a")]
+    values = [value for channel in data["channels"] for value in channel["values"]]
+    assert [(value["type"], value["name"]) for value in values] == [(VERBS[verb], n) for n in ("x", "y", "a")]
     assert {row["channel"] for row in rows(paths["csv"].read_text(encoding="utf-8"))} == {"x", "y", "a"}
     again = run(*arguments)
     assert again.exit_code == 2
@@ -121,7 +125,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
         (["deviation", "{file}", "--taus", "often"], 2, "known are octave"),
         (["deviation", "{file}", "--to", "m"], 2, "measure different things"),
         (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
-        (["spectrum", "{file}", "--method", "fft"], 2, "known are welch, multitaper"),
+        (["spectrum", "{file}", "--estimator", "fft"], 2, "known are welch, multitaper"),
         (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is no setting of 'welch'; it has segment, window"),
         (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
         (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),
@@ -136,11 +140,23 @@ def test_what_goes_wrong_is_said_in_a_line(arguments, code, words, file):
     assert result.stdout == ""
 
 
-def test_a_channel_that_cannot_be_identified_has_no_limits_and_says_why(file):
+def test_a_channel_that_does_not_support_the_job_says_why(file):
     result = run("deviation", file, "--channels", "x,flat", "--m", "1")
     assert result.exit_code == 0
-    assert "! the noise is not identified" in result.stdout
+    assert "! no result: the signal never changes" in result.stdout
     assert "edf" in result.stdout
+
+
+def test_a_recipe_repeats_the_run(file, tmp_path):
+    first = run("deviation", file, "--channels", "x,y", "--statistic", "adev,totdev", "--m", "1,10", "--json", "-")
+    done = json.loads(first.stdout)
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(toml(done["recipe"]), encoding="utf-8")
+    assert json.loads(run("deviation", file, "--recipe", recipe, "--json", "-").stdout) == done
+    recipe.write_text("statistics = 'adev'", encoding="utf-8")
+    refused = run("deviation", file, "--recipe", recipe)
+    assert refused.exit_code == 2
+    assert "unknown key 'statistics' in the recipe; known are" in refused.stderr
 
 
 def test_refusals_are_named_and_others_go_on():
@@ -148,12 +164,12 @@ def test_refusals_are_named_and_others_go_on():
     lost = y.copy()
     lost[::3] = np.nan
     pair = al.Recording(tuple(al.Record(v, 10.0, "deg/h", name=n) for n, v in (("good", y), ("bad", lost))))
-    found = survey(pair, lambda record, fit: [al.spectrum(record, "multitaper")])
+    found = survey(pair, Densities("multitaper"))
     assert [value.name for value in found.values] == ["good"]
-    assert "lost" in found.refusals["bad"]
+    assert "lost" in found["bad"].refusal
     assert "no result: 667 of 2000 samples" in table(found)
     with pytest.raises(al.DataError, match="bad: 667"):
-        survey(pair["bad"], lambda record, fit: [al.spectrum(record, "multitaper")])
+        survey(pair["bad"], Densities("multitaper"))
 
 
 @pytest.fixture(scope="module")
