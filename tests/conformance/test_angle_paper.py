@@ -70,11 +70,7 @@ def test_speed_and_equality_are_as_demanded():
 @pytest.mark.parametrize("hour", [0, 2])
 def test_a_part_made_again_agrees(law, hour):
     """The first 20 runs: share within one planned deviation against that of normal errors, error probability 1e-5."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from angle import Experiment, Job, plan, run
-    finally:
-        sys.path.pop(0)
+    from angle import Experiment, Job, plan, run
     experiment = Experiment("still", law)
     row = [row for row in SIMULATED if row["law of q"] == law][hour]
     planned = plan(experiment, hour)

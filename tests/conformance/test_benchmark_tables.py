@@ -97,11 +97,7 @@ def binomial_tail(k, n, p):
 @pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG"])
 def test_a_part_made_again_agrees(sensor, terms):
     """The first 25 records of each sensor; each count within the table's share at an error probability of 1e-5."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from identification import Job, identified, summary, symbols
-    finally:
-        sys.path.pop(0)
+    from identification import Job, identified, summary, symbols
     records = 25
     jobs = [Job(terms, sensor, 65536, seed) for seed in range(1, records + 1)]
     found = [identified(job) for job in jobs]
@@ -140,11 +136,7 @@ def test_growth_meets_its_demands():
 
 def test_a_part_of_the_growth_made_again_agrees():
     """The errors of every tau and of Theo1 for a shorter record, and the memory of one."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import growth
-    finally:
-        sys.path.pop(0)
+    import growth
     for _, allan, theo in growth.errors(5000):
         assert allan < 1e-9
         assert theo < 1e-9
@@ -155,11 +147,7 @@ def test_damaged_files_of_every_format_are_read_or_refused():
     text = (RESULTS / "fuzz.md").read_text()
     assert "command: `python benchmarks/fuzz_readers.py" in text
     assert "seed" in text
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from fuzz_readers import SEEDS
-    finally:
-        sys.path.pop(0)
+    from fuzz_readers import SEEDS
     rows = {row["file"]: row for row in rows_of("fuzz.md")}
     assert set(rows) == set(SEEDS)
     for row in rows.values():
@@ -169,11 +157,7 @@ def test_damaged_files_of_every_format_are_read_or_refused():
 
 
 def noise_cells():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import noise_identification
-    finally:
-        sys.path.pop(0)
+    import noise_identification
     return noise_identification
 
 
@@ -214,11 +198,7 @@ def test_a_part_of_noise_identification_made_again_agrees(which):
 
 
 def coverage_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import confidence_coverage as script
-    finally:
-        sys.path.pop(0)
+    import confidence_coverage as script
     return script
 
 
@@ -254,11 +234,7 @@ def test_hybrids_have_the_degrees_of_freedom_of_the_simulation():
 
 
 def simulation_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import simulation as script
-    finally:
-        sys.path.pop(0)
+    import simulation as script
     return script
 
 
@@ -290,11 +266,7 @@ def test_the_bound_is_that_of_full_matrices():
 
 
 def compensation_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import compensation as script
-    finally:
-        sys.path.pop(0)
+    import compensation as script
     return script
 
 

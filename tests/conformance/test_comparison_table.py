@@ -25,11 +25,7 @@ VERDICTS, SMALL = tables("comparison.md")
 
 @pytest.fixture(scope="module")
 def script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import comparison
-    finally:
-        sys.path.pop(0)
+    import comparison
     return comparison
 
 

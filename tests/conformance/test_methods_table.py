@@ -13,11 +13,7 @@ TEXT = (ROOT / "benchmarks" / "results" / "methods.md").read_text(encoding="utf-
 
 
 def script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import methods
-    finally:
-        sys.path.pop(0)
+    import methods
     return methods
 
 

@@ -19,11 +19,7 @@ def section(title, text=TEXT):
 
 @pytest.fixture(scope="module")
 def bench():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import rate
-    finally:
-        sys.path.pop(0)
+    import rate
     return rate
 
 

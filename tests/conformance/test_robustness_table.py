@@ -11,11 +11,7 @@ TEXT = (ROOT / "benchmarks" / "results" / "robustness.md").read_text()
 
 
 def script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import robustness
-    finally:
-        sys.path.pop(0)
+    import robustness
     return robustness
 
 

@@ -46,11 +46,7 @@ def test_demands_are_met(row):
 
 def test_a_part_made_again_agrees():
     """False claims in the first 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from selection import PURE, claimed, fitted
-    finally:
-        sys.path.pop(0)
+    from selection import PURE, claimed, fitted
     found = [fitted((PURE[0], seed)) for seed in range(1, 21)]
     assert all("N" in claimed(terms) for terms, _, _ in found)
     assert sum(bool(claimed(terms) - {"N", "R"}) for terms, _, _ in found) <= 5
