@@ -12,6 +12,7 @@ if "numpy" not in sys.modules:
 
 import argparse
 import platform
+import re
 import subprocess
 import time
 from collections.abc import Iterable, Sequence
@@ -121,7 +122,8 @@ class Page:
 
     def tables(self, section: str = "") -> list[list[dict[str, str]]]:
         """Rows by heading of every table of a section, which is named by how its title begins; of the page if none."""
-        part = f"\n{self.text}".split(f"\n## {section}", 1)[1].split("\n## ")[0] if section else self.text
+        parts = re.split(r"^#+ ", self.text, flags=re.MULTILINE) if section else [self.text]
+        part = next(part for part in parts if part.startswith(section))
         found, inside = [], False
         for line in part.splitlines():
             if line.startswith("| "):
