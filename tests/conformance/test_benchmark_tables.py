@@ -260,7 +260,7 @@ def test_a_part_of_the_compensation_made_again_agrees(which):
     """The first 10 of the same seeds; each count within the table's share at an error probability of 1e-4."""
     script, records = compensation, 10
     cell = script.CELLS[which]
-    lines = script.made(cell, [script.run((cell, seed)) for seed in range(1, records + 1)])
+    lines = script.made(cell, [script.run_one((cell, seed)) for seed in range(1, records + 1)])
     table = [r for r in read("compensation.md").rows() if (r["noise"], r["temperature"]) == (cell.noise, cell.drift)]
     for line, row in zip(lines, table, strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
