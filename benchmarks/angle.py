@@ -8,15 +8,12 @@ and 10 (rest). In a run the true constants are drawn from that prior, the errors
 cosine is computed without linearising. Run k of every row has seed k.
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
-import subprocess
 import time
 from dataclasses import dataclass
-from datetime import date
 from multiprocessing import Pool
-from pathlib import Path
 
 import numpy as np
 
@@ -150,7 +147,7 @@ def windows() -> list[str]:
             best = al.angle.scan(latitude=LATITUDE, duration=60.0 * minutes, interval=10.0, q_law=law).best
             low, high = np.degrees(best.h)
             lines.append(
-                f"- best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
+                f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"
             )
     return lines
 
@@ -174,42 +171,22 @@ def thin(gimbals: al.angle.Gimbals, step: int) -> al.angle.Gimbals:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=300)
-    parser.add_argument("--first", type=int, default=1, help="first seed")
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
+    run = begin(__doc__, runs=300, first=1)
+    runs, first = run.asked.runs, run.asked.first
     seconds, difference = speed()
     with Pool() as pool:
-        table = [row for e in EXPERIMENTS for row in rows(e, options.runs, options.first, pool)]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Angle sensors: planned against simulated accuracy",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/angle.py --runs {options.runs} --first {options.first}`",
-        f"- seeds {options.first}..{options.first + options.runs - 1} in every row; latitude 60 deg, a reading "
+        table = [row for e in EXPERIMENTS for row in rows(e, runs, first, pool)]
+    notes = [
+        f"seeds {first}..{first + runs - 1} in every row; latitude 60 deg, a reading "
         "every 10 s, noise 1, prior 3 and 10, turn 300 s; the speed has seed 1",
-        "- planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "
+        "planned, simulated: sum over the eight amplitudes of the expected deviation, and of the root mean square "
         "error; over best: over the least of the six ranges; reference: that ratio as an independent prototype gave "
         "it; worst ratio: simulated over planned of the amplitude where it departs most; within 3 sigma, cover: of all "
         "estimates",
-        f"- 1000000 readings, 13 constants: {seconds:.2f} s; recursive from batch by at most {difference:.1e} relative",
+        f"1000000 readings, 13 constants: {seconds:.2f} s; recursive from batch by at most {difference:.1e} relative",
         *windows(),
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in table),
-        "",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Angle sensors: planned against simulated accuracy", notes, markdown(HEADINGS, table))
 
 
 if __name__ == "__main__":

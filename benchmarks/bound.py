@@ -6,12 +6,9 @@ The referee makes the covariance of the differences of the rates, and the inform
 Nothing is random: there is no seed.
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
-import subprocess
-from datetime import date
-from pathlib import Path
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, toeplitz
@@ -74,39 +71,17 @@ def made(name: str, n: int, rate: float, *, ramp: bool) -> list[tuple[str, ...]]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--size", type=int, default=2048)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
+    run = begin(__doc__, size=2048)
+    size = run.asked.size
     rates = {name: (1.0, 100.0) if name in al.SENSORS else (1.0,) for name in MODELS}
-    rows = [
-        row
-        for name in MODELS
-        for rate in rates[name]
-        for ramp in (False, True)
-        for row in made(name, options.size, rate, ramp=ramp)
-    ]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# The Cramer-Rao bound against full matrices",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}",
-        f"- command: `python benchmarks/bound.py --size {options.size}`; nothing is random, there is no seed",
-        f"- {options.size} readings; relative standard errors (1 sigma); the largest deviation of a ratio from 1 is "
+    cases = [(name, rate, ramp) for name in MODELS for rate in rates[name] for ramp in (False, True)]
+    rows = [row for name, rate, ramp in cases for row in made(name, size, rate, ramp=ramp)]
+    notes = [
+        "nothing is random, there is no seed",
+        f"{size} readings; relative standard errors (1 sigma); the largest deviation of a ratio from 1 is "
         f"{max(abs(float(row[-1]) - 1) for row in rows):.4f}",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("The Cramer-Rao bound against full matrices", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

@@ -6,17 +6,13 @@ Pairs of records of one model are simulated with seeds 1, 2, 3, ... and compared
 changed, the second record of each pair is louder by a factor. Ends with exit code 1 if a share is out of bounds.
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
-import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
-from datetime import date
 from functools import partial
 from multiprocessing import Pool
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -178,11 +174,6 @@ def _within(cell: str) -> bool:
     return SIZE[0] <= float(cell) <= SIZE[1]
 
 
-def table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    lines = ["| " + " | ".join(headings) + " |", "|" + "---|" * len(headings)]
-    return [*lines, *("| " + " | ".join(row) + " |" for row in rows), ""]
-
-
 def verdict_part(models: list[str], pairs: int, processes: int) -> tuple[list[str], list[str]]:
     """Text, and what is out of bounds."""
     rows = [row for model in models for row in verdict_rows(model, pairs, processes)]
@@ -193,13 +184,13 @@ def verdict_part(models: list[str], pairs: int, processes: int) -> tuple[list[st
         "chi-square; symbols: one coefficient by its profile, not adjusted. Bounds of the verdict: "
         f"{SIZE[0]} to {SIZE[1]} %.",
         "",
-        *table(VERDICT, rows),
+        *markdown(VERDICT, rows),
         "## A small change of white noise",
         "",
         f"The likelihood ratio of {pairs} pairs against an F test with {SAMPLES - 1} degrees of freedom each, the best "
         "there is if nothing but white noise could be there.",
         "",
-        *table(SMALL_HEADINGS, list(small_rows(pairs, processes))),
+        *markdown(SMALL_HEADINGS, list(small_rows(pairs, processes))),
     ], missed_verdicts(rows)
 
 
@@ -214,7 +205,7 @@ def ratio_part(models: list[str], pairs: int, processes: int) -> tuple[list[str]
         f"Bounds: size {SIZE[0]} to {SIZE[1]} %, power within {NEAR:g} points of the prediction; from {FEWEST} degrees "
         "of freedom on.",
         "",
-        *table(RATIO, rows),
+        *markdown(RATIO, rows),
     ], missed_ratios(rows)
 
 
@@ -222,37 +213,16 @@ PARTS = {"verdict": verdict_part, "ratio": ratio_part}
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("part", choices=list(PARTS))
-    parser.add_argument("--models", nargs="+", default=list(MODELS), choices=list(MODELS))
-    parser.add_argument("--pairs", type=int, default=2000)
-    parser.add_argument("--processes", type=int, default=1)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    body, out = PARTS[options.part](options.models, options.pairs, options.processes)
-    error = 100 * math.sqrt(0.05 * 0.95 / options.pairs)
-    lines = [
-        f"# Comparison of two records: {options.part}",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/comparison.py {options.part} --models {' '.join(options.models)} "
-        f"--pairs {options.pairs} --processes {options.processes}`",
-        f"- seeds 1..{options.pairs}; records of {SAMPLES} samples at {RATE:g} Hz; all five terms asked for; "
-        f"level 5 %, standard error of a share of 5 %: {error:.2f} %",
-        *(f"- {name}: {model}" for name, model in MODELS.items()),
-        f"- out of bounds: {len(out)}" + (f" ({'; '.join(out)})" if out else ""),
-        "",
-        *body,
+    run = begin(__doc__, part=tuple(PARTS), models=list(MODELS), pairs=2000, processes=1)
+    pairs = run.asked.pairs
+    body, out = PARTS[run.asked.part](run.asked.models, pairs, run.asked.processes)
+    notes = [
+        f"seeds 1..{pairs}; records of {SAMPLES} samples at {RATE:g} Hz; all five terms asked for; "
+        f"level 5 %, standard error of a share of 5 %: {100 * math.sqrt(0.05 * 0.95 / pairs):.2f} %",
+        *(f"{name}: {model}" for name, model in MODELS.items()),
+        f"out of bounds: {len(out)}" + (f" ({'; '.join(out)})" if out else ""),
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish(f"Comparison of two records: {run.asked.part}", notes, body)
     sys.exit(1 if out else 0)
 
 

@@ -7,17 +7,11 @@ deg/sqrt(h), B 12.023988 deg/h, K 32.72457 deg/h/sqrt(h)) or with other noise; a
 drifts in one of three ways; seeds 1, 2, 3, ...
 """
 
-import argparse
+from table import begin, markdown
+
 import os
-import platform
-import subprocess
-import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from datetime import date
-from pathlib import Path
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
@@ -103,7 +97,7 @@ def known(cell: Cell, y: np.ndarray, X: np.ndarray) -> np.ndarray:
     return beta / np.sqrt(np.diag(V))
 
 
-def run(job: tuple[Cell, int]) -> np.ndarray:
+def run_one(job: tuple[Cell, int]) -> np.ndarray:
     """For both regressors: false effects by three ways, within limits, error over its deviation; the gain elsewhere."""
     cell, seed = job
     rng = np.random.default_rng(seed)
@@ -134,44 +128,24 @@ def made(cell: Cell, results: list[np.ndarray]) -> list[tuple[str, ...]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=400)
-    parser.add_argument("--first", type=int, default=1, help="first seed")
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start, rows = time.perf_counter(), []
+    run = begin(__doc__, records=400, first=1)
+    records, first, rows = run.asked.records, run.asked.first, []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for cell in CELLS:
-            seeds = range(options.first, options.first + options.records)
-            rows += made(cell, list(pool.map(run, [(cell, seed) for seed in seeds], chunksize=10)))
-            print(*rows[-2:], f"{time.perf_counter() - start:.0f} s", sep="\n", flush=True)
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Compensation by regressors",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/compensation.py --records {options.records} --first {options.first}`",
-        f"- seeds {options.first}..{options.first + options.records - 1}; 1 Hz, 1 h; Monte-Carlo standard error "
-        f"at 5 %: {100 * (0.05 * 0.95 / options.records) ** 0.5:.1f} %",
-        "- false: no dependence, and an effect at 5 %; ordinary: by ordinary least squares; noise known: by "
+            jobs = [(cell, seed) for seed in range(first, first + records)]
+            rows += made(cell, list(pool.map(run_one, jobs, chunksize=10)))
+            print(*rows[-2:], sep="\n", flush=True)
+    notes = [
+        f"seeds {first}..{first + records - 1}; 1 Hz, 1 h; Monte-Carlo standard error "
+        f"at 5 %: {100 * (0.05 * 0.95 / records) ** 0.5:.1f} %",
+        "false: no dependence, and an effect at 5 %; ordinary: by ordinary least squares; noise known: by "
         "generalised least squares under the noise that was simulated",
-        "- within 95 % limits: a simulated effect of 20 deg/h/degC and 2000 deg/h/(degC/s); bias: mean error over its "
+        "within 95 % limits: a simulated effect of 20 deg/h/degC and 2000 deg/h/(degC/s); bias: mean error over its "
         "standard error",
-        "- gain met: another record of the same effects, temperature and noise, whose mean square fell by what was "
+        "gain met: another record of the same effects, temperature and noise, whose mean square fell by what was "
         "promised, within 95 % limits; gain / expected: sums over all records, with its Monte-Carlo standard error",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Compensation by regressors", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

@@ -6,14 +6,10 @@ Records of 256 samples are simulated with seeds 1, 2, 3, ...; the limits are tho
 with exit code 1 if a cell is out of bounds.
 """
 
-import argparse
-import platform
-import subprocess
+from table import begin, markdown
+
 import sys
-import time
 import warnings
-from datetime import date
-from pathlib import Path
 
 import numpy as np
 
@@ -104,41 +100,20 @@ def within(line: tuple[str, ...]) -> bool:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=1000)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start, lines = time.perf_counter(), []
+    run, lines = begin(__doc__, records=1000), []
     for noise in NOISES:
-        records = records_of(noise, options.records)
+        records = records_of(noise, run.asked.records)
         for name in FACTORS:
             lines += made((noise, name), records)
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
     missed = [line for line in lines if not within(line)]
-    text = "\n".join(
-        [
-            "# Coverage of the confidence limits",
-            "",
-            f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-            f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-            f"- command: `python benchmarks/confidence_coverage.py --records {options.records}`",
-            f"- seeds 1..{options.records}; {SAMPLES} samples; cells with {FEWEST} degrees of freedom or more",
-            "- below, above: how often the 95 % limits lie above and below the truth, each tail by itself; bounds "
-            + ", ".join(f"{key} {low} to {high}" for key, (low, high) in BOUNDS.items()),
-            f"- out of bounds: {len(missed)} of {len(lines)} cells",
-            "- allantools 68 %: how often its own one-sigma errors hold the truth on the same records",
-            "",
-            "| " + " | ".join(HEADINGS) + " |",
-            "|" + "---|" * len(HEADINGS),
-            *("| " + " | ".join(line) + " |" for line in lines),
-            "",
-        ]
-    )
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    notes = [
+        f"seeds 1..{run.asked.records}; {SAMPLES} samples; cells with {FEWEST} degrees of freedom or more",
+        "below, above: how often the 95 % limits lie above and below the truth, each tail by itself; bounds "
+        + ", ".join(f"{key} {low} to {high}" for key, (low, high) in BOUNDS.items()),
+        f"out of bounds: {len(missed)} of {len(lines)} cells",
+        "allantools 68 %: how often its own one-sigma errors hold the truth on the same records",
+    ]
+    run.publish("Coverage of the confidence limits", notes, markdown(HEADINGS, lines))
     sys.exit(1 if missed else 0)
 
 

@@ -9,18 +9,8 @@ HDF5 is read as always by a process of its own, here forked from one that has im
 Ends with exit code 1 if there is a failure.
 """
 
-import os
+from table import Page, Row, begin, commit, markdown, processor
 
-for variable in (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-    "ARROW_NUM_THREADS",
-):
-    os.environ[variable] = "1"
-
-import argparse
 import bz2
 import contextlib
 import ctypes
@@ -29,6 +19,7 @@ import importlib.util
 import io
 import lzma
 import multiprocessing
+import os
 import resource
 import subprocess
 import sys
@@ -435,7 +426,7 @@ def _followed(process, pipe, place) -> list:
     return said
 
 
-HEAD = f"""# Damaged files
+ABOUT = f"""# Damaged files
 
 - machine: {{machine}}
 - command: `python benchmarks/fuzz_readers.py --write benchmarks/results/fuzz.md`, or with --only for single rows
@@ -443,48 +434,39 @@ HEAD = f"""# Damaged files
 - a failure is a traceback, a crash, a hang, over {SLOW:g} s of processor time, or over {TIMES} times the file and
   {ROOM >> 20} MB of memory
 
-| file | bytes | mutations | read | refused | failures | slowest ms | memory MB | commit | date |
-|---|---|---|---|---|---|---|---|---|---|
 """
+HEADINGS = (
+    "file", "bytes", "mutations", "read", "refused", "failures", "slowest ms", "memory MB", "commit", "date",
+)  # fmt: skip
 
 
-def row(r: Result, commit: str) -> str:
+def row(r: Result, code: str) -> Row:
     """The line of a table for a result."""
     size = len(SEEDS[r.name].make())
     cells = (r.name, size, r.count, r.counts["read"], r.counts["refused"], len(r.failures))
-    cells += (f"{r.slowest * 1e3:.0f}", f"{r.peak / 2**20:.0f}", commit, date.today())
-    return "| " + " | ".join(map(str, cells)) + " |"
+    return (*map(str, cells), f"{r.slowest * 1e3:.0f}", f"{r.peak / 2**20:.0f}", code, str(date.today()))
 
 
-def renewed(text: str, lines: list[str]) -> str:
-    """The table with these lines instead of those of the same files."""
-    rows = {line.split()[1]: line for line in [*text.splitlines(), *lines] if line.startswith("| ")}
-    about = Path("/proc/cpuinfo").read_text().splitlines()
-    machine = next((line.split(":")[1].strip() for line in about if line.startswith("model name")), "?")
-    return HEAD.format(machine=machine) + "".join(f"{rows[name]}\n" for name in SEEDS if name in rows)
+def renewed(page: Page, line: Row) -> str:
+    """The table with this line instead of that of the same file."""
+    before = [tuple(old.values()) for table in page.tables() for old in table]
+    rows = {one[0]: one for one in (*before, line)}
+    return ABOUT.format(machine=processor()) + "\n".join(markdown(HEADINGS, [rows[n] for n in SEEDS if n in rows]))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--share", type=float, default=1.0, help="part of the mutations")
-    parser.add_argument("--only", default=",".join(SEEDS))
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--write", type=Path)
-    given = parser.parse_args()
-    names = given.only.split(",")
-    git = ["git", "rev-parse", "--short=7", "HEAD"]
-    commit = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
-    results = []
-    with ThreadPoolExecutor(given.jobs) as pool:
-        for result in pool.map(lambda name: run(name, round(given.share * SEEDS[name].count)), names):
-            print(row(result, commit), flush=True)
+    asked = begin(__doc__, share=1.0, only=",".join(SEEDS), jobs=2).asked
+    code, failed = commit(), False
+    with ThreadPoolExecutor(asked.jobs) as pool:
+        for result in pool.map(lambda name: run(name, round(asked.share * SEEDS[name].count)), asked.only.split(",")):
+            print(*row(result, code), sep=" | ", flush=True)
             for k, why in result.failures[:5]:
                 print(f"  {result.name}, mutation {k}: {why}", flush=True)
-            results.append(result)
-            if given.write:
-                before = given.write.read_text() if given.write.exists() else ""
-                given.write.write_text(renewed(before, [row(result, commit)]))
-    sys.exit(any(result.failures for result in results))
+            failed |= bool(result.failures)
+            if path := asked.write:
+                before = Page(path.read_text(encoding="utf-8") if path.exists() else "")
+                path.write_text(renewed(before, row(result, code)), encoding="utf-8")
+    sys.exit(failed)
 
 
 if __name__ == "__main__":

@@ -1,35 +1,30 @@
 """How the time of long jobs grows with the record, and how it compares with allantools and with numpy per window.
 
-    python benchmarks/growth.py [--write]
+    python benchmarks/growth.py [--write PATH]
 
 One thread, processor time, the shortest of several rounds, all in one run. What a peer would need hours or days for is
 extrapolated from a part of it that takes at least 5 s, by the number of its inner terms. Ends with exit code 1 if a
-demand is missed; --write puts growth.md and growth.svg under benchmarks/results.
+demand is missed; the figure growth.svg is put beside the table.
 """
 
+from table import begin, markdown
+
 import os
-
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[variable] = "1"
-
-import argparse
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from datetime import date
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from speed import INCORE, one_difference, processor
 
 import allanite as al
 from allanite.kernels.allan import second
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
+from speed import INCORE, one_difference
 
-RESULTS = Path(__file__).with_name("results")
 RATE = 100.0
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
 ENOUGH = 5.0
@@ -276,9 +271,7 @@ def draw(times: dict[str, list[float]], found: dict[str, Peer], path: Path) -> N
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true")
-    options = parser.parse_args()
+    run = begin(__doc__)
     load = os.getloadavg()[0]
     records = {size: record_of(size) for job in JOBS.values() for size in job.sizes}
     for job in JOBS.values():
@@ -330,45 +323,36 @@ def main() -> int:
         ("mtotdev, 50 m of 1e5 [s]", 0, 0, times["mtotdev"][2], 3, "<="),
         ("oadev, 100 tau of 3.6e6 with integration: share of the in-cache bound", allan_log, 0, share, 0.7, ">="),
     ]
-    text, good = table(rows, aims, (load, u))
-    text += sections(times, found, wrong)
-    print(text)
-    if options.write:
-        (RESULTS / "growth.md").write_text(text)
-        draw(times, found, RESULTS / "growth.svg")
+    lines, good = table(rows, aims)
+    notes = [
+        f"load {load:.1f} at the start and {os.getloadavg()[0]:.1f} at the end, one thread, processor time, best of 3; "
+        "seed 1",
+        f"in-cache second difference {1e9 * u:.3f} ns; aims are not demands",
+    ]
+    run.publish("Growth of the time with the record", notes, [*lines, *sections(times, found, wrong)])
+    if run.asked.write:
+        draw(times, found, run.asked.write.with_suffix(".svg"))
     return 0 if good else 1
 
 
 Row = tuple[str, float, float, float, float, str]
 
 
-def table(rows: list[Row], aims: list[Row], machine: tuple[float, float]) -> tuple[str, bool]:
-    load, u = machine
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    lines = [
-        "# Growth of the time with the record",
-        "",
-        f"- commit {commit.stdout.strip()}, {date.today()}, {processor()}, load {load:.1f} at the start and "
-        f"{os.getloadavg()[0]:.1f} at the end, one thread, processor time, best of 3; seed 1",
-        "- command: `python benchmarks/growth.py --write`",
-        f"- in-cache second difference {1e9 * u:.3f} ns; aims are not demands",
-        "",
-        "| what | ours [s] | peer [s] | measured | wanted | |",
-        "|---|---|---|---|---|---|",
-    ]
-    good = True
+def table(rows: list[Row], aims: list[Row]) -> tuple[list[str], bool]:
+    """Lines of the table, and whether every demand is met."""
+    cells, good = [], True
     for row in (*rows, *aims):
         what, ours, theirs, value, bound, sense = row
         met = value <= bound if sense == "<=" else value >= bound
         good &= met or row in aims
         verdict = ("reached" if met else "not reached") if row in aims else ("met" if met else "MISSED")
-        times = " | ".join(f"{seconds:.3g}" if seconds else "" for seconds in (ours, theirs))
-        lines.append(f"| {what} | {times} | {value:.3g} | {sense} {bound:g} | {verdict} |")
-    return "\n".join([*lines, ""]), good
+        times = (f"{seconds:.3g}" if seconds else "" for seconds in (ours, theirs))
+        cells.append((what, *times, f"{value:.3g}", f"{sense} {bound:g}", verdict))
+    return markdown(("what", "ours [s]", "peer [s]", "measured", "wanted", ""), cells), good
 
 
-def sections(times: dict[str, list[float]], found: dict[str, Peer], wrong: list[tuple[str, float, float]]) -> str:
-    lines = ["", "## Peers, extrapolated", "", "by their inner terms: a difference, squared and summed", ""]
+def sections(times: dict[str, list[float]], found: dict[str, Peer], wrong: list[tuple[str, float, float]]) -> list[str]:
+    lines = ["## Peers, extrapolated", "", "by their inner terms: a difference, squared and summed", ""]
     lines += [f"- {name}: {one.ns:.3g} ns a term, from {one.part} ({one.seconds:.1f} s)" for name, one in found.items()]
     lines += ["", "## Relative errors", ""]
     lines += ["Every tau of 1e6 samples and Theo1 at every even m of 72000, the largest of 90 and of 30 of them.", ""]
@@ -377,7 +361,7 @@ def sections(times: dict[str, list[float]], found: dict[str, Peer], wrong: list[
     for name, job in JOBS.items():
         cells = ", ".join(f"{n}: {seconds:.3g}" for n, seconds in zip(job.sizes, times[name], strict=True))
         lines.append(f"- {job.title}: {cells}")
-    return "\n".join([*lines, "", "## What was reached, and what holds it back", "", REACHED, ""])
+    return [*lines, "", "## What was reached, and what holds it back", "", REACHED, ""]
 
 
 REACHED = """\

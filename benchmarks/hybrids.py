@@ -6,11 +6,7 @@ Records of 512 samples with seeds FIRST, FIRST + 1, ...: single noise with the r
 ratio of the model. (`SCATTER` was taken from seeds 1 to 600; other seeds test it.)
 """
 
-import argparse
-import platform
-import subprocess
-from datetime import date
-from pathlib import Path
+from table import begin, markdown
 
 import numpy as np
 
@@ -68,34 +64,14 @@ def made(case: tuple[dict[str, float], str | None], seeds: range) -> list[tuple[
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=600)
-    parser.add_argument("--first", type=int, default=1, help="first seed")
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    seeds = range(options.first, options.first + options.records)
+    run = begin(__doc__, records=600, first=1)
+    seeds = range(run.asked.first, run.asked.first + run.asked.records)
     lines = [line for case in CASES for line in made(case, seeds)]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    text = "\n".join(
-        [
-            "# TheoBR and TheoH against simulation",
-            "",
-            f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}",
-            f"- command: `python benchmarks/hybrids.py --records {options.records} --first {options.first}`",
-            f"- seeds {seeds[0]}..{seeds[-1]}; {SAMPLES} samples; the simulated degrees of freedom are known to "
-            f"{100 * (2 / options.records) ** 0.5:.0f} % where they are many, worse where they are few",
-            "",
-            "| " + " | ".join(HEADINGS) + " |",
-            "|" + "---|" * len(HEADINGS),
-            *("| " + " | ".join(line) + " |" for line in lines),
-            "",
-        ]
-    )
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    notes = [
+        f"seeds {seeds[0]}..{seeds[-1]}; {SAMPLES} samples; the simulated degrees of freedom are known to "
+        f"{100 * (2 / len(seeds)) ** 0.5:.0f} % where they are many, worse where they are few",
+    ]
+    run.publish("TheoBR and TheoH against simulation", notes, markdown(HEADINGS, lines))
 
 
 if __name__ == "__main__":

@@ -8,17 +8,13 @@ asked for and no others. The bound is that of the coefficients with the true ter
 there is one).
 """
 
-import argparse
+from table import begin, markdown
+
 import itertools
 import math
-import platform
-import subprocess
 import sys
-import time
 from dataclasses import dataclass
-from datetime import date
 from multiprocessing import Pool
-from pathlib import Path
 
 import numpy as np
 
@@ -123,41 +119,17 @@ def summary(job: Job, symbol: str, found: list[tuple]) -> tuple[str, ...]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
-    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
-    parser.add_argument("--records", type=int, default=400)
-    parser.add_argument("--first", type=int, default=1, help="first seed")
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    rows = table(options.sensors, options.sizes, options.records, options.first)
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Identification against the Cramer-Rao bound",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/identification.py --sensors {' '.join(options.sensors)} "
-        f"--sizes {' '.join(map(str, options.sizes))} --records {options.records} --first {options.first}`",
-        f"- seeds {options.first}..{options.first + options.records - 1}, above {LONG} samples at most {FEW}; 100 Hz; "
-        "Monte-Carlo standard error of a coverage of 95 %: "
-        f"{100 * math.sqrt(0.05 * 0.95 / options.records):.1f} %",
-        "- cover: the interval as printed holds the truth (from 0 to the one-sided limit for a term not found); "
+    run = begin(__doc__, sensors=list(SENSORS), sizes=[2**16, 2**18], records=400, first=1)
+    asked = run.asked
+    rows = table(asked.sensors, asked.sizes, asked.records, asked.first)
+    notes = [
+        f"seeds {asked.first}..{asked.first + asked.records - 1}, above {LONG} samples at most {FEW}; 100 Hz; "
+        f"Monte-Carlo standard error of a coverage of 95 %: {100 * math.sqrt(0.05 * 0.95 / asked.records):.1f} %",
+        "cover: the interval as printed holds the truth (from 0 to the one-sided limit for a term not found); "
         "profile: the two-sided profile interval does; width: median width over 3.92 bounds; rmse, bias: of the "
         "coefficient in the model, over the bound; rmse of square: half that of its square, which has no bend at zero.",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Identification against the Cramer-Rao bound", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

@@ -6,21 +6,17 @@ The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is 
 A term that a method does not find counts as 0, or as what its model has of it.
 """
 
-import argparse
+from table import begin, markdown
+
 import itertools
 import math
-import platform
-import subprocess
 import sys
-import time
-from datetime import date
 from multiprocessing import Pool
-from pathlib import Path
 
 import numpy as np
-from identification import RATE, SENSORS, Job, asked, bounds
 
 import allanite as al
+from identification import RATE, SENSORS, Job, asked, bounds
 
 WAYS = {name: (name, None) for name in al.METHODS} | {
     f"gls of {statistic}": ("gls", statistic) for statistic in ("ohdev", "mdev", "theo1")
@@ -68,39 +64,17 @@ def table(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str,
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sensors", nargs="+", default=list(SENSORS), choices=list(SENSORS))
-    parser.add_argument("--sizes", nargs="+", type=int, default=[2**16, 2**18])
-    parser.add_argument("--records", type=int, default=100)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    rows = table(options.sensors, options.sizes, range(1, options.records + 1))
-    lines = [
-        "# Methods of identification against the Cramer-Rao bound",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/methods.py --sensors {' '.join(options.sensors)} "
-        f"--sizes {' '.join(map(str, options.sizes))} --records {options.records}`",
-        f"- seeds 1..{options.records}, the same records for every method; 100 Hz; the true terms are known",
-        "- rmse, bias: of the coefficient, over the bound; cover: the 95 % interval as printed holds the truth (from 0 "
+    run = begin(__doc__, sensors=list(SENSORS), sizes=[2**16, 2**18], records=100)
+    asked = run.asked
+    rows = table(asked.sensors, asked.sizes, range(1, asked.records + 1))
+    notes = [
+        f"seeds 1..{asked.records}, the same records for every method; 100 Hz; the true terms are known",
+        "rmse, bias: of the coefficient, over the bound; cover: the 95 % interval as printed holds the truth (from 0 "
         "to the one-sided limit for a term not found), - for a method without intervals. Monte-Carlo standard error: "
-        f"{100 / math.sqrt(2 * options.records):.0f} % of an rmse, "
-        f"{100 * math.sqrt(0.05 * 0.95 / options.records):.0f} % of a coverage of 95 %.",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
+        f"{100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
+        f"{100 * math.sqrt(0.05 * 0.95 / asked.records):.0f} % of a coverage of 95 %.",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Methods of identification against the Cramer-Rao bound", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

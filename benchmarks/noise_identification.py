@@ -5,13 +5,9 @@
 Pure noise is simulated with seeds 1, 2, 3, ...; every m-th point of the angle is what the methods see.
 """
 
-import argparse
-import platform
-import subprocess
-import time
+from table import begin, markdown
+
 from dataclasses import dataclass
-from datetime import date
-from pathlib import Path
 
 import numpy as np
 
@@ -95,38 +91,17 @@ def made(cell: Cell, records: int, first: int = 1) -> tuple[str, ...]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=200)
-    parser.add_argument("--first", type=int, default=1, help="first seed")
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    rows = [made(cell, options.records, options.first) for cell in CELLS]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Power law of the noise, found from one record",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/noise_identification.py --records {options.records} --first {options.first}`",
-        f"- seeds {options.first}..{options.first + options.records - 1}; "
-        f"Monte-Carlo standard error at 50 %: {50 / options.records**0.5:.1f} %",
-        '- found: the law is named exactly, as `noise="auto"` does; plain rounding: the autocorrelation with the '
+    run = begin(__doc__, records=200, first=1)
+    records, first = run.asked.records, run.asked.first
+    rows = [made(cell, records, first) for cell in CELLS]
+    notes = [
+        f"seeds {first}..{first + records - 1}; Monte-Carlo standard error at 50 %: {50 / records**0.5:.1f} %",
+        'found: the law is named exactly, as `noise="auto"` does; plain rounding: the autocorrelation with the '
         "published rule. method: lag1, b1 (fewer than 30 points) and rn (noise of the angle at m > 3).",
-        "- WPM, FPM: white and flicker noise of the angle; WFM, FFM, RWFM: of the rate; FWFM, RRFM: flicker and random "
+        "WPM, FPM: white and flicker noise of the angle; WFM, FFM, RWFM: of the rate; FWFM, RRFM: flicker and random "
         "walk of the ramp, simulated as sums of FFM and RWFM.",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Power law of the noise, found from one record", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

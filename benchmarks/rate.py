@@ -1,29 +1,25 @@
 """A constant rate in two minutes: the paper's experiment on the simulated GL-1, bounds, the search, speed.
 
-    python benchmarks/rate.py [--runs 6] [--records 400] [--write PATH] [--figure PATH]
+    python benchmarks/rate.py [--runs 6] [--records 400] [--searches 20] [--write PATH]
+
+The figure of the run with seed 1, rate.svg, is put beside the table.
 
 Random numbers have seeds 1, 2, 3 ...
 """
 
-import argparse
+from table import begin, markdown
+
 import itertools
 import math
-import os
-import platform
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from datetime import date
 from functools import partial
 from pathlib import Path
 
-for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(threads, "1")
-
 import numpy as np
 from scipy.linalg import solve_toeplitz
+from tests.reference.rate import descent
 
 import allanite as al
 from allanite.rate import RATE_ESTIMATORS, Experiment, Options, Plan, experiment, predicted_standard_error
@@ -31,9 +27,6 @@ from allanite.rate.measure import setting_of
 from allanite.rate.setting import TARGETS
 from allanite.simulation.ring_laser import GL1
 from allanite.statistics.moments.gls import autocovariance
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from tests.reference.rate import descent
 
 ARCSEC = math.pi / 180 / 3600
 N, RATE, T = 48_000, 400.0, 120.0
@@ -244,11 +237,7 @@ def timed(job: Callable, times: int = 3) -> tuple[float, object]:
 
 
 def lines(title: str, text: str, table: Table) -> Iterator[str]:
-    headings, rows = table
-    yield from ("", f"## {title}", "", text, "")
-    yield "| " + " | ".join(headings) + " |"
-    yield "|" + "---|" * len(headings)
-    yield from ("| " + " | ".join(row) + " |" for row in rows)
+    yield from (f"## {title}", "", text, "", *markdown(*table))
 
 
 def draw(path: Path) -> None:
@@ -264,14 +253,8 @@ def draw(path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=6, help="runs of 94 intervals")
-    parser.add_argument("--records", type=int, default=400, help="intervals for predictions")
-    parser.add_argument("--searches", type=int, default=20, help="records for each noise of the search")
-    parser.add_argument("--write", type=Path)
-    parser.add_argument("--figure", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
+    run = begin(__doc__, runs=6, records=400, searches=20)
+    options = run.asked
     parts = (
         ("Speed", "Processor time on one core.", speed()),
         (
@@ -304,26 +287,10 @@ def main() -> None:
             search(options.searches),
         ),
     )
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    text = [
-        "# A constant rate in two minutes",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/rate.py --runs {options.runs} --records {options.records} "
-        f"--searches {options.searches}`",
-        f"- seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches",
+    notes = [
+        f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches",
     ]
-    for part in parts:
-        text += lines(*part)
-    written = "\n".join([*text, ""])
-    print(written)
-    if options.write:
-        options.write.write_text(written, encoding="utf-8")
-    if options.figure:
-        draw(options.figure)
+    run.publish("A constant rate in two minutes", notes, [line for part in parts for line in lines(*part)])
 
 
 if __name__ == "__main__":

@@ -6,15 +6,11 @@ The recordings are not part of the project; INDEX.md of the folder says where ea
 an independent program, the overlapped Allan deviation at 1 s and its minimum over 0.664 (which textbooks call B).
 """
 
-import argparse
-import os
-import platform
-import subprocess
-from dataclasses import dataclass
-from datetime import date
-from pathlib import Path
+from table import begin, markdown
 
-import numpy as np
+import os
+from dataclasses import dataclass
+from pathlib import Path
 
 import allanite as al
 from allanite.reporting import words
@@ -115,29 +111,10 @@ def brief(text: str, most: int = 260) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
+    run = begin(__doc__)
     folder = Path(os.environ.get("ALLANITE_RECORDINGS", "../shared/recordings"))
     table = [found for case in CASES for found in rows(folder, case)]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    text = "\n".join([
-        "# Real recordings",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}; nothing here is random, there is no seed",
-        "- command: `python benchmarks/recordings.py`",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(cells) + " |" for cells in table),
-        "",
-    ])  # fmt: skip
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Real recordings", ["nothing here is random, there is no seed"], markdown(HEADINGS, table))
 
 
 if __name__ == "__main__":

@@ -7,25 +7,19 @@ same records with and without gaps or spikes; the mean difference of each coeffi
 Faults: in how many records the right reason is named, and named first. Seeds 1, 2, 3, ...
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
-import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from datetime import date
 from multiprocessing import Pool
-from pathlib import Path
 
 import numpy as np
 
 import allanite as al
 from allanite.identification.likelihood.whittle import likelihood, spectrum
 from allanite.prepare.outliers import marked, outliers
-
-sys.path.insert(0, str(Path(__file__).parent))
 from identification import RATE, SENSORS, bounds
 
 CHECKS = ("cells", "correlation", "kurtosis", "halves", "eighths")
@@ -45,7 +39,7 @@ def fast(y: np.ndarray) -> float:
 # --- sizes ---------------------------------------------------------------------------------------------------------
 
 
-def asked(job: tuple[str, int, int]) -> list[float]:
+def asked_of(job: tuple[str, int, int]) -> list[float]:
     """P of the cells and of every check, whether anything is said, and outliers found."""
     record = al.Record(clean(*job), RATE, "rad/s")
     fit = al.identify(record)
@@ -215,79 +209,45 @@ def named(job: tuple[str, str, int]) -> tuple[bool, bool]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=400, help="clean records")
-    parser.add_argument("--pairs", type=int, default=100, help="records with and without damage")
-    parser.add_argument("--faulty", type=int, default=50, help="records with a fault")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    with Pool(options.processes) as pool:
-        seeds = range(1, options.records + 1)
-        sizes = [
-            size_row(s, n, pool.map(asked, [(s, n, seed) for seed in seeds], chunksize=5))
-            for n in SIZES
-            for s in SENSORS
-        ]
+    run = begin(__doc__, records=400, pairs=100, faulty=50, processes=2)
+    asked = run.asked
+    with Pool(asked.processes) as pool:
+
+        def each(job: Callable, *what: object, count: int) -> list:
+            return pool.map(job, [(*what, seed) for seed in range(1, count + 1)], chunksize=5)
+
+        sizes = [size_row(s, n, each(asked_of, s, n, count=asked.records)) for n in SIZES for s in SENSORS]
         print("sizes done", file=sys.stderr, flush=True)
-        damages: list[tuple[str, ...]] = []
-        for damage in DAMAGED:
-            jobs = [(damage, seed) for seed in range(1, options.pairs + 1)]
-            damages += damage_rows(damage, pool.map(both, jobs, chunksize=5))
+        damages = [row for d in DAMAGED for row in damage_rows(d, each(both, d, count=asked.pairs))]
         print("damages done", file=sys.stderr, flush=True)
-        faults = []
-        for fault in FAULTS:
-            for sensor in SENSORS:
-                found = pool.map(named, [(fault, sensor, seed) for seed in range(1, options.faulty + 1)], chunksize=5)
-                counts = [str(sum(pair[i] for pair in found)) for i in (0, 1)]
-                faults.append((fault, sensor, str(options.faulty), *counts))
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    command = f"--records {options.records} --pairs {options.pairs} --faulty {options.faulty}"
-    lines = [
-        "# Records that are not clean",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/robustness.py {command}`",
-        f"- seeds 1..{options.records}, 1..{options.pairs} and 1..{options.faulty}; 100 Hz; damage at n = {LENGTH}, "
+        faults = [fault_row(f, s, each(named, f, s, count=asked.faulty)) for f in FAULTS for s in SENSORS]
+    notes = [
+        f"seeds 1..{asked.records}, 1..{asked.pairs} and 1..{asked.faulty}; 100 Hz; damage at n = {LENGTH}, "
         f"faults at n = {FAULTY}",
-        "",
+    ]
+    body = [
         "## Clean records in which a check fails, %",
         "",
         "Cells: goodness of fit by cells of frequency; standard error of a share of 5 %: "
-        f"{100 * math.sqrt(0.05 * 0.95 / options.records):.1f} %. Not explained: anything is said against the model. "
+        f"{100 * math.sqrt(0.05 * 0.95 / asked.records):.1f} %. Not explained: anything is said against the model. "
         "Outliers: readings marked in all of the records.",
         "",
-        *shown(SIZE_HEADINGS, sizes),
-        "",
+        *markdown(SIZE_HEADINGS, sizes),
         "## Damage",
         "",
         "The terms that there are being known. Bias: of the damaged records' coefficients. Difference: from the same "
         "records whole. Bound: Cramer-Rao's.",
         "",
-        *shown(DAMAGE_HEADINGS, damages),
-        "",
+        *markdown(DAMAGE_HEADINGS, damages),
         "## Faults",
         "",
-        *shown(FAULT_HEADINGS, faults),
-        "",
+        *markdown(FAULT_HEADINGS, faults),
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Records that are not clean", notes, body)
 
 
-def shown(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """A table in Markdown."""
-    return [
-        "| " + " | ".join(headings) + " |",
-        "|" + "---|" * len(headings),
-        *("| " + " | ".join(row) + " |" for row in rows),
-    ]
+def fault_row(fault: str, sensor: str, found: list[tuple[bool, bool]]) -> tuple[str, ...]:
+    return (fault, sensor, str(len(found)), *(str(sum(pair[i] for pair in found)) for i in (0, 1)))
 
 
 if __name__ == "__main__":

@@ -5,22 +5,18 @@
 Records at 100 Hz are simulated with seeds 1, 2, 3, ... and identified as a user would.
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
-import subprocess
-import time
 from dataclasses import dataclass, replace
-from datetime import date
 from multiprocessing import Pool
-from pathlib import Path
 
 import numpy as np
-from identification import RATE, SENSORS, bounds
 
 import allanite as al
 from allanite.identification.likelihood.selection import Profile, Subset
 from allanite.identification.likelihood.whittle import likelihood, spectrum
+from identification import RATE, SENSORS, bounds
 
 N, K, MEMS = al.N(0.005, "deg/sqrt(s)"), al.K(3e-4, "deg/s/sqrt(s)"), SENSORS["MEMS"]
 HEADINGS = ("what", "model", "n", "value", "demand")
@@ -142,33 +138,14 @@ def rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=1000)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
+    run = begin(__doc__, records=1000)
     with Pool() as pool:
-        table = rows(options.records, pool)
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    text = "\n".join([
-        "# Which terms are claimed",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s",
-        f"- command: `python benchmarks/selection.py --records {options.records}`",
-        f"- seeds 1..{options.records}; 100 Hz; se: standard error of K² by the Cramer-Rao bound; the expected limit "
+        table = rows(run.asked.records, pool)
+    notes = [
+        f"seeds 1..{run.asked.records}; 100 Hz; se: standard error of K² by the Cramer-Rao bound; the expected limit "
         "is that of a spectrum in which every power is what is expected, the true terms known",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in table),
-        "",
-    ])  # fmt: skip
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    ]
+    run.publish("Which terms are claimed", notes, markdown(HEADINGS, table))
 
 
 if __name__ == "__main__":

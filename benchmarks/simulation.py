@@ -6,14 +6,11 @@ Records of 4096 readings of every term and of mixtures, seeds 1, 2, 3, ...; sinu
 the mean over the records less the exact expectation, in standard errors of that mean (from the scatter of the records).
 """
 
-import argparse
+from table import begin, markdown
+
 import math
-import platform
 import resource
-import subprocess
 import time
-from datetime import date
-from pathlib import Path
 
 import numpy as np
 from scipy.fft import dct
@@ -96,37 +93,18 @@ def ten_million() -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--records", type=int, default=200)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    rows = [row for name in MODELS for row in made(name, options.records)]
+    run = begin(__doc__, records=200)
+    rows = [row for name in MODELS for row in made(name, run.asked.records)]
     z = np.array([[float(cell) for cell in row[2:-1]] for row in rows])
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Simulated records against their expectation",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}",
-        f"- command: `python benchmarks/simulation.py --records {options.records}`",
-        f"- seeds 1..{options.records}; {SIZE} readings at {RATE:g} Hz",
-        "- cells: (mean over the records - exact expectation) / standard error of the mean. of oadev: at averaging "
+    notes = [
+        f"seeds 1..{run.asked.records}; {SIZE} readings at {RATE:g} Hz",
+        "cells: (mean over the records - exact expectation) / standard error of the mean. of oadev: at averaging "
         "factors; of spectrum: mean power of the cosine transform's coefficients k to 2k - 1, noise terms alone.",
-        f"- beyond 3 standard errors: {int((np.abs(z) > 3).sum())} of {z.size} cells ({0.0027 * z.size:.1f} are "
+        f"beyond 3 standard errors: {int((np.abs(z) > 3).sum())} of {z.size} cells ({0.0027 * z.size:.1f} are "
         f"expected of correct ones); their root mean square is {math.sqrt((z**2).mean()):.3f}",
-        f"- ten million readings of the fibre-optic gyro (Q, N, B, K, R): {ten_million()}",
-        "",
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        *("| " + " | ".join(row) + " |" for row in rows),
-        "",
+        f"ten million readings of the fibre-optic gyro (Q, N, B, K, R): {ten_million()}",
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    run.publish("Simulated records against their expectation", notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

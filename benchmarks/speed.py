@@ -6,19 +6,15 @@ One thread everywhere; every figure is the best of several rounds of one run, an
 Ends with exit code 1 if a bound is missed.
 """
 
+from table import begin, markdown
+
 import os
-
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[variable] = "1"
-
-import argparse
 import subprocess
 import sys
 import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable
-from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -70,14 +66,12 @@ def allocated(job: Callable[[], object]) -> int:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--samples", type=int, default=3_600_000)
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
+    run = begin(__doc__, samples=3_600_000)
+    samples = run.asked.samples
     model = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
-    record = al.simulate(model, options.samples, 100.0, rng=np.random.default_rng(1))
+    record = al.simulate(model, samples, 100.0, rng=np.random.default_rng(1))
     curve = al.deviation(record, "oadev", taus="log")
-    terms = options.samples * curve.m.size
+    terms = samples * curve.m.size
     x, rounds = np.random.default_rng(1).standard_normal(4 * INCORE), 100_000
     one_difference(x, 1000, 10)
     al.analyze(record)
@@ -116,29 +110,20 @@ def main() -> int:
         ("`allanite --help` over `import numpy`", helping / numpy_alone, 2.2, "<="),
         ("memory of the analysis over the record", memory, 6.0, "<="),
     ]
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    lines = [
-        "# Speed, as ratios",
-        "",
-        f"- commit {commit.stdout.strip()}, {date.today()}, {processor()}, load {os.getloadavg()[0]:.1f}, one thread",
-        f"- command: `python benchmarks/speed.py --samples {options.samples}`; seed 1",
-        f"- u = {1e9 * u:.3f} ns; overlapped Allan at {curve.m.size} tau of {options.samples} samples "
+    notes = [
+        "seed 1; one thread",
+        f"u = {1e9 * u:.3f} ns; overlapped Allan at {curve.m.size} tau of {samples} samples "
         f"{1e3 * allan:.0f} ms ({1e9 * allan / terms:.3f} ns per sample and tau)",
-        f"- analysis {1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
-        "",
-        "| what | measured | wanted | |",
-        "|---|---|---|---|",
+        f"analysis {1e3 * analysis:.0f} ms; import numpy {1e3 * numpy_alone:.0f} ms",
+        f"load {os.getloadavg()[0]:.1f}",
     ]
-    good = True
-    for what, value, bound, sense in rows:
-        met = value <= bound if sense == "<=" else value >= bound
-        good &= met
-        lines.append(f"| {what} | {value:.2f} | {sense} {bound:g} | {'met' if met else 'MISSED'} |")
-    text = "\n".join([*lines, ""])
-    print(text)
-    if options.write:
-        options.write.write_text(text)
-    return 0 if good else 1
+    met = [value <= bound if sense == "<=" else value >= bound for _, value, bound, sense in rows]
+    cells = [
+        (what, f"{value:.2f}", f"{sense} {bound:g}", "met" if good else "MISSED")
+        for (what, value, bound, sense), good in zip(rows, met, strict=True)
+    ]
+    run.publish("Speed, as ratios", notes, markdown(("what", "measured", "wanted", ""), cells))
+    return 0 if all(met) else 1
 
 
 def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
@@ -162,13 +147,6 @@ def peer_oadev(record: al.Record, m: np.ndarray) -> object:
     import allantools
 
     return allantools.oadev(record.values, rate=record.rate, data_type="freq", taus=m / record.rate)
-
-
-def processor() -> str:
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":")[1].strip()
-    return "unknown processor"
 
 
 if __name__ == "__main__":

@@ -7,31 +7,19 @@ halves of every pair, 200 random mixtures (seed 1, a ramp at most 0.9 of the var
 hour at 1 kHz, against windows of twice as many points. Times are per averaging time, five terms at once.
 """
 
-import os
+from table import begin, markdown
 
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[variable] = "1"
-
-import argparse
-import platform
-import subprocess
-import sys
 import time
 from dataclasses import replace
-from datetime import date
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from identification import RATE, SENSORS
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
 from allanite.statistics import GRIDS
 from allanite.statistics.moments import folded, windowed
 from allanite.statistics.moments.compact import compact, mean_weights
+from identification import RATE, SENSORS
 
 ROWS = ["theo1", "mtotdev", "htotdev", "pdev", "totdev"]
 SYMBOLS = "QNBKR"
@@ -137,42 +125,23 @@ def times(name: str, n: int) -> tuple[str, ...]:
     return (name, str(n), str(len(grid)), f"{np.median(best):.1f}", f"{best.max():.1f}", f"{sum(rounds[0]) / 1e3:.2f}")
 
 
-def markdown(headings: str, rows: list[tuple[str, ...]]) -> list[str]:
-    names = headings.split(", ")
-    lines = ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
-    return [*lines, *("| " + " | ".join(row) + " |" for row in rows), ""]
+ERRORS = ("statistic", "n", "factors", "single", "pairs", "random", "sensors", "expectation")
+TIMES = ("statistic", "n", "times", "median", "largest", "first")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sizes", nargs="+", type=int, default=[128, 256, 513])
-    parser.add_argument("--write", type=Path)
-    options = parser.parse_args()
-    start = time.perf_counter()
-    exact = [against_matrices(name, n) for name in ROWS for n in options.sizes]
+    run = begin(__doc__, sizes=[128, 256, 513])
+    exact = [against_matrices(name, n) for name in ROWS for n in run.asked.sizes]
     hour = [against_finer_windows(name) for name in ROWS]
     speed = [times(name, n) for name in ROWS for n in (HOUR, LONG)]
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False
-    ).stdout.strip()
-    lines = [
-        "# Degrees of freedom of the statistics over windows",
-        "",
-        f"- commit {commit}, {date.today()}, {platform.machine()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {time.perf_counter() - start:.0f} s, one thread",
-        f"- command: `python benchmarks/window_moments.py --sizes {' '.join(map(str, options.sizes))}`; seed 1",
-        "- largest error of EDF, %, over the averaging factors from the first to the last; n = 3600000: against "
+    notes = [
+        "seed 1",
+        "largest error of EDF, %, over the averaging factors from the first to the last; n = 3600000: against "
         "windows of twice as many points",
-        "",
-        *markdown("statistic, n, factors, single, pairs, random, sensors, expectation", exact + hour),
-        "Time per averaging time, ms, expectation and ratios of five terms; first: a whole curve, nothing cached, s.",
-        "",
-        *markdown("statistic, n, times, median, largest, first", speed),
     ]
-    text = "\n".join(lines)
-    print(text)
-    if options.write:
-        options.write.write_text(text)
+    told = "Time per averaging time, ms, expectation and ratios of five terms; first: a whole curve, nothing cached, s."
+    body = [*markdown(ERRORS, exact + hour), told, "", *markdown(TIMES, speed)]
+    run.publish("Degrees of freedom of the statistics over windows", notes, body)
 
 
 if __name__ == "__main__":

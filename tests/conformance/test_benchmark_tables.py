@@ -1,21 +1,20 @@
 """The committed tables hold what is claimed of them, and a part of them can be made again."""
 
+from table import RESULTS, read
+
 import math
 import re
-import sys
 
 import pytest
-from tests import ROOT
 
 import allanite as al
-
-RESULTS = ROOT / "benchmarks" / "results"
-
-
-def rows_of(name):
-    lines = [line for line in (RESULTS / name).read_text().splitlines() if line.startswith("| ")]
-    headings, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    return [dict(zip(headings, row, strict=True)) for row in rows]
+import compensation
+import confidence_coverage
+import growth
+import noise_identification
+import simulation
+from fuzz_readers import SEEDS
+from identification import Job, identified, summary, symbols
 
 
 @pytest.mark.parametrize(
@@ -33,7 +32,7 @@ def rows_of(name):
     ],
 )
 def test_tables_say_how_they_were_made(name):
-    head = (RESULTS / name).read_text().split("\n| ")[0]
+    head = read(name).head
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
     assert "seed" in head
     assert "command: `python benchmarks/" in head
@@ -51,7 +50,7 @@ def demanded(row):
     return pytest.param(row, id=name, marks=[pytest.mark.xfail(reason=SHORT[name])] if name in SHORT else [])
 
 
-@pytest.mark.parametrize("row", [demanded(row) for row in rows_of("identification.md")])
+@pytest.mark.parametrize("row", [demanded(row) for row in read("identification.md").rows()])
 def test_identification_meets_its_demands(row):
     if row["term"].endswith("(absent)"):
         assert float(row["claimed %"]) <= 7
@@ -68,21 +67,8 @@ def test_identification_meets_its_demands(row):
         assert float(row["identified %"]) >= 98
 
 
-def test_the_readme_quotes_the_table():
-    present = [r for r in rows_of("identification.md") if r["terms"] == "auto" and not r["term"].endswith("(absent)")]
-    seen = [r for r in present if float(r["bound %"]) <= 40]
-    profile, printed = ([float(r[column]) for r in seen] for column in ("profile %", "cover %"))
-    widest = max(float(r["width"]) for r in present if float(r["bound %"]) < 12)
-    claimed = max(float(r["claimed %"]) for r in rows_of("identification.md") if r["term"].endswith("(absent)"))
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"the truth in {min(profile):.1f} to {max(profile):.1f} % of records" in readme
-    assert f"hold the truth in {min(printed):.1f} to {max(printed):.1f} %" in readme
-    assert f"at most {widest:.2f} times as wide" in readme
-    assert f"claimed in at most {claimed:.1f} %" in readme
-
-
 def test_every_sensor_length_and_term_is_there():
-    found = {(r["sensor"], r["n"], r["term"][0]) for r in rows_of("identification.md") if r["terms"] == "auto"}
+    found = {(r["sensor"], r["n"], r["term"][0]) for r in read("identification.md").rows() if r["terms"] == "auto"}
     sizes = ("65536", "262144")
     assert found == {(s, n, t) for s in ("MEMS", "FOG", "RLG") for n in sizes for t in "QNBKR"}
 
@@ -97,16 +83,11 @@ def binomial_tail(k, n, p):
 @pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG"])
 def test_a_part_made_again_agrees(sensor, terms):
     """The first 25 records of each sensor; each count within the table's share at an error probability of 1e-5."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from identification import Job, identified, summary, symbols
-    finally:
-        sys.path.pop(0)
     records = 25
     jobs = [Job(terms, sensor, 65536, seed) for seed in range(1, records + 1)]
     found = [identified(job) for job in jobs]
     where = (terms, sensor, "65536")
-    table = [row for row in rows_of("identification.md") if (row["terms"], row["sensor"], row["n"]) == where]
+    table = [row for row in read("identification.md").rows() if (row["terms"], row["sensor"], row["n"]) == where]
     assert [row["term"][0] for row in table] == list(symbols(terms, sensor))
     for which, row in enumerate(table):
         made = summary(jobs[0], row["term"][0], [record[which] for record in found])
@@ -123,7 +104,7 @@ SLOW = ("identification: transform", "1.6 times instead of 1.5: two thirds are t
     "row",
     [
         pytest.param(row, marks=[pytest.mark.xfail(reason=SLOW[1])] if row["what"].startswith(SLOW[0]) else [])
-        for row in rows_of("speed.md")
+        for row in read("speed.md").rows()
     ],
     ids=lambda row: row["what"][:30],
 )
@@ -132,7 +113,7 @@ def test_speed_meets_its_demands(row):
 
 
 def test_growth_meets_its_demands():
-    verdicts = [list(row.values())[5] for row in rows_of("growth.md")]
+    verdicts = [list(row.values())[5] for row in read("growth.md").rows()]
     assert verdicts.count("met") >= 11
     assert set(verdicts) <= {"met", "reached", "not reached"}
     assert (RESULTS / "growth.svg").stat().st_size > 10_000
@@ -140,11 +121,6 @@ def test_growth_meets_its_demands():
 
 def test_a_part_of_the_growth_made_again_agrees():
     """The errors of every tau and of Theo1 for a shorter record, and the memory of one."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import growth
-    finally:
-        sys.path.pop(0)
     for _, allan, theo in growth.errors(5000):
         assert allan < 1e-9
         assert theo < 1e-9
@@ -152,29 +128,15 @@ def test_a_part_of_the_growth_made_again_agrees():
 
 
 def test_damaged_files_of_every_format_are_read_or_refused():
-    text = (RESULTS / "fuzz.md").read_text()
-    assert "command: `python benchmarks/fuzz_readers.py" in text
-    assert "seed" in text
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from fuzz_readers import SEEDS
-    finally:
-        sys.path.pop(0)
-    rows = {row["file"]: row for row in rows_of("fuzz.md")}
+    head = read("fuzz.md").head
+    assert "command: `python benchmarks/fuzz_readers.py" in head
+    assert "seed" in head
+    rows = {row["file"]: row for row in read("fuzz.md").rows()}
     assert set(rows) == set(SEEDS)
     for row in rows.values():
         assert re.fullmatch(r"[0-9a-f]{7}", row["commit"])
         assert int(row["read"]) + int(row["refused"]) == int(row["mutations"]) >= 8000
         assert (int(row["failures"]), int(row["slowest ms"]) < 2000, int(row["memory MB"]) < 100) == (0, True, True)
-
-
-def noise_cells():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import noise_identification
-    finally:
-        sys.path.pop(0)
-    return noise_identification
 
 
 # what the autocorrelation is known to reach, in percent at so many points, less three standard errors of 200 records
@@ -190,22 +152,22 @@ KNOWN = {
 
 @pytest.mark.parametrize("case", KNOWN, ids="-".join)
 def test_noise_is_identified_as_often_as_it_can_be(case):
-    rows = [r for r in rows_of("noise_identification.md") if (r["row"], r["noise"]) == case]
+    rows = [r for r in read("noise_identification.md").rows() if (r["row"], r["noise"]) == case]
     for row in rows:
         assert float(row["found %"]) >= KNOWN[case].get(int(row["points"]), 50)
 
 
 def test_plain_rounding_takes_flicker_for_random_walk():
-    rows = [r for r in rows_of("noise_identification.md") if (r["row"], r["noise"]) == ("oadev", "FFM")]
+    rows = [r for r in read("noise_identification.md").rows() if (r["row"], r["noise"]) == ("oadev", "FFM")]
     for row in rows:
         assert float(row["plain rounding %"]) < float(row["found %"]) - 10
 
 
-@pytest.mark.parametrize("which", range(0, len(rows_of("noise_identification.md")), 5))
+@pytest.mark.parametrize("which", range(0, len(read("noise_identification.md").rows()), 5))
 def test_a_part_of_noise_identification_made_again_agrees(which):
     """The same 200 seeds: two records may fall on the other side of a threshold by rounding."""
-    script = noise_cells()
-    row = rows_of("noise_identification.md")[which]
+    script = noise_identification
+    row = read("noise_identification.md").rows()[which]
     made = dict(zip(script.HEADINGS, script.made(script.CELLS[which], 200), strict=True))
     for heading in script.HEADINGS[:5]:
         assert made[heading] == row[heading]
@@ -213,17 +175,8 @@ def test_a_part_of_noise_identification_made_again_agrees(which):
         assert float(made[heading]) == pytest.approx(float(row[heading]), abs=1.0)
 
 
-def coverage_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import confidence_coverage as script
-    finally:
-        sys.path.pop(0)
-    return script
-
-
 def test_confidence_limits_cover_in_every_cell_of_the_table():
-    rows, script = rows_of("coverage.md"), coverage_script()
+    rows, script = read("coverage.md").rows(), confidence_coverage
     assert {(row["noise"], row["statistic"]) for row in rows} <= set(script.CELLS)
     assert len({row["statistic"] for row in rows}) == len(script.FACTORS)
     missed = [row for row in rows if not script.within(tuple(row.values()))]
@@ -236,9 +189,9 @@ def test_confidence_limits_cover_in_every_cell_of_the_table():
 @pytest.mark.parametrize(("noise", "name"), [("NK", "oadev"), ("QK", "theo1"), ("NBKR", "totdev"), ("K", "mtotdev")])
 def test_a_part_of_the_coverage_made_again_agrees(noise, name):
     """The first 200 of the same seeds: within 5 standard errors of 200 records (one failure in a million)."""
-    script = coverage_script()
+    script = confidence_coverage
     again = script.made((noise, name), script.records_of(noise, 200))
-    rows = [row for row in rows_of("coverage.md") if (row["noise"], row["statistic"]) == (noise, name)]
+    rows = [row for row in read("coverage.md").rows() if (row["noise"], row["statistic"]) == (noise, name)]
     for line, row in zip(again, rows, strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         assert made["edf"] == row["edf"]
@@ -248,23 +201,14 @@ def test_a_part_of_the_coverage_made_again_agrees(noise, name):
 
 def test_hybrids_have_the_degrees_of_freedom_of_the_simulation():
     """Within 15 %, on seeds that the factors were not taken from."""
-    for row in rows_of("hybrids.md"):
+    for row in read("hybrids.md").rows():
         assert float(row["edf / simulated"]) == pytest.approx(1, abs=0.15), row
         assert 92.5 <= float(row["95 %"]) <= 97.5, row
 
 
-def simulation_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import simulation as script
-    finally:
-        sys.path.pop(0)
-    return script
-
-
 def test_simulated_records_have_the_expected_curve_and_spectrum():
     """Within 3 standard errors of 200 records at every octave, of every term and mixture."""
-    rows, script = rows_of("simulation.md"), simulation_script()
+    rows, script = read("simulation.md").rows(), simulation
     assert {row["noise"] for row in rows} == set(script.MODELS)
     assert {t.symbol for text in script.MODELS.values() for t in al.parse_model(text)} == set(al.TERMS)
     assert all(float(row["largest"]) < 3 for row in rows)
@@ -273,9 +217,9 @@ def test_simulated_records_have_the_expected_curve_and_spectrum():
 @pytest.mark.parametrize("name", ["Q", "K", "all"])
 def test_a_part_of_the_simulation_made_again_agrees(name):
     """The same 200 seeds: the same numbers but for rounding."""
-    script = simulation_script()
+    script = simulation
     again = script.made(name, 200)
-    for line, row in zip(again, [row for row in rows_of("simulation.md") if row["noise"] == name], strict=True):
+    for line, row in zip(again, [row for row in read("simulation.md").rows() if row["noise"] == name], strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         assert made["of"] == row["of"]
         for heading in script.HEADINGS[2:]:
@@ -283,23 +227,14 @@ def test_a_part_of_the_simulation_made_again_agrees(name):
 
 
 def test_the_bound_is_that_of_full_matrices():
-    rows = rows_of("bound.md")
+    rows = read("bound.md").rows()
     assert {row["model"] for row in rows} >= set(al.SENSORS)
     assert {row["ramp"] for row in rows} == {"none", "unknown"}
     assert all(abs(float(row["ratio"]) - 1) < 0.002 for row in rows)
 
 
-def compensation_script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import compensation as script
-    finally:
-        sys.path.pop(0)
-    return script
-
-
 @pytest.mark.parametrize(
-    "row", rows_of("compensation.md"), ids=lambda r: f"{r['noise']}-{r['temperature']}-{r['regressor']}"
+    "row", read("compensation.md").rows(), ids=lambda r: f"{r['noise']}-{r['temperature']}-{r['regressor']}"
 )
 def test_compensation_meets_its_demands(row):
     """Of 400 records: false effects, limits and promises under the noise of table 2; never too bold under any."""
@@ -314,7 +249,7 @@ def test_compensation_meets_its_demands(row):
 
 
 def test_ordinary_least_squares_sees_what_is_not_there():
-    slow = [r for r in rows_of("compensation.md") if r["noise"] != "white" and r["regressor"] == "temp"]
+    slow = [r for r in read("compensation.md").rows() if r["noise"] != "white" and r["regressor"] == "temp"]
     assert len(slow) == 9
     assert all(float(row["ordinary %"]) > 20 for row in slow)
     assert all(3 <= float(row["noise known %"]) <= 8 for row in slow)
@@ -323,10 +258,10 @@ def test_ordinary_least_squares_sees_what_is_not_there():
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_part_of_the_compensation_made_again_agrees(which):
     """The first 10 of the same seeds; each count within the table's share at an error probability of 1e-4."""
-    script, records = compensation_script(), 10
+    script, records = compensation, 10
     cell = script.CELLS[which]
-    lines = script.made(cell, [script.run((cell, seed)) for seed in range(1, records + 1)])
-    table = [r for r in rows_of("compensation.md") if (r["noise"], r["temperature"]) == (cell.noise, cell.drift)]
+    lines = script.made(cell, [script.run_one((cell, seed)) for seed in range(1, records + 1)])
+    table = [r for r in read("compensation.md").rows() if (r["noise"], r["temperature"]) == (cell.noise, cell.drift)]
     for line, row in zip(lines, table, strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         for heading in ("false %", "ordinary %", "within 95 % limits"):

@@ -1,43 +1,27 @@
 """The committed table of methods holds what is claimed of them, and a part of it can be made again."""
 
+from table import read
+
 import re
-import sys
 
 import numpy as np
 import pytest
-from tests import ROOT
 
 import allanite as al
+import methods
 
-TEXT = (ROOT / "benchmarks" / "results" / "methods.md").read_text(encoding="utf-8")
-
-
-def script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import methods
-    finally:
-        sys.path.pop(0)
-    return methods
-
-
-def rows():
-    lines = [line for line in TEXT.splitlines() if line.startswith("| ")]
-    headings, *cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    return [dict(zip(headings, row, strict=True)) for row in cells]
-
-
-ROWS = rows()
+PAGE = read("methods.md")
+ROWS = PAGE.rows()
 SEEN = [row for row in ROWS if float(row["bound %"]) <= 12]
 """Terms that are well determined."""
 
 
 def test_it_says_how_it_was_made():
-    head = TEXT.split("\n| ")[0]
+    head = PAGE.head
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d, \S+, Python", head)
     assert "command: `python benchmarks/methods.py --sensors MEMS FOG RLG --sizes 65536 262144 --records 100`" in head
     assert "seeds 1..100, the same records for every method" in head
-    made = script()
+    made = methods
     terms = [(s, str(n), t.symbol) for n in (2**16, 2**18) for s in made.SENSORS for t in made.SENSORS[s]]
     assert [(r["sensor"], r["n"], r["term"], r["method"]) for r in ROWS] == [(*t, w) for t in terms for w in made.WAYS]
 
@@ -70,7 +54,7 @@ def test_a_part_made_again_agrees(sensor):
     The mean square of 10 lies within 0.1 and 4.5 times that of all (chi-square, 5e-5 on each side if errors are
     normal), and the mean within 5 standard errors.
     """
-    made, records = script(), 10
+    made, records = methods, 10
     found = [made.identified(made.Job("known", sensor, 2**16, seed)) for seed in range(1, records + 1)]
     again = [dict(zip(made.HEADINGS, row, strict=True)) for row in made.rows_of(sensor, 2**16, found)]
     table = [row for row in ROWS if (row["sensor"], row["n"]) == (sensor, "65536")]

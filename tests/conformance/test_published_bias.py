@@ -1,5 +1,7 @@
 """Published bias factors against exact expectations, as docs/published_formulas.md states them for 256 intervals."""
 
+from table import Page
+
 import numpy as np
 import pytest
 from tests import ROOT
@@ -9,7 +11,7 @@ from tests.reference.laws import LAWS, STRUCTURES
 import allanite as al
 from allanite.statistics.confidence.published import PUBLISHED_BIAS, published_bias
 
-PAGE = ROOT / "docs" / "published_formulas.md"
+PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
 RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128)}
@@ -41,9 +43,8 @@ def errors(name, alpha):
 
 @pytest.mark.parametrize(("name", "alpha"), ROWS)
 def test_the_page_states_the_error(name, alpha):
-    start = f"| {name} | {NAMES[alpha]} | "
-    cells = next(line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith(start))
-    for cell, found in zip(cells.strip("| ").split(" | ")[2:], errors(name, alpha), strict=True):
+    (row,) = (row for row in PAGE.rows("Bias") if (row["statistic"], row["noise"]) == (name, NAMES[alpha]))
+    for cell, found in zip(list(row.values())[2:], errors(name, alpha), strict=True):
         assert (cell == "-") == (found is None)
         if found:
             assert [float(number) for number in cell.split(" .. ")] == pytest.approx(found, abs=0.051)

@@ -1,7 +1,8 @@
 """Published degrees of freedom: golden values, and their error, which docs/published_formulas.md states for n = 256."""
 
+from table import Page
+
 import functools
-import re
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from allanite.core.units import SIGNALS
 from allanite.statistics import edf
 from allanite.statistics.confidence.powerlaw import SYMBOLS
 
-PAGE = ROOT / "docs" / "published_formulas.md"
+PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256
 UNITS = {symbol: SIGNALS[2].si[row.power] for symbol, row in al.TERMS.items()}
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
@@ -59,10 +60,8 @@ def errors(heading, alpha):
 
 
 def page_rows(heading):
-    section = re.split(r"^#+ ", PAGE.read_text(encoding="utf-8"), flags=re.M)
-    text = next(part for part in section if part.startswith(heading + "\n"))
-    lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line[:2] == "| "]
-    return lines[0], {line[0]: dict(zip(lines[0], line, strict=True)) for line in lines[1:]}
+    rows = PAGE.rows(heading + "\n")
+    return list(rows[0]), {row["noise"]: row for row in rows}
 
 
 @pytest.mark.parametrize("heading", list(FORMULAS))

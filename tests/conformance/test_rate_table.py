@@ -1,50 +1,36 @@
 """The committed table of rates holds what is claimed of it and what the documentation quotes; a part is made again."""
 
+from table import Page, read
+
 import re
-import sys
 
 import pytest
 from tests import ROOT
 
-TEXT = (ROOT / "benchmarks" / "results" / "rate.md").read_text(encoding="utf-8")
+import rate as bench
+
+TABLE = read("rate.md")
 PAGE = (ROOT / "docs" / "rate_paper.md").read_text(encoding="utf-8")
 
 
-def section(title, text=TEXT):
-    part = text.split(f"## {title}\n")[1].split("\n## ")[0]
-    lines = [line for line in part.splitlines() if line.startswith("| ")]
-    headings, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    return [dict(zip(headings, row, strict=True)) for row in rows]
-
-
-@pytest.fixture(scope="module")
-def bench():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import rate
-    finally:
-        sys.path.pop(0)
-    return rate
-
-
 def test_the_table_says_how_it_was_made():
-    head = TEXT.split("\n## ")[0]
+    head = TABLE.head
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
     assert "command: `python benchmarks/rate.py" in head
     assert "seeds 1.." in head
 
 
 def test_speed_meets_its_demands():
-    assert [row[""] for row in section("Speed")] == ["met", "-", "met", "met"]
+    assert [row[""] for row in TABLE.rows("Speed")] == ["met", "-", "met", "met"]
 
 
 def test_the_bound_is_reached():
-    for row in section("The bound"):
+    for row in TABLE.rows("The bound"):
         assert abs(float(row["over the bound, %"])) < 0.5
 
 
 def test_predictions_hold():
-    rows = section("Predictions")
+    rows = TABLE.rows("Predictions")
     assert len(rows) == 6
     for row in rows:
         assert 0.89 < float(row["rms error over it"]) < 1.11
@@ -52,32 +38,32 @@ def test_predictions_hold():
 
 
 def test_the_search_meets_its_demands():
-    for row in section("The search for the staircase"):
+    for row in TABLE.rows("The search for the staircase"):
         least = float(row["least misfit"])
         assert float(row["default above, most"]) <= 0.001 * least
         assert float(row["default, ms"]) < 50
 
 
 def test_the_order_of_the_methods():
-    exact = {row["method"]: float(row["exact covariance"]) for row in section("The paper's experiment")}
+    exact = {row["method"]: float(row["exact covariance"]) for row in TABLE.rows("The paper's experiment")}
     assert exact["mean"] > exact["hamming"] > exact["regression"] >= exact["optimal"]
 
 
 def test_the_page_quotes_the_table():
-    measured = {row["method"]: row for row in section("The paper's experiment")}
+    measured = {row["method"]: row for row in TABLE.rows("The paper's experiment")}
     names = {"Hamming": "hamming", "conditional lines": "conditional", "optimal, the Cramér-Rao bound": "optimal"}
-    for row in section("The figures", PAGE):
+    for row in Page(PAGE).rows("The figures"):
         found = measured[names.get(row["method"], row["method"])]
         assert row["paper"] == found["paper"]
         assert row["exact covariance"] == found["exact covariance"]
         assert found["6 runs"].startswith(row["six simulated runs"])
-    models = section("Noise that fits the paper")
-    for row, found in zip(section("Why the staircase cannot be better", PAGE), models, strict=False):
+    models = TABLE.rows("Noise that fits the paper")
+    for row, found in zip(Page(PAGE).rows("Why the staircase cannot be better"), models, strict=False):
         assert list(row.values())[1:] == list(found.values())[1:]
         if row["noise"] != "the paper":
             assert float(found["Cramer-Rao bound"]) > 0.0013
-    searches = {row["noise, pulses"]: row for row in section("The search for the staircase")}
-    for row in section("The search", PAGE):
+    searches = {row["noise, pulses"]: row for row in TABLE.rows("The search for the staircase")}
+    for row in Page(PAGE).rows("The search"):
         found = searches[row["noise, pulses"]]
         assert row["default above the minimum, most"] == f"{found['default above, most']} of {found['least misfit']}"
         assert row["descent above it, mean"] == found["descent above, mean"]
@@ -86,12 +72,12 @@ def test_the_page_quotes_the_table():
         ]
 
 
-def test_a_part_made_again_agrees(bench):
+def test_a_part_made_again_agrees():
     """The exact rows, the models that fit, when to average, and the run with seed 1: to the last printed digit."""
     made = [dict(zip(bench.efficiency()[0], row, strict=True)) for row in bench.efficiency()[1]]
-    assert made == section("When to average")
+    assert made == TABLE.rows("When to average")
     once = bench.deviations(bench.gl1_run(1))
-    for row, deviation in zip(section("The paper's experiment"), once, strict=True):
+    for row, deviation in zip(TABLE.rows("The paper's experiment"), once, strict=True):
         assert row["exact covariance"] == f"{bench.exact(row['method']):.5f}"
         assert float(row["seed 1"]) == pytest.approx(deviation, abs=2e-5)
 

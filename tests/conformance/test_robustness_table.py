@@ -1,36 +1,20 @@
 """The table of records that are not clean holds what is claimed of it, and a part of it can be made again."""
 
+from table import read
+
 import re
-import sys
 
 import numpy as np
 import pytest
-from tests import ROOT
 
-TEXT = (ROOT / "benchmarks" / "results" / "robustness.md").read_text()
+import robustness
 
-
-def script():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import robustness
-    finally:
-        sys.path.pop(0)
-    return robustness
-
-
-def rows_of(section):
-    part = TEXT.split(f"\n## {section}")[1].split("\n## ")[0]
-    lines = [line for line in part.splitlines() if line.startswith("| ")]
-    headings, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    return [dict(zip(headings, row, strict=True)) for row in rows]
-
-
-CLEAN, DAMAGE, FAULTS = rows_of("Clean records"), rows_of("Damage"), rows_of("Faults")
+PAGE = read("robustness.md")
+CLEAN, DAMAGE, FAULTS = (PAGE.rows(name) for name in ("Clean records", "Damage", "Faults"))
 
 
 def test_it_says_how_it_was_made():
-    head = TEXT.split("\n| ")[0]
+    head = PAGE.head
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
     assert "seeds 1..400" in head
     assert "command: `python benchmarks/robustness.py" in head
@@ -42,7 +26,7 @@ def test_clean_records_are_seldom_suspected(row):
 
     Of the FOG at 2^18 samples the weak K and R are mostly overlooked, and the cells reject more often: 9.5 %.
     """
-    for check in script().CHECKS:
+    for check in robustness.CHECKS:
         overlooked = check == "cells" and (row["sensor"], row["n"]) == ("FOG", "262144")
         assert float(row[f"{check} 5 %"]) <= (10 if overlooked else 8)
         assert float(row[f"{check} 1 %"]) <= 3
@@ -66,7 +50,7 @@ def test_the_right_reason_is_named_in_nine_of_ten(row):
 
 
 def test_every_case_is_there():
-    made = script()
+    made = robustness
     assert {(r["sensor"], int(r["n"])) for r in CLEAN} == {(s, n) for s in made.SENSORS for n in made.SIZES}
     assert {(r["damage"], r["sensor"], r["kind"]) for r in DAMAGE} == {(d.name, d.sensor, d.kind) for d in made.DAMAGED}
     assert {(r["fault"], r["sensor"]) for r in FAULTS} == {(f, s) for f in made.FAULTS for s in made.SENSORS}
@@ -84,18 +68,18 @@ def test_every_case_is_there():
 )
 def test_faults_made_again_are_named(fault, sensor):
     """In at least 9 of the first 10 records."""
-    assert sum(script().named((fault, sensor, seed))[0] for seed in range(1, 11)) >= 9
+    assert sum(robustness.named((fault, sensor, seed))[0] for seed in range(1, 11)) >= 9
 
 
 def test_sizes_made_again_agree():
     """15 records: four p values of a check below 0.05 have a probability of 0.005, and 5 checks are asked."""
-    p = np.array([script().asked(("RLG", 2**14, seed)) for seed in range(1, 16)])
+    p = np.array([robustness.asked_of(("RLG", 2**14, seed)) for seed in range(1, 16)])
     assert ((p[:, :5] < 0.05).sum(axis=0) <= 4).all()
 
 
 def test_damage_made_again_agrees():
     """The mean difference of the first 3 records stays within the bound itself, for what spikes move most: N."""
-    made = script()
+    made = robustness
     damage = made.Damage("MEMS", "1e-3 spikes of 20 sigma")
     whole, spoilt = zip(*(made.both((damage, seed)) for seed in (1, 2, 3)), strict=True)
     bound = made.bounds(made.SENSORS["MEMS"], made.LENGTH)["N"]

@@ -1,14 +1,14 @@
 """The table of which terms are claimed meets its demands, and a part of it can be made again."""
 
+from table import read
+
 import re
-import sys
 
 import pytest
-from tests import ROOT
 
-TEXT = (ROOT / "benchmarks" / "results" / "selection.md").read_text()
-LINES = [[c.strip() for c in line.strip("|").split("|")] for line in TEXT.splitlines() if line.startswith("| ")]
-ROWS = [dict(zip(LINES[0], line, strict=True)) for line in LINES[1:]]
+from selection import PURE, claimed, fitted
+
+PAGE = read("selection.md")
 SHORT = {
     (
         "goodness of fit p < 5 %",
@@ -19,7 +19,7 @@ SHORT = {
 
 
 def demanded():
-    for row in ROWS:
+    for row in PAGE.rows():
         name = (row["what"], row["model"])
         marks = [pytest.mark.xfail(reason=SHORT[name])] if name in SHORT else []
         if row["demand"]:
@@ -27,9 +27,9 @@ def demanded():
 
 
 def test_the_table_says_how_it_was_made():
-    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", TEXT)
-    assert "command: `python benchmarks/selection.py" in TEXT
-    assert "seeds 1.." in TEXT
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", PAGE.head)
+    assert "command: `python benchmarks/selection.py" in PAGE.head
+    assert "seeds 1.." in PAGE.head
 
 
 @pytest.mark.parametrize("row", list(demanded()))
@@ -46,11 +46,6 @@ def test_demands_are_met(row):
 
 def test_a_part_made_again_agrees():
     """False claims in the first 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        from selection import PURE, claimed, fitted
-    finally:
-        sys.path.pop(0)
     found = [fitted((PURE[0], seed)) for seed in range(1, 21)]
     assert all("N" in claimed(terms) for terms, _, _ in found)
     assert sum(bool(claimed(terms) - {"N", "R"}) for terms, _, _ in found) <= 5

@@ -18,7 +18,7 @@ from allanite.statistics.moments.moments import edf as edf
 
 from .angle import Angle
 from .angle import integrated as integrated
-from .estimate import estimate
+from .estimator import estimate
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .row import BoolArray, FloatArray, IntArray, Statistic, seconds

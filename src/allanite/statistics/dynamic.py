@@ -12,7 +12,7 @@ from allanite.core.surface import Surface
 from allanite.statistics import deviation
 
 from .angle import integrated
-from .estimate import Estimate, estimate
+from .estimator import Estimate, estimate
 from .row import Statistic
 from .table import statistic_named
 

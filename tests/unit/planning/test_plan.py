@@ -2,14 +2,13 @@
 
 import json
 import math
-import sys
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import ROOT
 
 import allanite as al
+import bound as script
 from allanite.cli import main
 from allanite.planning import information
 from allanite.planning.information import nodes
@@ -20,16 +19,6 @@ MODELS = {
     "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
     "GM": "N 1 rad/sqrt(s), GM 1 rad/s 5 s, K 0.01 rad/s^1.5",
 }
-
-
-def script():
-    """The benchmark holds the referee."""
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        import bound
-    finally:
-        sys.path.pop(0)
-    return bound
 
 
 @pytest.mark.parametrize(
@@ -44,7 +33,7 @@ def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
     model = al.parse_model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
-    errors, slope = script().dense(noise, n, rate, ramp)
+    errors, slope = script.dense(noise, n, rate, ramp)
     close = 5e-3
     np.testing.assert_allclose(found.errors[: errors.size], errors, rtol=close)
     if ramp:

@@ -15,7 +15,7 @@ import numpy as np
 from allanite.core.model import Model
 from allanite.statistics.allan import OADEV
 from allanite.statistics.angle import Angle, Piece
-from allanite.statistics.estimate import windows
+from allanite.statistics.estimator import windows
 from allanite.statistics.modified import MDEV
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import FloatArray, IntArray, Statistic

@@ -1,0 +1,146 @@
+"""What all benchmarks share: one thread, where a table comes from, Markdown, and committed tables read back.
+
+Imported before numpy, which asks for the number of threads when it is loaded.
+"""
+
+import os
+import sys
+
+if "numpy" not in sys.modules:
+    for _library in ("OMP", "OPENBLAS", "MKL", "NUMBA", "ARROW"):
+        os.environ[f"{_library}_NUM_THREADS"] = "1"
+
+import argparse
+import platform
+import re
+import subprocess
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import date
+from functools import cached_property
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "results"
+CODE = ("src", "benchmarks/*.py", "tests/reference")
+"""What a figure depends on."""
+
+sys.path.insert(0, str(ROOT))  # the referees are among the tests
+
+Row = tuple[str, ...]
+
+
+def _git(*words: str) -> str:
+    return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def commit() -> str:
+    """The commit of the code that runs, and whether files differ from it."""
+    changed = _git("status", "--porcelain", "--", *CODE)
+    return _git("rev-parse", "--short=7", "HEAD") + (" + uncommitted changes" if changed else "")
+
+
+def processor() -> str:
+    """Name of the processor, or its architecture where the system does not tell the name."""
+    about = Path("/proc/cpuinfo")
+    lines = about.read_text().splitlines() if about.exists() else []
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a script: what was asked for, of which code, since when."""
+
+    asked: argparse.Namespace
+    command: str
+    commit: str
+    begin: float
+
+    def publish(self, title: str, notes: Iterable[str], body: Iterable[str]) -> None:
+        """Print the page of a title, where it comes from, notes (the first says the seeds) and tables; write it."""
+        import numpy as np
+
+        origin = (
+            f"commit {self.commit}, {date.today()}, {processor()}, Python {platform.python_version()}, "
+            f"numpy {np.__version__}, {time.perf_counter() - self.begin:.0f} s"
+        )
+        listed = (f"- {note}" for note in (origin, f"command: `{self.command}`", *notes))
+        text = "\n".join([f"# {title}", "", *listed, "", *body])
+        print(text)
+        if self.asked.write:
+            self.asked.write.write_text(text, encoding="utf-8")
+
+
+def begin(doc: str, **options: object) -> Run:
+    """Read the command line: an option for each default; a tuple is a choice that must be made.
+
+    A list is any number of its values, of its type: of text, only those in it. --write names the file of the table,
+    which is refused for code that is not committed unless --dirty is given.
+    """
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name, default in options.items():
+        if isinstance(default, tuple):
+            parser.add_argument(name, choices=default)
+        elif isinstance(default, list):
+            known = default if isinstance(default[0], str) else None
+            parser.add_argument(f"--{name}", nargs="+", type=type(default[0]), choices=known, default=default)
+        else:
+            parser.add_argument(f"--{name}", type=type(default), default=default, help=f"default {default}")
+    parser.add_argument("--write", type=Path, help="file of the table")
+    parser.add_argument("--dirty", action="store_true", help="write the table of code that is not committed")
+    asked, code = parser.parse_args(), commit()
+    if asked.write and "+" in code and not asked.dirty:
+        parser.error(f"{', '.join(CODE)} differ from the commit a table would name: commit them, or give --dirty")
+    words = [f"python benchmarks/{Path(sys.argv[0]).name}"]
+    for name, default in options.items():
+        value = getattr(asked, name)
+        words += [] if isinstance(default, tuple) else [f"--{name}"]
+        words += map(str, value) if isinstance(value, list) else [str(value)]
+    return Run(asked, " ".join(words), code, time.perf_counter())
+
+
+def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Lines of a table, and an empty one."""
+    return [_line(headings), "|" + "---|" * len(headings), *map(_line, rows), ""]
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page with tables."""
+
+    text: str
+
+    @cached_property
+    def head(self) -> str:
+        """What stands before the first section and the first table."""
+        return self.text.split("\n## ")[0].split("\n| ")[0]
+
+    def tables(self, section: str = "") -> list[list[dict[str, str]]]:
+        """Rows by heading of every table of a section, which is named by how its title begins; of the page if none."""
+        parts = re.split(r"^#+ ", self.text, flags=re.MULTILINE) if section else [self.text]
+        part = next(part for part in parts if part.startswith(section))
+        found, inside = [], False
+        for line in part.splitlines():
+            if line.startswith("| "):
+                cells = [cell[1:-1] for cell in line.strip("|").split("|")]
+                if inside:
+                    found[-1][1].append(dict(zip(found[-1][0], cells, strict=True)))
+                else:
+                    found.append((cells, []))
+            inside = line.startswith("|")
+        return [rows for _, rows in found]
+
+    def rows(self, section: str = "") -> list[dict[str, str]]:
+        """Rows of the only table there."""
+        (only,) = self.tables(section)
+        return only
+
+
+def read(name: str) -> Page:
+    """A committed table, by the name of its file."""
+    return Page((RESULTS / name).read_text(encoding="utf-8"))
