@@ -167,7 +167,7 @@ def test_refusals_are_named_and_others_go_on():
     found = survey(pair, Densities("multitaper"))
     assert [value.name for value in found.values] == ["good"]
     assert "lost" in found["bad"].refusal
-    assert "no result: 667 of 2000 samples" in table(found)
+    assert "no result: 667 of 2000 readings are lost" in table(found)
     with pytest.raises(al.DataError, match="bad: 667"):
         survey(pair["bad"], Densities("multitaper"))
 

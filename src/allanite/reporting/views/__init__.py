@@ -70,5 +70,5 @@ def level_of(value: Any, level: float | None = None) -> float:
     """The confidence level: as given, that of the result's recipe, or 0.95."""
     if level is not None:
         return level
-    recipe = getattr(value, "recipe", None)
-    return float(recipe.level) if recipe is not None else float(getattr(value, "level", 0.95))
+    found = getattr(getattr(value, "recipe", value), "level", None)
+    return found if isinstance(found, float) else 0.95

@@ -40,25 +40,18 @@ def terms_table(fit: Fit, level: float) -> Table:
         Column(interval, "interval", aside=True), Column("SI unit", "unit", aside=True),
     )  # fmt: skip
     rows = [
-        [
-            e.symbol,
-            words.named(e, level),
-            *_cells(e, e.sheet_unit, level, "not identified"),
-            e.status,
-            *_cells(e, e.unit, level, ""),
-        ]
+        [e.symbol, words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
         for e in fit
     ]
     return Table(heads, rows, marks=[MARKS.get(e.status, "") for e in fit])
 
 
-def _cells(estimate: Estimate, unit: str, level: float, absent: str) -> list[str]:
+def _cells(estimate: Estimate, unit: str, level: float) -> list[str]:
     """Value, interval and unit; of an absent term its limit."""
     number, most = words.shown(estimate, unit, level), words.limit(estimate, unit)
     if number is not None:
         return [*number.plain(), unit]
-    limit = f"{words.below(estimate)} {most.plain()[0]}" if most else ""
-    return ["", ", ".join(filter(None, (absent, limit))), unit if most else ""]
+    return ["", f"{words.below(estimate)} {most.plain()[0]}" if most else "", unit if most else ""]
 
 
 def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:

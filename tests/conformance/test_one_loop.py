@@ -1,0 +1,145 @@
+"""Every verb that reads a recording says the same of a hostile one, and takes the same options."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import VERBS, main
+
+N = 12_000
+RATE = 20.0
+
+READ = {
+    "info": (),
+    "analyze": (),
+    "deviation": (),
+    "spectrum": (),
+    "dynamic": ("--window", "100"),
+    "compare": ("--part", "300"),
+    "rate": ("--interval", "60", "--no-times", "--methods", "mean"),
+    "plan": (),
+    "selfcheck": ("--records", "2"),
+    "statespace": (),
+    "budget": ("--stage", "output 16 300deg/s"),
+    "compensate": ("--regressors", "{regressor}"),
+}
+"""Verbs that read a recording, and what each needs besides."""
+
+WITHOUT = {"angle", "simulate"}
+"""Verbs that read none."""
+
+IDENTIFY = set(READ) - {"info", "dynamic"}
+
+
+def run(verb, file, *options, regressor="temp"):
+    own = [part.format(regressor=regressor) for part in READ[verb]]
+    return CliRunner().invoke(main, [verb, str(file), *own, *map(str, options)])
+
+
+def words(result):
+    """What was said on both streams, without the breaks of lines."""
+    return " ".join((result.stdout + result.stderr).split())
+
+
+def write(path, gyro, time=None):
+    """A gyroscope beside a thermometer."""
+    rng = np.random.default_rng(5)
+    time = np.arange(len(gyro)) / RATE if time is None else time
+    temp = 20 + 5 * np.sin(np.arange(len(gyro)) / len(gyro) * 9) + 0.01 * rng.standard_normal(len(gyro))
+    data = np.column_stack([time, gyro, temp])
+    np.savetxt(path, data, delimiter=",", fmt="%.9g", header="time [s],gz [deg/h],temp [degC]", comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hostile")
+    rng = np.random.default_rng(3)
+    quiet = 10 * rng.standard_normal(N)
+    write(folder / "quiet.csv", quiet)
+    moving = quiet.copy()
+    moving[2000:6000] += 40_000 * np.sin(np.arange(4000) / RATE * 3)
+    write(folder / "moving.csv", moving)
+    write(folder / "constant.csv", np.full(N, 1.25))
+    spikes = quiet.copy()
+    spikes[rng.choice(N, 12, replace=False)] += 900
+    write(folder / "spikes.csv", spikes)
+    stamps = np.arange(N) / RATE + rng.uniform(-0.2, 0.2, N) / RATE
+    write(folder / "jitter.csv", quiet, stamps)
+    np.column_stack([np.rint(quiet * 20), np.rint(quiet[::-1] * 20)]).astype("<i2").tofile(folder / "raw.bin")
+    return folder
+
+
+def test_the_grid_holds_every_verb():
+    assert set(VERBS) == set(READ) | WITHOUT
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_a_recording_that_moves_is_refused(verb, folder):
+    result = run(verb, folder / "moving.csv")
+    assert result.exit_code == 3, words(result)
+    assert "moves from 99.2 s" in words(result)
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_a_constant_signal_is_refused(verb, folder):
+    result = run(verb, folder / "constant.csv")
+    assert result.exit_code == 3, words(result)
+    assert "the signal never changes (always 1.25); check that the sensor is connected" in words(result)
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_stamps_that_scatter_are_said_once(verb, folder):
+    result = run(verb, folder / "jitter.csv")
+    assert result.exit_code == 0, words(result)
+    assert words(result).count("scatter by 0.11 intervals rms") == 1
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_outliers_are_said_and_the_option_is_taken(verb, folder):
+    result = run(verb, folder / "spikes.csv")
+    assert result.exit_code == 0, words(result)
+    assert "12 outliers beyond 5.4 standard deviations" in words(result)
+    for word in ("mark", "keep"):
+        assert run(verb, folder / "spikes.csv", "--outliers", word).exit_code == 0
+    refused = run(verb, folder / "spikes.csv", "--outliers", "fill")
+    assert refused.exit_code == 2
+    assert "'fill'" in words(refused)
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_raw_binary_is_read(verb, folder):
+    options = ("--dtype", "<i2", "--columns", "2", "--rate", RATE, "--unit", "deg/h", "--scale", "0.05")
+    one = () if verb == "compensate" else ("--channels", "1")
+    result = run(verb, folder / "raw.bin", *options, *one, regressor="2")
+    if verb == "compensate":  # both columns are rates: read, and refused for what they are
+        assert result.exit_code in (0, 2, 3)
+        assert "no format that is read" not in words(result)
+    else:
+        assert result.exit_code == 0, words(result)
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_a_window_is_taken(verb, folder):
+    result = run(verb, folder / "quiet.csv", "--from", "60", "--until", "500")
+    assert result.exit_code == 0, words(result)
+    assert run(verb, folder / "quiet.csv", "--quiet-window", "400").exit_code == 0
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_a_band_is_taken_by_every_verb_that_identifies(verb, folder):
+    result = run(verb, folder / "quiet.csv", "--band", "0.01,5")
+    assert result.exit_code == (0 if verb in IDENTIFY else 2), words(result)
+
+
+@pytest.mark.parametrize("verb", sorted(set(READ) - {"info"}))
+def test_the_recipe_in_the_json_is_what_was_done(verb, folder, tmp_path):
+    result = run(verb, folder / "quiet.csv", "--from", "60", "--channels", "gz", "--json", "-")
+    assert result.exit_code == 0, words(result)
+    recipe = json.loads(result.stdout)["recipe"]
+    assert recipe["start"] == 60
+    assert recipe["channels"] == ["gz"]
+    if verb in IDENTIFY:
+        assert recipe["terms"]
