@@ -10,12 +10,6 @@ from allanite.core.units import SIGNALS, convert
 from allanite.reporting.words import printed_unit
 from allanite.terms import TERMS
 
-TYPICAL = {0.5: 0.1, 0: 1.0, -0.5: 10.0, -1: 10.0, 1: 0.5}
-"""Coefficient of the example on a term's page, in the unit of data sheets, by the power of time it carries."""
-
-SHAPES = {"time_constant": 20.0, "frequency": 0.02, "phase": 0.0}
-"""Shape of the example, where a term has one."""
-
 
 def term_index() -> list[str]:
     """All terms side by side."""
@@ -75,7 +69,7 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
-        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
+        "```python", f'al.{symbol}({row.typical:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
         "```", "",
         "## Source", "", row.reference + ".",
     ]  # fmt: skip
@@ -92,7 +86,7 @@ def _line(symbol: str) -> list[str]:
 
 def _arguments(symbol: str) -> str:
     wanted = [p for p in TERMS[symbol].parameters if p.default is None]
-    return "".join(f", {p.name}={SHAPES[p.name]:g}" for p in wanted)
+    return "".join(f", {p.name}={p.typical:g}" for p in wanted)
 
 
 def _term_figure(symbol: str, folder: Path) -> Path:
@@ -101,7 +95,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
-    term = al.model.term(symbol, TYPICAL[row.power], unit, tuple(SHAPES[p.name] for p in row.parameters))
+    term = al.model.term(symbol, row.typical, unit, tuple(p.typical for p in row.parameters))
     record = al.simulate(term, 20_000, 10.0, rng=np.random.default_rng(1))
     curve = al.deviation(record, "oadev", taus="log").to("deg/h")
     path = folder / f"{symbol}.svg"
@@ -114,7 +108,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         right.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
         right.plot(curve.tau, curve.deviation, "o", ms=2.5, mew=0, color=style.DATA, label="simulated")
         expected = np.degrees(np.sqrt(al.expected(term, "oadev", curve.tau))) * 3600
-        right.plot(curve.tau, expected, color=style.COLORS.get(symbol, style.OTHER), label="expected")
+        right.plot(curve.tau, expected, color=row.color, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)
         right.legend()

@@ -189,7 +189,10 @@ def test_statistics_may_be_chosen():
 WRONG = [
     ({"statistic": "oadev"}, "reads no curve"),
     ({"method": "joint", "statistic": "ohdev"}, "reads no curve"),
-    ({"method": "gls", "statistic": "adev"}, r"reads oadev, ohdev, mdev, theo1, not adev \(those that read adev: nnls"),
+    (
+        {"method": "gls", "statistic": "adev"},
+        r"reads oadev, mdev, ohdev.*theo1.*, not adev \(those that read adev: nnls",
+    ),
     ({"method": "gls", "statistic": "theoh"}, "not theoh$"),
     ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
     ({"method": "gls", "ranges": {"N": (1, 2)}}, "ranges is for method 'piecewise', not for 'gls'"),

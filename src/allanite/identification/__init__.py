@@ -19,8 +19,6 @@ from allanite.statistics import STATISTICS, deviation
 from allanite.statistics.row import Statistic
 from allanite.terms import TERMS
 
-AUTOMATIC = "QNBKR"
-
 
 @dataclass(frozen=True)
 class Method:
@@ -282,6 +280,11 @@ def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
     return replace(fit, notes=(*fit.notes, note))
 
 
+def automatic() -> str:
+    """The terms that are looked for where nobody says which."""
+    return ",".join(symbol for symbol, row in TERMS.items() if row.automatic)
+
+
 def symbols_of(terms: str) -> tuple[str, ...]:
     """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between.
 
@@ -290,7 +293,7 @@ def symbols_of(terms: str) -> tuple[str, ...]:
     UsageError
         One is unknown or stands twice, or none is noise.
     """
-    rest = AUTOMATIC if terms == "auto" else terms
+    rest = automatic() if terms == "auto" else terms
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)
     while rest := rest.lstrip(", "):

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from allanite.core.fit import Estimate
+from allanite.terms import TERMS
 
 from . import style, words
 from .labels import Box, FloatArray, IntArray, place
@@ -30,7 +31,7 @@ def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
 
 def color_of(symbol: str) -> str:
     """The colour of a term."""
-    return style.COLORS.get(symbol, style.OTHER)
+    return TERMS[symbol].color
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:

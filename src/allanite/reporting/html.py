@@ -143,7 +143,7 @@ def _shared(study: Study) -> dict[str, Any] | None:
 def _row(estimate: Estimate, level: float) -> dict[str, Any]:
     return {
         "symbol": estimate.symbol,
-        "color": style.COLORS.get(estimate.symbol, style.OTHER),
+        "color": TERMS[estimate.symbol].color,
         "title": words.named(estimate, level),
         "status": estimate.status,
         "absent": estimate.value is None,

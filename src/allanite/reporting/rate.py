@@ -18,12 +18,6 @@ from allanite.statistics import expected
 
 from . import style, words
 
-COLORS = {
-    "mean": "#6B6B6B", "hamming": "#B97700", "regression": "#0072B2", "conditional": "#56A0D3", "staircase": "#AA4499",
-    "optimal": "#008F6B",
-}  # fmt: skip
-"""One colour a method, everywhere."""
-
 _LATEX = (
     (r"\hat\Omega", "Ω̂"), (r"\Omega", "Ω"), (r"\sum", "Σ"), (r"\cos", "cos"), (r"\theta", "θ"), (r"\bar t", "t̄"),
     (r"\min", "min"), (r"\lfloor", "⌊"), (r"\rfloor", "⌋"), (r"\varphi", "φ"), ("^T", "ᵀ"), ("^{-1}", "⁻¹"),
@@ -156,7 +150,7 @@ def _draw_errors(ax: Axes, found: Experiment) -> None:
     ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
     for method, errors in zip(found.methods, found.errors / factor, strict=True):
         marker = "o" if t.size <= MOST_MARKED else ""
-        ax.plot(t, errors, color=COLORS[method], lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
+        ax.plot(t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
     ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({words.printed_unit(unit)})")
     ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
 
@@ -167,13 +161,11 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
     style.grid(ax)
     for method in series[0].methods:
         kept = [(e.duration, e.scatter(method)) for e in series if method in e.methods]
-        times = [time for time, _ in kept]
-        ax.plot(
-            times, [s.deviation / factor for _, s in kept], "o", color=COLORS[method], ms=3.5, label=method, zorder=4
-        )
+        times, color = [time for time, _ in kept], RATE_ESTIMATORS[method].color
+        ax.plot(times, [s.deviation / factor for _, s in kept], "o", color=color, ms=3.5, label=method, zorder=4)
         predicted = np.array([s.predicted for _, s in kept]) / factor
         if np.isfinite(predicted).any():
-            ax.plot(times, predicted, color=COLORS[method], lw=1.0, zorder=3)
+            ax.plot(times, predicted, color=color, lw=1.0, zorder=3)
     ax.set(xscale="log", yscale="log", xlabel="measuring time (s)")
     ax.set_ylabel(f"standard deviation ({words.printed_unit(unit)})\npoints measured, lines predicted")
     style.plain_ticks(ax.xaxis, ax.yaxis)
