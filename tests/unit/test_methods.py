@@ -191,7 +191,7 @@ WRONG = [
     ({"method": "joint", "statistic": "ohdev"}, "reads no curve"),
     (
         {"method": "gls", "statistic": "adev"},
-        r"reads oadev, mdev, ohdev.*theo1.*, not adev \(those that read adev: nnls",
+        r"reads oadev, mdev, ohdev.*, not adev \(those that read adev: nnls",
     ),
     ({"method": "gls", "statistic": "theoh"}, "not theoh$"),
     ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
