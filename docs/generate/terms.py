@@ -107,7 +107,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         left.set(xlabel="time (s)", ylabel="rate (deg/h)")
         right.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
         right.plot(curve.tau, curve.deviation, "o", ms=2.5, mew=0, color=style.DATA, label="simulated")
-        expected = np.degrees(np.sqrt(al.expected(term, "oadev", curve.tau))) * 3600
+        expected = np.degrees(np.sqrt(al.expected(term, "oadev", curve.tau, rate=10.0))) * 3600
         right.plot(curve.tau, expected, color=row.color, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)

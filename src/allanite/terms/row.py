@@ -75,6 +75,9 @@ class NoiseTerm:
         Of its line in figures, ``#RRGGBB``.
     alpha : int or None
         Exponent of the spectral density of the rate, where that is one power of the frequency.
+    per_sample : bool
+        Whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
+        its expectation then depends on the rate.
     automatic : bool
         Whether it is looked for where nobody says which terms to look for.
     block : (coefficient, shape, interval) -> Block, or None
@@ -111,6 +114,7 @@ class NoiseTerm:
     typical: float = 1.0
     color: str = "#6B6B6B"
     alpha: int | None = None
+    per_sample: bool = False
     automatic: bool = False
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""

@@ -58,7 +58,7 @@ def expected(
     row = statistic_named(statistic)
     model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if row.differences and not row.summed:
+    if row.differences and not row.summed and not any(t.row.per_sample for t in model):
         # no time but tau is in these: let it be the sample interval
         return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
     if rate is None:
