@@ -18,7 +18,7 @@ import numpy as np
 import allanite as al
 from allanite.compensation import compensate, gain_on
 from allanite.core.units import convert
-from allanite.statistics.moments.gls import Covariance, generalised_least_squares
+from allanite.statistics.moments.gls import Covariance
 
 N, B, K = al.N(2.525648, "deg/sqrt(h)"), al.B(12.023988, "deg/h"), al.K(32.72457, "deg/h/sqrt(h)")
 NOISE = {
@@ -93,8 +93,10 @@ def ordinary(y: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 def known(cell: Cell, y: np.ndarray, X: np.ndarray) -> np.ndarray:
     """T of generalised least squares under the noise that was simulated."""
-    beta, V = generalised_least_squares(Covariance(NOISE[cell.noise].terms, y.size, 1.0), y, X)
-    return beta / np.sqrt(np.diag(V))
+    covariance = Covariance(NOISE[cell.noise].terms, y.size, 1.0)
+    solved = np.column_stack([covariance.solve(column) for column in X.T])
+    V = np.linalg.inv(X.T @ solved)
+    return V @ (solved.T @ y) / np.sqrt(np.diag(V))
 
 
 def run_one(job: tuple[Cell, int]) -> np.ndarray:

@@ -87,12 +87,11 @@ def against_finer_windows(name: str) -> tuple[str, ...]:
     row = al.STATISTICS[name]
     octaves = [int(m) for m in GRIDS["octave"](row.largest(HOUR)) if m > 1]
     ours = {m: relative(name, m, HOUR) for m in octaves}
-    scheme, rows = windowed.SCHEMES.get(name), folded.ROWS
-    if scheme is not None:
-        finer = replace(scheme, levels=tuple(2 * k for k in scheme.levels))
-        if scheme.sharp is not None:
-            finer = replace(finer, sharp=replace(scheme.sharp, levels=tuple(2 * k for k in scheme.sharp.levels)))
-        windowed.SCHEMES[name] = finer
+    scheme, rows = row.scheme, folded.ROWS
+    finer = replace(scheme, levels=tuple(2 * k for k in scheme.levels))
+    if scheme.sharp is not None:
+        finer = replace(finer, sharp=replace(scheme.sharp, levels=tuple(2 * k for k in scheme.sharp.levels)))
+    al.STATISTICS[name] = replace(row, scheme=finer)
     folded.ROWS = 3 * rows
     worst: dict[str, float] = {}
     for m in octaves:
@@ -100,8 +99,7 @@ def against_finer_windows(name: str) -> tuple[str, ...]:
         found = errors(ours[m], relative(name, m, HOUR), E)
         worst = {kind: max(value, worst.get(kind, 0.0)) for kind, value in found.items()}
     folded.ROWS = rows
-    if scheme is not None:
-        windowed.SCHEMES[name] = scheme
+    al.STATISTICS[name] = row
     cells = [f"{worst[kind]:.2f}" for kind in ("single", "pairs", "random", "sensors")]
     return (name, str(HOUR), str(len(octaves)), *cells, "-")
 

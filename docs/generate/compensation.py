@@ -10,7 +10,7 @@ from allanite.core.model import coefficient_factor, term
 from allanite.core.units import convert
 from allanite.reporting.comparison.sheets import chance, change_of
 from allanite.reporting.digits import digits
-from allanite.reporting.words import printed_unit
+from allanite.reporting.sheet import printed_unit
 from generate.markdown import figure, table
 
 UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "B": "deg/h", "K": "deg/h/sqrt(h)", "R": "deg/h^2"}

@@ -81,11 +81,10 @@ def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
 
 
 def _dots(ax, row: int, model: al.Model, fit: al.Fit) -> None:
-    from allanite.reporting import style
 
     for j, t in enumerate(model):
         e = fit[t.symbol]
-        y, color = row + 0.12 * (j - (len(model.terms) - 1) / 2), style.COLORS.get(t.symbol, style.OTHER)
+        y, color = row + 0.12 * (j - (len(model.terms) - 1) / 2), t.row.color
         low, high = e.interval(0.95)
         if e.value is not None and np.isfinite(low):
             ax.plot([max(low, 1e-9) / t.value for low in (low, high)], [y, y], color=color, lw=1)

@@ -7,15 +7,9 @@ import numpy as np
 import allanite as al
 from allanite.core.model import term
 from allanite.core.units import SIGNALS, convert
-from allanite.reporting.words import printed_unit
+from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 from generate.markdown import figure, sections, shown, table
-
-TYPICAL = {0.5: 0.1, 0: 1.0, -0.5: 10.0, -1: 10.0, 1: 0.5}
-"""Coefficient of the example on a term's page, in the unit of data sheets, by the power of time it carries."""
-
-SHAPES = {"time_constant": 20.0, "frequency": 0.02, "phase": 0.0}
-"""Shape of the example, where a term has one."""
 
 
 def term_index() -> list[str]:
@@ -102,7 +96,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
-    made = term(symbol, TYPICAL[row.power], unit, tuple(SHAPES[p.name] for p in row.parameters))
+    made = term(symbol, row.typical, unit, tuple(p.typical for p in row.parameters))
     record = al.simulate(made, 20_000, 10.0, rng=np.random.default_rng(1))
     curve = al.deviation(record, "oadev", taus="log").to("deg/h")
     path = folder / f"{symbol}.svg"
@@ -114,8 +108,8 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         left.set(xlabel="time (s)", ylabel="rate (deg/h)")
         right.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
         right.plot(curve.tau, curve.deviation, "o", ms=2.5, mew=0, color=style.DATA, label="simulated")
-        expected = np.degrees(np.sqrt(al.expected(made, "oadev", curve.tau))) * 3600
-        right.plot(curve.tau, expected, color=style.COLORS.get(symbol, style.OTHER), label="expected")
+        expected = np.degrees(np.sqrt(al.expected(made, "oadev", curve.tau, rate=10.0))) * 3600
+        right.plot(curve.tau, expected, color=row.color, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)
         right.legend()

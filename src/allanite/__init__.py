@@ -3,6 +3,20 @@
 Names are imported when they are first used; ``__init__.pyi`` says where each of them is.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """What the stub names, or the constructor of a noise term that the table `TERMS` was given later."""
+    try:
+        return _named(name)
+    except AttributeError:
+        from .core.model import TERMS, constructor
+
+        if name not in TERMS:
+            raise
+        return constructor(name)

@@ -9,10 +9,11 @@ from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES
 
 import allanite as al
-from allanite.statistics.confidence.published import PUBLISHED_BIAS, published_bias
+from allanite.statistics.confidence.published import published_bias
 
 PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256
+PUBLISHED_BIAS = {name: row.published for name, row in al.STATISTICS.items() if row.published}
 NAMES = {2: "WPM", 1: "FPM", 0: "WFM", -1: "FFM", -2: "RWFM", -3: "FWFM", -4: "RRFM"}
 RANGES = {"m = 1": (1,), "2 to 8": (2, 4, 8), "10 to 64": (10, 16, 32, 64), "66 to 128": (66, 96, 128)}
 RANGES["beyond n/2"] = (160, 192, 240)

@@ -16,7 +16,7 @@ import allanite as al
 from allanite.core.model import term
 from allanite.core.units import SIGNALS
 from allanite.statistics import edf
-from allanite.statistics.confidence.powerlaw import SYMBOLS
+from allanite.statistics.confidence.powerlaw import symbol_of
 
 PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256
@@ -82,7 +82,7 @@ def test_the_package_has_the_exact_values(heading):
     row = al.STATISTICS[name]
     factors = [m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)]
     for alpha in set(alphas) & {2, 0, -1, -2}:
-        model = al.Model((term(SYMBOLS[alpha], 1.0, UNITS[SYMBOLS[alpha]]),))
+        model = al.Model((term(symbol_of(alpha), 1.0, UNITS[symbol_of(alpha)]),))
         found = edf(row, model, np.array(factors), SIZE, 1.0)
         # as `edf` promises: windows are thinned out where they are many
         tolerance = 1e-5 if row.differences else 1e-2

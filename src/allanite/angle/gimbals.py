@@ -6,7 +6,7 @@ time is counted from its passage of h = 0 upwards, towards the east. The polar g
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -190,27 +190,3 @@ def _swaying(still: Gimbals, sway: Sway) -> Gimbals:
 
 def _vector(h: FloatArray, q: FloatArray) -> FloatArray:
     return np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)])
-
-
-def period_table(latitude: float, h: Sequence[float], orders: Sequence[int] = (128, 256)) -> list[dict[str, float]]:
-    """Periods of the errors on a still base, s, at values of h in rad.
-
-    Raises
-    ------
-    UnitError
-        The gimbal does not reach such an angle at this latitude.
-
-    Examples
-    --------
-    >>> {name: round(seconds / 60, 1) for name, seconds in period_table(np.radians(60), [0.0])[0].items()}
-    {'128 h': 22.4, '256 h': 11.2, '128 q': 13.0, '256 q': 6.5}
-    """
-    found = []
-    for angle in h:
-        ratio = math.sin(angle) / math.cos(latitude)
-        if not -1 < ratio < 1:
-            raise UnitError(f"h does not pass {angle:g} rad at the latitude {latitude:g} rad")
-        start = math.asin(ratio) / EARTH_RATE
-        near = gimbals(start + np.array([-1.0, 0.0, 1.0]), latitude=latitude)
-        found.append({f"{k} {a}": float(near.period(a, k)[1]) for a in ("h", "q") for k in orders})
-    return found

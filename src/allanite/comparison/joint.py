@@ -21,7 +21,6 @@ from allanite.core.errors import DataError
 from allanite.core.model import Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import Signal
-from allanite.identification.likelihood.families import MARKOV
 from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
 from allanite.identification.likelihood.selection import DOUBT, Profiles, Subset, select, subsets
 from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
@@ -116,7 +115,7 @@ def joint(
         if record.size < SHORTEST:
             raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
     plain = [s for s in symbols if not TERMS[s].parameters]
-    shaped = [] if constant is None else [s for s in symbols if s == MARKOV]
+    shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and not TERMS[s].periodic]
     noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
     seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
     band = common_band(records, band)

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from inspect import Parameter, Signature
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,39 +115,47 @@ def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(float(value) for value in shape)
 
 
-def Q(value: float, unit: str) -> Term:
-    """Quantization noise, for example ``Q(0.4, "arcsec")``."""
-    return term("Q", value, unit)
+class Constructor(Protocol):
+    """A function that makes the term of one symbol: a coefficient, its unit, and the parameters by name."""
+
+    def __call__(self, value: float, unit: str, **shape: float) -> Term: ...  # noqa: D102
 
 
-def N(value: float, unit: str) -> Term:
-    """Angle (velocity) random walk, for example ``N(0.01, "deg/sqrt(h)")``."""
-    return term("N", value, unit)
+def constructor(symbol: str) -> Constructor:
+    """The function that makes a term of this symbol, from the term's row of `TERMS`.
+
+    Examples
+    --------
+    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
+    GM = 0.1 deg/h with time constant 20 s
+    """
+    row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+    named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
+    named += [
+        Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
+        for p in row.parameters
+    ]
+    signature = Signature(named, return_annotation=Term)
+
+    def build(value: float, unit: str, **shape: float) -> Term:
+        given = signature.bind(value, unit, **shape)
+        given.apply_defaults()
+        return term(symbol, value, unit, tuple(given.arguments[p.name] for p in row.parameters))
+
+    sheet = SIGNALS[0].sheet[row.power]
+    example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
+    units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters)
+    build.__name__ = build.__qualname__ = symbol
+    build.__doc__ = (
+        f"{row.title.capitalize()}: {row.meaning}.\n\n"
+        f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
+    )
+    build.__signature__ = signature  # type: ignore[attr-defined]
+    return build
 
 
-def B(value: float, unit: str) -> Term:
-    """Bias instability (flicker), for example ``B(0.5, "deg/h")``; the curve's floor is 0.664 B."""
-    return term("B", value, unit)
-
-
-def K(value: float, unit: str) -> Term:
-    """Rate random walk, for example ``K(0.1, "deg/h/sqrt(h)")``."""
-    return term("K", value, unit)
-
-
-def R(value: float, unit: str) -> Term:
-    """Rate ramp, with its sign, for example ``R(-0.02, "deg/h^2")``."""
-    return term("R", value, unit)
-
-
-def GM(value: float, unit: str, *, time_constant: float) -> Term:
-    """Gauss-Markov noise of effective value `value`, for example ``GM(0.1, "deg/h", time_constant=20.0)`` (s)."""
-    return term("GM", value, unit, (time_constant,))
-
-
-def Sine(value: float, unit: str, *, frequency: float, phase: float = 0.0) -> Term:
-    """A sinusoid of the rate of amplitude `value`; `frequency` in Hz, `phase` in rad at the start of the record."""
-    return term("Sine", value, unit, (frequency, phase))
+Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
+R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
 
 
 @dataclass(frozen=True)
@@ -223,6 +232,65 @@ class Model:
         """The model that `to_dict` has written."""
         signal = signal_named(data["signal"])
         return cls(tuple(_term_of(t, signal) for t in data["terms"]))
+
+
+class Modelled(Protocol):
+    """What has a model, as the result of a fit has."""
+
+    @property
+    def model(self) -> Model: ...  # noqa: D102
+
+
+ModelLike = Model | Term | Modelled
+"""What is taken for a model wherever one is asked for."""
+
+
+def model_of(value: ModelLike) -> Model:
+    """The model that a term, a model or a fit stands for.
+
+    Raises
+    ------
+    UsageError
+        It is none of them.
+
+    Examples
+    --------
+    >>> print(model_of(N(0.01, "deg/sqrt(h)")))
+    N = 0.01 deg/sqrt(h)
+    """
+    if isinstance(value, Model | Term):
+        return value if isinstance(value, Model) else Model((value,))
+    inner = getattr(value, "model", None)
+    if isinstance(inner, Model):
+        return inner
+    raise UsageError(
+        f"a noise model is a Model, a Term as N(0.01, 'deg/sqrt(h)'), or a Fit, not {_shown(value)}; "
+        "parse_model makes a model of a text"
+    )
+
+
+def noise_choice(value: ModelLike | Literal["auto"] | None) -> Model | Literal["auto"] | None:
+    """A choice of the noise that limits suppose: a model, "auto" for what the record shows, None for no limits.
+
+    Raises
+    ------
+    UsageError
+        It is none of them.
+    """
+    if value is None:
+        return None
+    if isinstance(value, str):
+        if value == "auto":
+            return "auto"
+        raise UsageError(
+            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'auto' or None, not {value!r}; "
+            "parse_model makes a model of a text"
+        )
+    return model_of(value)
+
+
+def _shown(value: object) -> str:
+    return f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
 
 
 def _term_of(data: dict[str, Any], signal: Signal) -> Term:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import UsageError
-from .model import Model, Term
+from .model import ModelLike, model_of
 from .units import convert
 
 FloatArray = NDArray[np.float64]
@@ -82,13 +82,13 @@ class Spectrum:
         low, high = (self.density * half / gammaincinv(half, p) for p in ((1 + level) / 2, (1 - level) / 2))
         return low, high
 
-    def expected(self, model: Model | Term, frequency: FloatArray | None = None) -> FloatArray:
+    def expected(self, model: ModelLike, frequency: FloatArray | None = None) -> FloatArray:
         """The density that a model leads one to expect, in the unit and sides of this spectrum.
 
         At `frequency`, Hz, or at those of the spectrum. It is that of the sampled rate, aliases included. The estimator
         smears a steep spectrum over its resolution, which this does not.
         """
-        model = model if isinstance(model, Model) else Model((model,))
+        model = model_of(model)
         factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]
         f = self.frequency if frequency is None else frequency
         return model.spectrum(f, 1 / self.rate) * factor
@@ -97,10 +97,6 @@ class Spectrum:
         """The same spectrum in another unit of the signal."""
         factor = convert(1.0, self.unit, unit)
         return replace(self, density=self.density * factor**2, unit=unit)
-
-    def sided(self, sides: str) -> "Spectrum":
-        """The same spectrum as a one-sided or a two-sided density."""
-        return replace(self, density=self.density * (side_factor(sides) / SIDES[self.sides]), sides=sides)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
         """Headings and rows for any table."""

@@ -9,17 +9,15 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.record import Record, Recording
 from allanite.identification.curves.allan_hadamard import joint
-from allanite.identification.curves.gls import CORRELATED, gls
+from allanite.identification.curves.gls import gls
 from allanite.identification.curves.leastsquares import least_squares, slopes
-from allanite.identification.curves.nonnegative import READABLE, nnls
+from allanite.identification.curves.nonnegative import nnls
 from allanite.identification.curves.piecewise import piecewise
-from allanite.identification.curves.reading import ALLAN
 from allanite.identification.likelihood.identify import whittle
 from allanite.prepare import outliers as robust
-from allanite.statistics import deviation
+from allanite.statistics import STATISTICS, deviation
+from allanite.statistics.row import Statistic
 from allanite.terms import TERMS
-
-AUTOMATIC = "QNBKR"
 
 
 @dataclass(frozen=True)
@@ -37,8 +35,8 @@ class Method:
         at most 12 %, measured with the true terms known (benchmarks/methods.py).
     statistic, taus : str
         The curve that is made of a record; empty where none is read.
-    allowed : tuple of str
-        Statistics that it can read; none for a method that takes the record.
+    reads : statistic -> bool
+        Whether it can read a curve of this row of `STATISTICS`; none for a method that takes the record.
     options : tuple of str
         What may be said beside the terms.
     shapes : bool
@@ -51,9 +49,14 @@ class Method:
     efficiency: str
     statistic: str = ""
     taus: str = ""
-    allowed: tuple[str, ...] = ()
+    reads: Callable[[Statistic], bool] = lambda row: False
     options: tuple[str, ...] = ()
     shapes: bool = False
+
+    @property
+    def allowed(self) -> tuple[str, ...]:
+        """Names of the statistics whose curves it can read; none for a method that takes the record."""
+        return tuple(name for name, row in STATISTICS.items() if self.reads(row))
 
 
 METHODS: dict[str, Method] = {
@@ -65,7 +68,7 @@ METHODS: dict[str, Method] = {
     "gls": Method(
         "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,
         efficiency="0.96 to 1.19 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", allowed=(*CORRELATED, "theo1"),
+        statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
         "non-negative fit of Allan and Hadamard variance together, weights by degrees of freedom", Record, joint,
@@ -75,22 +78,22 @@ METHODS: dict[str, Method] = {
     "nnls": Method(
         "non-negative least squares with equal relative weights up to T/10 (for comparison with programs)", Curve, nnls,
         efficiency="1.11 to 9.73 times the Cramer-Rao bound",
-        statistic="oadev", taus="log", allowed=READABLE,
+        statistic="oadev", taus="log", reads=lambda row: row.readable,
     ),
     "piecewise": Method(
         "lines of the textbook slopes through ranges of averaging times (for comparison)", Curve, piecewise,
         efficiency="3.91 to 84.9 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", allowed=ALLAN, options=("ranges",),
+        statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
     ),
     "ls": Method(
         "unweighted least squares of the Allan variance (for comparison with papers)", Curve, least_squares,
         efficiency="1.13 to 151 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", allowed=ALLAN,
+        statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
     "slopes": Method(
         "lines of the textbook slopes on the Allan deviation (for comparison)", Curve, slopes,
         efficiency="1.85 to 65100 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", allowed=ALLAN,
+        statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
 }  # fmt: skip
 
@@ -277,6 +280,11 @@ def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
     return replace(fit, notes=(*fit.notes, note))
 
 
+def automatic() -> str:
+    """The terms that are looked for where nobody says which."""
+    return ",".join(symbol for symbol, row in TERMS.items() if row.automatic)
+
+
 def symbols_of(terms: str) -> tuple[str, ...]:
     """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between.
 
@@ -285,7 +293,7 @@ def symbols_of(terms: str) -> tuple[str, ...]:
     UsageError
         One is unknown or stands twice, or none is noise.
     """
-    rest = AUTOMATIC if terms == "auto" else terms
+    rest = automatic() if terms == "auto" else terms
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)
     while rest := rest.lstrip(", "):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, ModelLike, Term, model_of
 
 from .information import Grid, Information, Part, shape_parts
 
@@ -51,12 +51,12 @@ class Bound:
         return float(self.errors[self.names.index(name)])
 
 
-def bound(model: Model | Term, n: int, rate: float, *, ramp: bool | None = None) -> Bound:
+def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) -> Bound:
     """The Cramer-Rao bound of a model's coefficients, its terms being known.
 
     Parameters
     ----------
-    model : Model or Term
+    model : Model, Term or Fit
     n : int
         Readings of the record, at least 8.
     rate : float
@@ -80,13 +80,13 @@ def bound(model: Model | Term, n: int, rate: float, *, ramp: bool | None = None)
     unknown amplitude, phase and frequency. The size of a term that is absent is not known to be zero to whoever looks
     for it, which costs the others some accuracy that is not counted here.
     """
-    model = model if isinstance(model, Model) else Model((model,))
+    model = model_of(model)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 readings, not {n}")
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise in it, and without noise everything is known exactly")
-    unknown = any(t.symbol == "R" for t in model) if ramp is None else ramp
+    unknown = any(t.row.waveform is not None and not t.row.periodic for t in model) if ramp is None else ramp
     grid = Grid(n)
     own = [Part.of(t, rate, grid) for t in noise]
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import SHORTEST
 
 from .bound import bound
@@ -80,7 +80,7 @@ class RecordingPlan:
 
 
 def plan(
-    model: Model | Term,
+    model: ModelLike,
     rate: float,
     *,
     durations: Sequence[float] = DURATIONS,
@@ -94,7 +94,7 @@ def plan(
 
     Parameters
     ----------
-    model : Model or Term
+    model : Model, Term or Fit
         What is expected: of a data sheet, of `sensor`, or ``identify(record).model`` of a first record.
     rate : float
         Sampling rate, Hz.
@@ -127,8 +127,8 @@ def plan(
         raise UsageError(
             f"the sampling rate, the accuracy and all lengths are above 0, not {rate!r} Hz, {accuracy!r}, {durations!r}"
         )
-    model = model if isinstance(model, Model) else Model((model,))
-    unknown = any(t.symbol == "R" for t in model) if ramp is None else ramp
+    model = model_of(model)
+    unknown = any(t.row.waveform is not None and not t.row.periodic for t in model) if ramp is None else ramp
 
     @cache
     def errors(n: float) -> FloatArray:

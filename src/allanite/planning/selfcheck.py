@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Estimate, Fit
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.units import Signal
 from allanite.identification import identify
 from allanite.identification.likelihood.selection import quantile
@@ -196,7 +196,7 @@ def _judged(
 
 
 def selfcheck(
-    model: Model | Term | Fit,
+    model: ModelLike,
     n: int,
     rate: float,
     *,
@@ -245,7 +245,7 @@ def selfcheck(
     >>> check["N"].found[0], abs(check["N"].bias[0]) < 0.02, round(check["N"].bound, 4)
     (1.0, True, 0.0158)
     """
-    truth = model.model if isinstance(model, Fit) else model if isinstance(model, Model) else Model((model,))
+    truth = model_of(model)
     if records < 2:
         raise UsageError(f"a check needs at least 2 records, not {records}")
     tell = progress or (lambda what, fraction: None)

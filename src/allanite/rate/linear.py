@@ -107,6 +107,7 @@ HAMMING = RateEstimator(
     assumes="nothing: it trades a sixth of the accuracy under angle random walk for ends that count little",
     weights=_window,
     measure=linear,
+    color="#B97700",
 )
 REGRESSION = RateEstimator(
     name="regression",
@@ -116,6 +117,7 @@ REGRESSION = RateEstimator(
     assumes="white noise of the angle (quantization, dither residual) alone",
     weights=lambda setting: parabola(setting.size),
     measure=linear,
+    color="#0072B2",
 )
 CONDITIONAL = RateEstimator(
     name="conditional",
@@ -125,4 +127,5 @@ CONDITIONAL = RateEstimator(
     assumes="as regression, of which it is a copy: neighbouring lines share all but a sample",
     weights=_many_parabolas,
     measure=_conditional,
+    color="#56A0D3",
 )

@@ -3,7 +3,7 @@
 import math
 
 from allanite.core.errors import UnitError
-from allanite.core.model import Model, Term
+from allanite.core.model import ModelLike, model_of
 from allanite.core.record import Record
 
 from .estimate import RateEstimate
@@ -18,7 +18,7 @@ def estimate(
     record: Record,
     method: str = "optimal",
     *,
-    model: Model | Term | None = None,
+    model: ModelLike | None = None,
     target: str = "mean",
     dither: tuple[float, ...] = (),
     options: Options | None = None,
@@ -31,7 +31,7 @@ def estimate(
         Counts with their scale, increments, an angle or a rate; every reading finite.
     method : str
         A name in `RATE_ESTIMATORS`.
-    model : Model, optional
+    model : Model, Term or Fit, optional
         The noise; needed by "optimal", and by all for a standard error.
     target : {"mean", "centre", "start", "constant"}
         What is estimated, if the model holds terms whose rate wanders (B, K, R).
@@ -91,16 +91,16 @@ def in_si(found: Measurement, interval: Interval) -> Measurement:
 
 def setting_of(
     record: Record,
-    model: Model | Term | None,
+    model: ModelLike | None,
     target: str,
     *,
     dither: tuple[float, ...] = (),
     options: Options | None = None,
 ) -> Setting:
     """What the weights follow from, for a record."""
-    model = Model((model,)) if isinstance(model, Term) else model
-    if model is not None and model.signal is not record.signal:
-        raise UnitError(f"the model is that of a {model.signal.name}, the record that of a {record.signal.name}")
+    whole = None if model is None else model_of(model)
+    if whole is not None and whole.signal is not record.signal:
+        raise UnitError(f"the model is that of a {whole.signal.name}, the record that of a {record.signal.name}")
     options = options or Options()
     pulse = pulse_of(record, options) * reading_size(record) / record.rate
-    return Setting(record.size, record.rate, model, target, tuple(dither), options, pulse)
+    return Setting(record.size, record.rate, whole, target, tuple(dither), options, pulse)

@@ -5,7 +5,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
-from allanite.identification import AUTOMATIC, identify
+from allanite.identification import automatic, identify
 from allanite.prepare import block_means
 from allanite.rate import rank
 from allanite.study.analysis import Recipe
@@ -25,7 +25,7 @@ def identified(record: Record, recipe: Recipe) -> tuple[Fit | None, tuple[str, .
     angle, which is what they are to a rate.
     """
     # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
-    terms = AUTOMATIC if recipe.terms == "auto" else recipe.terms
+    terms = automatic() if recipe.terms == "auto" else recipe.terms
     try:
         fit = identify(record, terms=terms, band=recipe.band, lines=False)
     except DataError as error:

@@ -82,4 +82,5 @@ OPTIMAL = RateEstimator(
     weights=_optimal,
     measure=linear,
     needs_model=True,
+    color="#008F6B",
 )

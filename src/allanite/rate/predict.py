@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.core.model import Model, Term
+from allanite.core.model import ModelLike, model_of
 from allanite.statistics.moments.gls import Covariance
 
 from .ranking import Ranking
@@ -50,7 +50,7 @@ def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) ->
 
 def predicted_standard_error(
     method: str,
-    model: Model | Term,
+    model: ModelLike,
     *,
     n: int,
     rate: float,
@@ -64,7 +64,7 @@ def predicted_standard_error(
     ----------
     method : str
         A name in `RATE_ESTIMATORS`.
-    model : Model
+    model : Model, Term or Fit
     n : int
         Number of samples.
     rate : float
@@ -87,7 +87,7 @@ def predicted_standard_error(
     """
     options = options or Options()
     pulse = math.nan if options.quantum is None else options.quantum
-    whole = Model((model,)) if isinstance(model, Term) else model
+    whole = model_of(model)
     setting = Setting(n, rate, whole, target, tuple(dither), options, pulse)
     row = estimator_named(method)
     return standard_error(row, row.weights(setting), setting)
@@ -100,7 +100,7 @@ def ranking(setting: Setting) -> Ranking:
     return Ranking(model.signal, setting.duration, model, errors)
 
 
-def rank(model: Model | Term, *, n: int, rate: float, target: str = "mean", options: Options | None = None) -> Ranking:
+def rank(model: ModelLike, *, n: int, rate: float, target: str = "mean", options: Options | None = None) -> Ranking:
     """Which method is the best for a gyro, and by how much; parameters as of `predicted_standard_error`.
 
     Examples
@@ -111,5 +111,5 @@ def rank(model: Model | Term, *, n: int, rate: float, target: str = "mean", opti
     """
     options = options or Options()
     pulse = math.nan if options.quantum is None else options.quantum
-    whole = Model((model,)) if isinstance(model, Term) else model
+    whole = model_of(model)
     return ranking(Setting(n, rate, whole, target, (), options, pulse))

@@ -53,6 +53,8 @@ class RateEstimator:
     excess : setting -> float
         Variance beyond that of the weights, SI; NaN where it is not known.
     needs_model, needs_quantum : bool
+    color : str
+        Of its line in figures, ``#RRGGBB``.
     """
 
     name: str
@@ -65,6 +67,7 @@ class RateEstimator:
     excess: Callable[[Setting], float] = lambda setting: 0.0
     needs_model: bool = False
     needs_quantum: bool = False
+    color: str = "#6B6B6B"
 
 
 def linear(interval: Interval, weights: FloatArray, _: Setting) -> Measurement:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import ModelLike
 from allanite.core.record import KINDS, Record
 
 from .experiment import Experiment
@@ -63,13 +63,13 @@ class Plan:
             estimator_named(method)
 
 
-def experiment(record: Record, model: Model | Term | None = None, plan: Plan | None = None) -> Experiment:
+def experiment(record: Record, model: ModelLike | None = None, plan: Plan | None = None) -> Experiment:
     """Measure the rate in every interval of a record by every method.
 
     Parameters
     ----------
     record : Record
-    model : Model, optional
+    model : Model, Term or Fit, optional
         The noise, ``identify(record).model``; "optimal" and predictions need it.
     plan : Plan, optional
         Intervals of two minutes and all methods, if left out.
@@ -173,7 +173,7 @@ def _piece(record: Record, start: int, size: int) -> Record:
 
 
 def by_duration(
-    record: Record, durations: tuple[float, ...], model: Model | Term | None = None, plan: Plan | None = None
+    record: Record, durations: tuple[float, ...], model: ModelLike | None = None, plan: Plan | None = None
 ) -> tuple[Experiment, ...]:
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 

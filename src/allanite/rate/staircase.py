@@ -123,7 +123,7 @@ def _excess(setting: Setting) -> float:
     ----------
     J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
     """
-    noise = next((t.value for t in setting.settled if t.symbol == "Q"), 0.0) / setting.pulse
+    noise = next((t.value for t in setting.settled if t.row.alpha == 2), 0.0) / setting.pulse
     if not noise >= DITHERED:
         return math.nan
     ends = CUBE_ROOT * noise ** (2 / 3) * (setting.size + 1) ** (-1 / 3)
@@ -141,4 +141,5 @@ STAIRCASE = RateEstimator(
     measure=_staircase,
     excess=_excess,
     needs_quantum=True,
+    color="#AA4499",
 )

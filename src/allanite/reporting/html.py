@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from allanite.terms import TERMS
+
 from .sheet import Code, Column, Drawing, Face, Note, Part, Table, printable, printed, printed_heading
 
 if TYPE_CHECKING:
@@ -31,8 +33,6 @@ def fragment(face: Face, figure: "Figure | None" = None) -> str:
 
 @cache
 def _environment() -> Environment:
-    from .style import COLORS
-
     env = Environment(
         loader=PackageLoader("allanite", "reporting"),
         autoescape=True,
@@ -42,12 +42,16 @@ def _environment() -> Environment:
     )
     env.filters["clean"], env.filters["heading"] = printable, printed_heading
     env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
-    env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, colors=COLORS)
+    env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, color_of=_color_of)
     return env
 
 
 def _kind_of(part: Part) -> str:
     return {Table: "table", Note: "note", Drawing: "drawing", Code: "code"}[type(part)]
+
+
+def _color_of(symbol: str) -> str:
+    return TERMS[symbol].color if symbol in TERMS else ""
 
 
 def _shown(parts: Any) -> Iterator[Part]:

@@ -14,16 +14,9 @@ from matplotlib.figure import Figure
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment
 from allanite.rate.study import RateChannel, RateStudy
-from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import expected
 
 from . import style, words
-
-COLORS = {
-    "mean": "#6B6B6B", "hamming": "#B97700", "regression": "#0072B2", "conditional": "#56A0D3", "staircase": "#AA4499",
-    "optimal": "#008F6B",
-}  # fmt: skip
-"""One colour a method, everywhere."""
 
 _LATEX = (
     (r"\hat\Omega", "Ω̂"), (r"\Omega", "Ω"), (r"\sum", "Σ"), (r"\cos", "cos"), (r"\theta", "θ"), (r"\bar t", "t̄"),
@@ -42,7 +35,7 @@ def rate_text(study: RateStudy, width: int = 120) -> str:
     lines += [f"{'' if i else 'assumed':<10}{note}" for i, note in enumerate(study.notes)]
     for channel in study.channels:
         lines += ["", *_channel_lines(channel, study)]
-    return "".join(f"{printable(part)}\n" for line in lines for part in _fitted(line, width))
+    return "".join(f"{words.printable(part)}\n" for line in lines for part in _fitted(line, width))
 
 
 def _fitted(line: str, width: int) -> list[str]:
@@ -145,7 +138,7 @@ def plot_rate(channel: RateChannel) -> Figure:
         _draw_errors(axes[0], found)
         if channel.by_duration:
             _draw_accuracy(axes[1], channel.by_duration)
-        axes[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False)
+        axes[0].set_title(words.printable(found.name), loc="left", fontweight="bold", parse_math=False)
     return figure
 
 
@@ -157,8 +150,8 @@ def _draw_errors(ax: Axes, found: Experiment) -> None:
     ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
     for method, errors in zip(found.methods, found.errors / factor, strict=True):
         marker = "o" if t.size <= MOST_MARKED else ""
-        ax.plot(t, errors, color=COLORS[method], lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
-    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({printed_unit(unit)})")
+        ax.plot(t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
+    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({words.printed_unit(unit)})")
     ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
 
 
@@ -168,15 +161,13 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
     style.grid(ax)
     for method in series[0].methods:
         kept = [(e.duration, e.scatter(method)) for e in series if method in e.methods]
-        times = [time for time, _ in kept]
-        ax.plot(
-            times, [s.deviation / factor for _, s in kept], "o", color=COLORS[method], ms=3.5, label=method, zorder=4
-        )
+        times, color = [time for time, _ in kept], RATE_ESTIMATORS[method].color
+        ax.plot(times, [s.deviation / factor for _, s in kept], "o", color=color, ms=3.5, label=method, zorder=4)
         predicted = np.array([s.predicted for _, s in kept]) / factor
         if np.isfinite(predicted).any():
-            ax.plot(times, predicted, color=COLORS[method], lw=1.0, zorder=3)
+            ax.plot(times, predicted, color=color, lw=1.0, zorder=3)
     ax.set(xscale="log", yscale="log", xlabel="measuring time (s)")
-    ax.set_ylabel(f"standard deviation ({printed_unit(unit)})\npoints measured, lines predicted")
+    ax.set_ylabel(f"standard deviation ({words.printed_unit(unit)})\npoints measured, lines predicted")
     style.plain_ticks(ax.xaxis, ax.yaxis)
 
 
@@ -191,7 +182,7 @@ def rate_page(study: RateStudy) -> str:
     look = re.search(r"<style>.*?</style>", folder.joinpath("page.html.j2").read_text(encoding="utf-8"), re.DOTALL)
     assert look is not None  # noqa: S101 - the page of a study holds the style of all pages
     env = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    env.filters["clean"], env.filters["formula"] = printable, lambda latex: formula(_plain(latex))
+    env.filters["clean"], env.filters["formula"] = words.printable, lambda latex: formula(_plain(latex))
     channels = [
         {
             "name": c.record.name or "channel",

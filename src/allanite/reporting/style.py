@@ -20,17 +20,6 @@ from allanite.core.files import demand_writable, write
 
 PathLike = str | os.PathLike[str]
 
-COLORS = {
-    "Q": "#AA4499",
-    "N": "#0072B2",
-    "B": "#008F6B",
-    "K": "#C1272D",
-    "R": "#B97700",
-    "GM": "#5D6B00",
-    "Sine": "#444B54",
-}
-"""One colour a term, everywhere; after Okabe and Ito, and Tol: distinct to colour-blind eyes and in grey print."""
-
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 """Colours of curves in one panel, in this order; their order of brightness differs too."""
 

@@ -28,9 +28,6 @@ RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "sign
     name: name for name in ("current", "voltage", "temperature", "displacement", "flux density")
 }
 
-LETTERS = {"time_constant": "T", "frequency": "f", "phase": "phase"}
-"""Of what a term has beside its coefficient."""
-
 STATUS = {
     "identified": "found, relative standard error at most 25 %",
     "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
@@ -57,7 +54,8 @@ def shapes(estimate: Estimate, level: float) -> list[str]:
     parts = []
     for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
         number, interval = digits(value, low, high).plain()
-        parts.append(f"{LETTERS[parameter.name]} = {number}{f' ({interval})' if interval else ''} {parameter.unit}")
+        letter = parameter.letter or parameter.name.replace("_", " ")
+        parts.append(f"{letter} = {number}{f' ({interval})' if interval else ''} {parameter.unit}")
     return parts
 
 

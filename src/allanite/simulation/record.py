@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UnitError, UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import ModelLike, model_of
 from allanite.core.record import Record
 
 FloatArray = NDArray[np.float64]
 
 
 def simulate(
-    model: Model | Term, n: int, rate: float, *, rng: "np.random.Generator", name: str = "", unit: str | None = None
+    model: ModelLike, n: int, rate: float, *, rng: "np.random.Generator", name: str = "", unit: str | None = None
 ) -> Record:
     """A Gaussian record of a model, exact at every averaging time.
 
@@ -23,7 +23,7 @@ def simulate(
 
     Parameters
     ----------
-    model : Model or Term
+    model : Model, Term or Fit
     n : int
         Number of samples, at least 2.
     rate : float
@@ -51,7 +51,7 @@ def simulate(
     >>> bool(9.8 < record.values.std() < 10.2)
     True
     """
-    model = model if isinstance(model, Model) else Model((model,))
+    model = model_of(model)
     if n < 2:
         raise UsageError(f"a record has at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.terms import TERMS
+from allanite.terms.block import Block, integrators, joined
 
 from .allan import Steps, allan_variance
-from .blocks import Block, angle_noise, markov, oscillator, walk
 from .markov import MarkovSum
 
 FloatArray = NDArray[np.float64]
@@ -38,23 +40,43 @@ def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
     """The model with flicker replaced."""
     terms: list[Term] = []
     for t in model:
-        if t.symbol != "B" or fitted is None:
+        if not t.row.substitute or fitted is None:
             terms.append(t)
             continue
         pairs = zip(fitted.sizes.tolist(), fitted.time_constants.tolist(), strict=True)
-        terms += [Term("GM", t.value * size, t.signal, (T,)) for size, T in pairs if size > 0]
+        terms += [Term(t.row.substitute, t.value * size, t.signal, (T,)) for size, T in pairs if size > 0]
     return Model(tuple(terms))
 
 
-def states_of(model: Model, turn_on: float, h: float) -> list[Block]:
-    """The states: those of continuous time first."""
-    size = {t.symbol: t.value for t in model}
-    found = []
-    if turn_on or "K" in size or "R" in size:
-        found.append(walk(size.get("K", 0.0), size.get("R"), turn_on, h))
-    found += [markov(t.value, t.shape[0], h) for t in model if t.symbol == "GM"]
-    found += [oscillator(t.value, t.shape[0], h) for t in model if t.symbol == "Sine"]
-    return found + [angle_noise(t.value, h) for t in model if t.symbol == "Q"]
+def blocks_of(model: Model, h: float) -> list[Block]:
+    """The terms as states, in the order of `TERMS`.
+
+    Raises
+    ------
+    UsageError
+        A term has no states.
+    """
+    known = list(TERMS)
+    return [_block(t, h) for t in sorted(model, key=lambda t: known.index(t.symbol))]
+
+
+def _block(t: Term, h: float) -> Block:
+    if t.row.block is None:
+        able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
+        raise UsageError(
+            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: leave it out of the model, or put a "
+            "term in its place that has the same curve at the averaging times that matter"
+        )
+    return t.row.block(t.value, t.shape, h)
+
+
+def states_of(blocks: list[Block], turn_on: float, h: float) -> list[Block]:
+    """The blocks that have states, those of continuous time first; with a bias of standard deviation `turn_on`."""
+    bias = [block for block in blocks if block.bias]
+    bias += [integrators(("bias",), h, start=turn_on)] if turn_on else []
+    others = [block for block in blocks if block.names and not block.bias]
+    others.sort(key=lambda block: not block.output.any())
+    return ([joined(bias)] if bias else []) + others
 
 
 def sampled(blocks: list[Block], R: FloatArray) -> Matrices:

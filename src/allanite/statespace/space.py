@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.statistics import expected
+from allanite.terms.block import Block
 
-from .blocks import Block
-from .build import MEASUREMENTS, Matrices, continuous, equivalent, states_of
+from .build import MEASUREMENTS, Matrices, blocks_of, continuous, equivalent, states_of
 from .markov import MarkovSum, flicker_sum
 
 FloatArray = NDArray[np.float64]
@@ -110,7 +110,7 @@ class StateSpace:
 
 
 def state_space(
-    model: Model | Term,
+    model: ModelLike,
     rate: float,
     *,
     tau: tuple[float, float] = (1.0, 1000.0),
@@ -128,7 +128,7 @@ def state_space(
 
     Parameters
     ----------
-    model : Model or Term
+    model : Model, Term or Fit
     rate : float
         Of the filter's steps and of its readings, Hz.
     tau : (low, high)
@@ -150,7 +150,7 @@ def state_space(
     Raises
     ------
     UsageError
-        The model has nothing to be a state, or an option is impossible.
+        The model has nothing to be a state, or a term that can be none; an option is impossible.
 
     Examples
     --------
@@ -159,16 +159,17 @@ def state_space(
     >>> space.Phi.shape, space.measurement, space.ripple < 0.02
     ((3, 3), 'sample', True)
     """
-    model = model if isinstance(model, Model) else Model((model,))
+    model = model_of(model)
     if not (math.isfinite(rate) and rate > 0) or not turn_on >= 0:
         raise UsageError(f"the rate is above 0 Hz and the bias at switch-on not negative, unlike {rate!r}, {turn_on!r}")
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"a measurement is auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]
-    fitted = flicker_sum((low, high), ripple=ripple, order=order) if any(t.symbol == "B" for t in model) else None
+    fitted = flicker_sum((low, high), ripple=ripple, order=order) if any(t.row.substitute for t in model) else None
     replaced = equivalent(model, fitted)
-    blocks = states_of(replaced, turn_on, 1 / rate)
-    white = np.array([[sum(t.value**2 for t in replaced if t.symbol == "N") * rate]])
+    every = blocks_of(replaced, 1 / rate)
+    blocks = states_of(every, turn_on, 1 / rate)
+    white = np.array([[sum(block.white for block in every)]])
     if not blocks:
         raise UsageError(
             f"{model} is noise of the measurement alone, of variance {white[0, 0]:g} ({model.signal.unit})^2"
@@ -192,14 +193,14 @@ def state_space(
         equivalent=replaced,
         tau=(low, high),
         ripple=float(np.abs(off).max()),
-        notes=tuple(_notes(model, fitted, (low, high), turn_on)),
+        notes=tuple(_notes(every, fitted, (low, high), turn_on)),
     )
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
     """The measurement that was asked for, or for "auto" the simpler one if it is good enough."""
     model, rate, high = how
-    angle = any(t.symbol == "Q" and t.value for t in model)
+    angle = any(block.Q.any() and not block.output.any() for block in blocks)
     if measurement == "sample" and angle:
         raise UsageError("noise of the angle is a difference over the interval: it needs measurement='mean'")
     if measurement != "auto":
@@ -216,22 +217,13 @@ def _factors(low: float, high: float, rate: float) -> IntArray:
     return np.unique(np.rint(np.geomspace(first, last, count)).astype(np.int64))
 
 
-def _notes(model: Model, fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
-    symbols = {t.symbol for t in model}
+def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
     if fitted is not None:
         k = int((fitted.sizes > 0).sum())
         yield (
             f"flicker is {k} Gauss-Markov processes, within {100 * fitted.ripple:.2g} % of its Allan deviation from "
             f"{tau[0]:g} to {tau[1]:g} s; below it has too little power, and beyond it the bias wanders no further"
         )
-    if "Q" in symbols:
-        yield (
-            "quantization is taken for white Gaussian noise of the angle; that it is bounded by half a step, and "
-            "depends on the angle itself, is left out"
-        )
-    if "R" in symbols:
-        yield "the ramp is a state whose start has the standard deviation |R|, and no noise of its own"
-    if "Sine" in symbols:
-        yield "a sinusoid is an oscillator without noise: its frequency must be known and steady"
+    yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
         yield "the constant bias from switch-on to switch-on is no noise: it is 0 in P0 until you give it (turn_on)"

@@ -6,7 +6,7 @@ from typing import Literal
 
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
-from allanite.core.model import Model
+from allanite.core.model import Model, ModelLike, noise_choice
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.bias import correction, demand_bias
@@ -35,7 +35,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     *,
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
-    noise: Model | Literal["auto"] | None = "auto",
+    noise: ModelLike | Literal["auto"] | None = "auto",
     bias: Literal["exact", "published", "model"] | None = None,
     join: float = 0.2,
     divisor: int = 30,
@@ -54,7 +54,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         every one; or seconds. The named grids reach to the statistic's largest averaging factor.
     m : sequence of int, optional
         Averaging factors instead of times; of theoh, those of oadev up to the joint and of Theo1 beyond.
-    noise : Model or "auto", optional
+    noise : Model, Term, Fit or "auto", optional
         The noise supposed for the confidence limits and for a bias: a model as ``identify(record).model``, or the
         power law that is found at each tau; None for no limits.
     bias : {"exact", "published", "model"}, optional
@@ -101,6 +101,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     """
     row = statistic_named(statistic)
     demand_bias(bias, row)
+    supposed = noise_choice(noise)
     if not 0 < join < 1:
         raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
     if threads < 1:
@@ -114,7 +115,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
     points = Points(row, factors, angle.runs, record.size, record.rate, join, scattered=bias != "model")
     if bias is not None:
-        wanted = _corrected(points, bias, noise, angle, record.signal)
+        wanted = _corrected(points, bias, supposed, angle, record.signal)
         variance, factor = variance * wanted / factor, wanted
     return Curve(
         statistic=row.name,
@@ -128,8 +129,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=noise if isinstance(noise, Model) else None,
-        law=_law(points, noise, angle, record.signal),
+        noise=supposed if isinstance(supposed, Model) else None,
+        law=_law(points, supposed, angle, record.signal),
     )
 
 

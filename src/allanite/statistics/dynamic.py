@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.model import Model
+from allanite.core.model import ModelLike
 from allanite.core.record import KINDS, Record
 from allanite.core.surface import Surface
 from allanite.statistics import deviation
@@ -28,7 +28,7 @@ def dynamic(
     step: float | None = None,
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
-    noise: Model | None = None,
+    noise: ModelLike | None = None,
     threads: int = 1,
 ) -> Surface:
     """A statistic in windows that slide along a record: what changes with time.
@@ -97,7 +97,7 @@ def dynamic(
         rate=record.rate,
         name=record.name,
         history=record.history,
-        noise=noise,
+        noise=first.noise,
         law=first.law,
     )
 

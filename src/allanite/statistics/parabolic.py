@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .row import FloatArray, IntArray, Statistic, Window, binomial_window
+from .row import FloatArray, IntArray, Scheme, Statistic, Window, binomial_window
 
 
 def _parabolic(x: FloatArray, m: IntArray) -> FloatArray:
@@ -35,4 +35,5 @@ PDEV = Statistic(
     sums=_parabolic,
     pace=4.0,
     window=_window,
+    scheme=Scheme(leading=12),
 )

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.terms import NoiseTerm
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
@@ -17,6 +19,71 @@ Window = tuple[FloatArray, FloatArray]
 def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
     """Places in m, the same number of small and of large ones for each thread."""
     return [np.arange(i, m.size, threads) for i in range(min(threads, m.size))]
+
+
+@dataclass(frozen=True)
+class Sharp:
+    """How the ratios of white noise of the angle with the other terms, and with itself, depend on m.
+
+    Attributes
+    ----------
+    levels : tuple of int
+        Averaging factors of the reduced windows for even m; odd m takes the next ones.
+    scale : m -> scale
+    itself : (m, count) -> ratio, or None
+        The ratio with itself where it follows no power of m.
+    """
+
+    levels: tuple[int, ...]
+    scale: Callable[[int], float]
+    itself: Callable[[int, int], float] | None = None
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How a long window is replaced by a window of few points that lasts as long.
+
+    Attributes
+    ----------
+    levels : tuple of int
+        Averaging factors of the reduced windows for even m; odd m takes the next ones.
+    power : int
+        The extrapolation is a polynomial in ``m^-power``.
+    sharp : Sharp, optional
+        For white noise of the angle, where the window holds single points of the angle; None where it averages them, so
+        that this noise scales as the other terms do.
+    response : (term, m) -> E, or None
+        Expectation of one window, where it is known for any m.
+    leading : int
+        Averaging factor of the reduced window from which the largest eigenvalues are taken.
+    """
+
+    levels: tuple[int, ...] = (10, 20)
+    power: int = 2
+    sharp: Sharp | None = None
+    response: Callable[[NoiseTerm, int], float] | None = None
+    leading: int = 6
+
+
+@dataclass(frozen=True)
+class PublishedBias:
+    """The bias factors of a statistic as published.
+
+    Attributes
+    ----------
+    reference : str
+    limits : str
+        Where it is known to fail.
+    factor : (coefficients, m, size) -> E[estimate] / E[target], shape of m
+        For averaging factors m of a record of `size` intervals.
+    coefficients : dict
+        By the exponent alpha of the spectrum; a power law that is not here has no published factor.
+    """
+
+    reference: str
+    limits: str
+    factor: Callable[[tuple[float, ...], IntArray, int], FloatArray]
+    coefficients: dict[int, tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -61,6 +128,13 @@ class Statistic:
         Whether it has a meaning in a record with lost samples.
     parts : tuple of Statistic
         What a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf.
+    kept : (slope, share) -> float
+        Of a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
+        Allan deviation has this slope, where m is this share of the record.
+    scheme : Scheme
+        How long windows are reduced; for a row with a `window` that is no difference.
+    published : PublishedBias, optional
+        The bias factors as published; None where there is no bias.
     """
 
     name: str
@@ -88,11 +162,30 @@ class Statistic:
     extreme: bool = False
     gaps: bool = True
     parts: tuple["Statistic", ...] = ()
+    kept: Callable[[float, float], float] = lambda slope, share: 1.0
+    scheme: Scheme = Scheme()
+    published: PublishedBias | None = None
 
     @property
     def sliding(self) -> bool:
         """Whether it is a mean of squared differences of the angle at every sample, which windows of a record share."""
         return self.overlapped and self.differences > 1 and not self.summed
+
+    @property
+    def correlated(self) -> bool:
+        """Whether the covariance between the variances at different averaging times is known."""
+        return self.differences > 0 and self.overlapped
+
+    @property
+    def readable(self) -> bool:
+        """Whether its expectation is known for every term and any length of the record: a fit can read its curve."""
+        return self.order > 1 and not self.power and self.window is not None and not self.parts
+
+    @property
+    def allan(self) -> bool:
+        """Whether its expectation is the Allan variance: every term a straight line of the textbook's slope."""
+        plain = self.differences == 2 and not self.summed and not self.power
+        return plain and float(self.norm(np.ones(1, dtype=np.int64))[0]) == 2.0
 
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.model import Model
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 
 from .row import BoolArray
@@ -60,7 +60,7 @@ class Minimum(NamedTuple):
     inside: bool
 
 
-def averaging_stability(record: Record, seconds: float = 10.0, *, model: Model | None = None) -> Stability:
+def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLike | None = None) -> Stability:
     """N-second stability: the standard deviation of the means over `seconds`, without overlap.
 
     ``s^2 = sum (Y_j - mean Y)^2 / (K - 1)``. Under a model its expectation is
@@ -93,7 +93,7 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: Model |
             f"{record.duration / 2:g} s"
         )
     value = float(np.std(means[whole], ddof=1))
-    expected = None if model is None else math.sqrt(_variance(model, seconds, whole))
+    expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
     return Stability(value, seconds, blocks, record.duration, record.signal.si[0.0], expected)
 
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.statistics.fast.theofft import split, theo1_sums
+from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
 
 from .allan import OADEV
-from .row import Statistic, Window, constant
+from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
 def _window(m: int) -> Window:
@@ -18,6 +19,26 @@ def _window(m: int) -> Window:
     for column, sign in ((0 * v, 1), (v, -1), (m - v, -1), (0 * v + m, 1)):
         filters[rows, column] += sign
     return 1 / v, filters
+
+
+def _published(c: tuple[float, ...], m: IntArray, size: int) -> FloatArray:
+    return np.asarray(1 / (c[0] + c[1] / (0.75 * m) ** c[2]))
+
+
+KEPT_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
+KEPT = {
+    -0.5: (0.45, 0.47, 0.70, 0.91, 0.97),
+    0.0: (0.66, 0.66, 0.80, 0.92, 0.94),
+    0.5: (0.72, 0.74, 0.79, 0.88, 0.89),
+}
+"""EDF of TheoBR over that of Theo1 at m over the record's length, by the slope of the noise's Allan deviation: its bias
+ratio scatters too (simulated: benchmarks/hybrids.py)."""
+
+
+def _kept(slope: float, share: float) -> float:
+    """What is known of the next lower slope; the least of all where there is none."""
+    row = KEPT[max((known for known in KEPT if known <= slope), default=min(KEPT))]
+    return float(np.interp(share, KEPT_AT, row))
 
 
 THEO1 = Statistic(
@@ -43,6 +64,26 @@ THEO1 = Statistic(
     target="oadev",
     step=2,
     tau_factor=0.75,
+    scheme=Scheme(
+        levels=(16, 32, 64),
+        power=1,
+        sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
+        response=theo_response,
+        leading=16,
+    ),
+    published=PublishedBias(
+        reference="D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 section 5.2.15: AVAR = Theo1 (a + b/t^c), "
+        "t = 0.75 m",
+        limits="m of 10 or more",
+        factor=_published,
+        coefficients={
+            2: (0.09, 0.74, 0.40),
+            1: (0.14, 0.82, 0.30),
+            0: (1.00, 0.00, 0.00),
+            -1: (1.87, -1.05, 0.79),
+            -2: (2.70, -1.53, 0.85),
+        },
+    ),
 )
 
 THEOBR = replace(
@@ -58,6 +99,8 @@ THEOBR = replace(
     "deviation is wrong by up to 1.5. bias='model' corrects it by the model.",
     cost="That of theo1, and once that of every even m up to 2/15 of the record: 4 ps n^2.",
     parts=(THEO1,),
+    kept=_kept,
+    published=None,
 )
 
 THEOH = replace(

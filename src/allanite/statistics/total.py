@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .row import FloatArray, IntArray, Statistic, Window, constant
+from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
 def _folded(x: FloatArray, m: IntArray) -> FloatArray:
@@ -52,6 +52,21 @@ def _rate_window(m: int) -> Window:
     return np.full(6 * m, 1 / (6 * m)), np.hstack((edge, filters)) - np.hstack((filters, edge))
 
 
+Coefficients = tuple[float, ...]
+
+
+def _linear(c: Coefficients, m: IntArray, size: int) -> FloatArray:
+    return np.asarray(1 - c[0] * m / size)
+
+
+def _constant(c: Coefficients, m: IntArray, size: int) -> FloatArray:
+    return np.full(m.shape, c[0])
+
+
+def _beyond_one(c: Coefficients, m: IntArray, size: int) -> FloatArray:
+    return np.where(m > 1, c[0], 1.0)
+
+
 TOTDEV = Statistic(
     name="totdev",
     title="total deviation",
@@ -71,6 +86,12 @@ TOTDEV = Statistic(
     window=None,
     target="oadev",
     gaps=False,
+    published=PublishedBias(
+        reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
+        limits="tau up to half the record; nothing for noise of the angle, where the variance is high by 1.34 tau/T",
+        factor=_linear,
+        coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
+    ),
 )
 
 MTOTDEV = Statistic(
@@ -92,6 +113,13 @@ MTOTDEV = Statistic(
     pace=40.0,
     window=_window,
     target="mdev",
+    published=PublishedBias(
+        reference="D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 section 5.2.12",
+        limits="one number for every m: at m = 1 the statistic is half its target for any noise, and beyond m = 8 the "
+        "published factors are 2 to 6 % low (high by 2 % for random walk)",
+        factor=_constant,
+        coefficients={2: (0.94,), 1: (0.83,), 0: (0.73,), -1: (0.70,), -2: (0.69,)},
+    ),
 )
 
 TTOTDEV = replace(
@@ -123,4 +151,11 @@ HTOTDEV = replace(
     sums=_hadamard_total,
     window=_rate_window,
     target="ohdev",
+    scheme=Scheme(sharp=Sharp(levels=(10, 20, 40), scale=lambda m: 1.0)),
+    published=PublishedBias(
+        reference="D. A. Howe et al., PTTI 2000; NIST SP 1065 section 5.2.14",
+        limits="nothing for noise of the angle; m = 1 is the overlapped Hadamard variance, without bias",
+        factor=_beyond_one,
+        coefficients={0: (0.995,), -1: (0.851,), -2: (0.771,), -3: (0.717,), -4: (0.679,)},
+    ),
 )

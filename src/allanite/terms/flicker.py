@@ -102,4 +102,9 @@ FLICKER = NoiseTerm(
     advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random "
     "walk make a minimum by themselves, at sqrt(2 N K / sqrt(3)), without any flicker. Kalman filters "
     "have no state for it; it is stood in for by one or several Gauss-Markov processes.",
+    typical=1.0,
+    color="#008F6B",
+    alpha=-1,
+    automatic=True,
+    substitute="GM",
 )

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .block import markov
 from .row import FloatArray, NoiseTerm, Parameter
 
 SMALL = 0.05
@@ -113,7 +114,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         increments=functions.increments,
         spectrum=functions.spectrum,
         dct=functions.dct,
-        parameters=(Parameter("time_constant", "s", least=0.0),),
+        parameters=(Parameter("time_constant", "s", least=0.0, letter="T", typical=20.0),),
         shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
@@ -125,6 +126,8 @@ def gauss_markov(T: float) -> NoiseTerm:
         "an angle random walk with N = s sqrt(2 T). A Kalman filter takes it as a state with "
         "Phi = exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). Do not call it flicker because the top of the hump "
         "is flat: the ranking of both by the likelihood tells them apart where the record can.",
+        color="#5D6B00",
+        block=lambda size, shape, h: markov(size, shape[0], h),
     )
 
 

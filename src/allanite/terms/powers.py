@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .block import angle_noise, integrators, white_noise
 from .row import FloatArray, NoiseTerm
 
 
@@ -72,6 +73,11 @@ QUANTIZATION = NoiseTerm(
     "Overlapped Allan and Hadamard deviation cannot tell it from other noise of the angle; in the "
     "modified Allan deviation it falls faster, with slope -3/2. It does not grow with time: for "
     "navigation beyond seconds it can mostly be ignored.",
+    typical=0.5,
+    color="#AA4499",
+    alpha=2,
+    automatic=True,
+    block=lambda Q, shape, h: angle_noise(Q, h),
 )
 
 
@@ -99,6 +105,11 @@ ANGLE_RANDOM_WALK = NoiseTerm(
     "for deg/sqrt(h). It is the square root of the two-sided density; a one-sided density "
     "(scipy.signal.welch, many data sheets) gives sqrt(2) N. A sample of duration tau0 has the standard "
     "deviation N / sqrt(tau0); after a time t the angle has wandered by N sqrt(t).",
+    typical=0.1,
+    color="#0072B2",
+    alpha=0,
+    automatic=True,
+    block=lambda N, shape, h: white_noise(N, h),
 )
 
 
@@ -124,6 +135,11 @@ RATE_RANDOM_WALK = NoiseTerm(
     advice="Slope +1/2; K is the value of the line at tau = 3. It lives at the long end, where the curve has few "
     "degrees of freedom: one record of a length of 10 tau says little about it at tau. It is the driving "
     "noise of the bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
+    typical=10.0,
+    color="#C1272D",
+    alpha=-2,
+    automatic=True,
+    block=lambda K, shape, h: integrators(("bias, random walk" if K else "bias",), h, density=K**2),
 )
 
 
@@ -151,4 +167,13 @@ RAMP = NoiseTerm(
     "more than sqrt(2) times the Hadamard deviation, there is a ramp, or a noise steeper than a random "
     "walk. Remove it by a model of its cause (temperature), not by a fitted line, before you speak of the "
     "noise at long times.",
+    typical=10.0,
+    color="#B97700",
+    automatic=True,
+    block=lambda R, shape, h: integrators(
+        ("bias", "rate ramp"),
+        h,
+        start=R,
+        note="the ramp is a state whose start has the standard deviation |R|, and no noise of its own",
+    ),
 )

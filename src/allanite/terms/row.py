@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .block import Block
+
 FloatArray = NDArray[np.float64]
 
 
@@ -13,13 +15,16 @@ FloatArray = NDArray[np.float64]
 class Parameter:
     """What a term has beside its coefficient.
 
-    `least` is what its value must exceed, None if it may be anything; `default` stands where none is given.
+    `least` is what its value must exceed, None if it may be anything; `default` stands where none is given; `letter`
+    is what it is called in print, and `typical` a value for examples.
     """
 
     name: str
     unit: str
     least: float | None = None
     default: float | None = None
+    letter: str = ""
+    typical: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,22 @@ class NoiseTerm:
         LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
     origin, advice : str
         For the documentation: where it comes from, and how it is read off and used.
+    typical : float
+        For the documentation: the coefficient of an example, in the unit that data sheets of gyros give it in.
+    color : str
+        Of its line in figures, ``#RRGGBB``.
+    alpha : int or None
+        Exponent of the spectral density of the rate, where that is one power of the frequency.
+    per_sample : bool
+        Whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
+        its expectation then depends on the rate.
+    automatic : bool
+        Whether it is looked for where nobody says which terms to look for.
+    block : (coefficient, shape, interval) -> Block, or None
+        What it is as states of a Kalman filter, SI; None where a finite filter has none.
+    substitute : str
+        Symbol of a term with a time constant which may take its place: itself where a record says so, in a filter as a
+        sum of several. For flicker of the rate.
     """
 
     symbol: str
@@ -90,3 +111,10 @@ class NoiseTerm:
     density: str = ""
     origin: str = ""
     advice: str = ""
+    typical: float = 1.0
+    color: str = "#6B6B6B"
+    alpha: int | None = None
+    per_sample: bool = False
+    automatic: bool = False
+    block: Callable[[float, tuple[float, ...], float], Block] | None = None
+    substitute: str = ""

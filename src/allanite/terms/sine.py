@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from .block import oscillator
 from .row import FloatArray, NoiseTerm, Parameter
 
 
@@ -54,7 +55,10 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         dct=lambda k, _: np.zeros_like(k),
         waveform=waveform,
         periodic=True,
-        parameters=(Parameter("frequency", "Hz", least=0.0), Parameter("phase", "rad", default=0.0)),
+        parameters=(
+            Parameter("frequency", "Hz", least=0.0, letter="f", typical=0.02),
+            Parameter("phase", "rad", default=0.0, typical=0.0),
+        ),
         shape=(frequency, phase),
         shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
         origin="Vibration, sway of the building or the vehicle, a dither that is not taken out, interference of the "
@@ -63,6 +67,8 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         "1/f; the envelope falls with slope -1. The top may be taken for bias instability, and its flank for "
         "quantization. In the spectrum it is a narrow peak: there it is found, its amplitude and frequency "
         "estimated, and it is taken out before the noise is identified.",
+        color="#444B54",
+        block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
     )
 
 

@@ -50,7 +50,7 @@ def test_an_exact_curve_gives_its_coefficients(method, statistic):
     curve = exact(statistic)
     fit = al.identify(curve, method, terms="QNBKR")
     seen = {t.symbol: t.value for t in fit.model}
-    wanted = {s: v for s, v in TRUTH.items() if s != "R" or statistic not in ("ohdev", "hdev")}
+    wanted = {s: v for s, v in TRUTH.items() if s != "R" or al.STATISTICS[statistic].order < 3}
     for symbol, value in wanted.items():
         assert seen[symbol] == pytest.approx(value, rel=2e-3)
     if len(wanted) < len(TRUTH):
@@ -190,7 +190,10 @@ def test_statistics_may_be_chosen():
 WRONG = [
     ({"statistic": "oadev"}, "reads no curve"),
     ({"method": "joint", "statistic": "ohdev"}, "reads no curve"),
-    ({"method": "gls", "statistic": "adev"}, r"reads oadev, ohdev, mdev, theo1, not adev \(those that read adev: nnls"),
+    (
+        {"method": "gls", "statistic": "adev"},
+        r"reads oadev, mdev, ohdev.*, not adev \(those that read adev: nnls",
+    ),
     ({"method": "gls", "statistic": "theoh"}, "not theoh$"),
     ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
     ({"method": "gls", "ranges": {"N": (1, 2)}}, "ranges is for method 'piecewise', not for 'gls'"),

@@ -9,15 +9,17 @@ from scipy.linalg import expm
 
 import allanite as al
 from allanite.cli import main
-from allanite.statespace.blocks import angle_noise, markov, oscillator, walk
 from allanite.statespace.markov import flicker_sum
+from allanite.terms.block import angle_noise, integrators, joined, markov, oscillator
 
 BLOCKS = {
     "slow": markov(2.0, 1e4, 0.01),
     "near": markov(2.0, 0.05, 0.01),
     "fast": markov(2.0, 0.003, 0.01),
-    "walk": walk(0.3, None, 1.0, 0.5),
-    "ramp": walk(0.3, 0.2, 0.0, 0.5),
+    "walk": integrators(("bias",), 0.5, density=0.09, start=1.0),
+    "ramp": joined(
+        [integrators(("bias",), 0.5, density=0.09), integrators(("bias", "ramp"), 0.5, density=0.04, start=0.2)]
+    ),
     "sine": oscillator(2.0, 0.7, 0.3),
 }
 STEP = {"walk": 0.5, "ramp": 0.5, "sine": 0.3}

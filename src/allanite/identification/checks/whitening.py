@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.prepare.gaps import Gaps, joined, whole
 
@@ -18,7 +18,7 @@ SINGLE, PER_OCTAVE = 64, 32
 """Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
 
 
-def whitened(record: Record, model: Model) -> NDArray[np.float32]:
+def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     """The record over its model: white Gaussian noise of variance 1, if the model explains the record.
 
     Deterministic terms are taken off. Each coefficient of the orthonormal DCT-II of the rest (readings that were lost
@@ -27,7 +27,7 @@ def whitened(record: Record, model: Model) -> NDArray[np.float32]:
     Parameters
     ----------
     record : Record
-    model : Model
+    model : Model, Term or Fit
         For example `Fit.model`.
 
     Returns
@@ -51,6 +51,7 @@ def whitened(record: Record, model: Model) -> NDArray[np.float32]:
     """
     from scipy.fft import dct, idct
 
+    model = model_of(model)
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not explain a {record.signal.name}")
     y, gaps, left = joined(record)

@@ -21,9 +21,6 @@ from allanite.terms import TERMS
 from .nonnegative import blind, columns, plain, solve, unit_model, whitened
 from .reading import early, reported, result, signal_of
 
-CORRELATED = ("oadev", "ohdev", "mdev")
-"""Statistics whose covariance between averaging times is known."""
-
 ROUNDS = 8
 """Of a fit and the covariance under it; three to five are enough."""
 
@@ -53,9 +50,9 @@ class Moments:
 
 @lru_cache(maxsize=64)
 def moments_of(name: str, symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
-    """Of a statistic at averaging factors `m`; of one that is not in `CORRELATED`, variances alone."""
+    """Of a statistic at averaging factors `m`; of one whose points' covariance is not known, variances alone."""
     X = columns(name, symbols, m, size, rate)
-    return Moments(X, (_covariances if name in CORRELATED else variances)(name, symbols, m, size, rate))
+    return Moments(X, (_covariances if STATISTICS[name].correlated else variances)(name, symbols, m, size, rate))
 
 
 def _covariances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
@@ -102,8 +99,8 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     Parameters
     ----------
     curve : Curve
-        oadev, ohdev, mdev or theo1, SI. For theo1 the covariance between points is not known: each has the weight of
-        its own degrees of freedom, and there are no standard errors.
+        Of a statistic whose windows overlap, SI. Where the covariance between points is not known (theo1), each has
+        the weight of its own degrees of freedom, and there are no standard errors.
     symbols : sequence of str
         Keys of `TERMS`.
 
@@ -122,7 +119,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     theta, covariance = iterated(moments, variance)
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
     notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
-    if curve.statistic not in CORRELATED:
+    if not STATISTICS[curve.statistic].correlated:
         estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
         notes += [
             f"the covariance between points of {curve.statistic} is not known: each has the weight of its own degrees "

@@ -15,9 +15,6 @@ from allanite.terms import TERMS
 
 from .reading import early, reported, result, signal_of
 
-READABLE = ("oadev", "ohdev", "mdev", "adev", "hdev", "theo1")
-"""Statistics whose expectation is known for every term and any record length."""
-
 
 def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Non-negative squares of the coefficients that fit the variance with equal relative weights, up to tau = T/10.
@@ -27,7 +24,7 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     Parameters
     ----------
     curve : Curve
-        One of `READABLE`, SI.
+        Of a statistic that is `readable`, SI.
     symbols : sequence of str
         Keys of `TERMS`.
     """

@@ -11,9 +11,6 @@ from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
 from allanite.statistics.row import BoolArray, FloatArray
 
-ALLAN = ("oadev", "adev")
-"""The statistics whose terms are straight lines of the textbook slopes."""
-
 
 def signal_of(curve: Curve, points: int) -> Signal:
     """What a curve is of.

@@ -6,22 +6,20 @@ on a grid and then refined; in the subsets and the limits, T takes the values th
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from allanite.core.errors import UsageError
 from allanite.core.fit import EXPLAINED
 from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
-from allanite.terms.markov import gauss_markov
 
 from .likelihood import BoolArray, FloatArray, Likelihood
 from .selection import PENALTY, Profiles, Subset, select, subsets
 from .whittle import Spectrum, column, likelihood, spectrum
-
-MARKOV, FLICKER = "GM", "B"
 
 SHORTEST, LONGEST = 3.0, 0.1
 """Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
@@ -53,7 +51,7 @@ NEAR = 3
 class Search:
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
-    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant.
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term.
     """
 
     likelihood: Likelihood
@@ -61,10 +59,13 @@ class Search:
     used: BoolArray
     may: BoolArray
     shortest: float = SHORTEST
+    symbol: str = "GM"
 
     def column(self, T: float) -> FloatArray:
         """Expected power of the term in the bins that are used."""
-        return column(gauss_markov(T), self.seen)[self.used]
+        shaped = TERMS[self.symbol].shaped
+        assert shaped is not None  # noqa: S101 - `look` has seen to it
+        return column(shaped((T,), 1.0), self.seen)[self.used]
 
     def at(self, T: float) -> Likelihood:
         """The likelihood with a time constant."""
@@ -215,21 +216,26 @@ class Found:
     @property
     def flicker(self) -> Subset | None:
         """The best without a Gauss-Markov term, if flicker is in it."""
-        there = FLICKER in self.noise and self.plain.theta[self.noise.index(FLICKER)] > 0
-        return self.plain if there else None
+        which = flicker_in(self.noise)
+        return self.plain if which is not None and self.plain.theta[which] > 0 else None
 
     def rivals(self) -> list[Subset]:
         """The best of each family: flicker, Gauss-Markov, both, two Gauss-Markov."""
         if self.search is None:
             return []
         penalty = penalties(len(self.noise))
-        both = Search(self.search.likelihood, self.seen, self.used, np.ones(len(self.noise), dtype=bool))
+        both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=SHORTEST)
         found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
         there = [subset for subset in found if subset is not None]
         complete = [s for s in there if not s.constants or (s.theta[len(self.noise) - 1 :] > 0).all()]
-        flicker = self.noise.index(FLICKER) if FLICKER in self.noise else None
+        flicker = flicker_in(self.noise)
         # both without flicker is Gauss-Markov alone once more
         return [s for s in complete if s is not found[2] or (flicker is not None and s.theta[flicker] > 0)]
+
+
+def flicker_in(symbols: Sequence[str]) -> int | None:
+    """The place of the term that a Gauss-Markov term may stand in for; None if it is not there."""
+    return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
 
 
 def penalties(p: int) -> FloatArray:
@@ -248,18 +254,22 @@ def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | Non
         As for `allanite.identification.likelihood.identify.whittle`.
     """
     ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
-    noise = [symbol for symbol in symbols if symbol not in ramps and symbol != MARKOV]
-    asked = MARKOV in symbols
+    asked = [symbol for symbol in symbols if TERMS[symbol].parameters]
+    noise = [symbol for symbol in symbols if symbol not in ramps and symbol not in asked]
+    if len(asked) > 1 or any(len(TERMS[symbol].parameters) > 1 for symbol in asked):
+        raise UsageError(f"only one term with one time constant can be looked for at a time, not {', '.join(asked)}")
+    flicker = flicker_in(noise)
     seen = spectrum(record, detrend=bool(ramps))
     used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
-    if not asked and not (rival and FLICKER in noise):
+    if not asked and not (rival and flicker is not None):
         part = likelihood(seen, [*noise, *ramps]).only(used)
         fitted = subsets(part)
         best = select(fitted)
         return Found(seen, used, noise, fitted, best, fitted[-1], None, best, None)
-    whole = likelihood(seen, [*noise, *ramps, MARKOV])
-    noise.append(MARKOV)
-    return _with_markov(whole.only(used), (seen, used), noise, asked=asked)
+    markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
+    whole = likelihood(seen, [*noise, *ramps, markov])
+    noise.append(markov)
+    return _with_markov(whole.only(used), (seen, used), noise, asked=bool(asked))
 
 
 def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spectrum, BoolArray]) -> bool:
@@ -270,7 +280,7 @@ def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spec
     needs as much evidence once more.
     """
     penalty = penalties(len(noise))
-    other = np.array([symbol != FLICKER for symbol in noise])
+    other = np.array([not TERMS[symbol].substitute for symbol in noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
         return False
@@ -280,8 +290,8 @@ def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spec
 def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: list[str], *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
     penalty = penalties(len(noise))
-    may = np.array([asked or symbol != FLICKER for symbol in noise])
-    search = Search(part, *where, may, SHORTEST if asked else SLOW)
+    may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
+    search = Search(part, *where, may, SHORTEST if asked else SLOW, noise[-1])
     fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))

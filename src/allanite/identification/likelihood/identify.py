@@ -15,7 +15,7 @@ from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
-from .families import MARKOV, Found, look
+from .families import Found, look
 from .likelihood import FloatArray
 from .removal import without_lines
 from .selection import Subset, quantile, standard_error
@@ -63,7 +63,7 @@ def whittle(
         taken, left = without_lines(record, found, band)
         found = look(left, terms, band, rival=rival) if taken else found
     scale = _Scale(record, found.seen)
-    shown = terms if not found.chosen.constants or MARKOV in terms else [*terms, MARKOV]
+    shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     model = _model(estimates, found, scale)
@@ -90,8 +90,8 @@ class _Scale:
         """The terms of a subset; what it has beyond `noise` is one more Gauss-Markov term."""
         constants = iter(subset.constants)
         found = []
-        for symbol, theta in zip((*noise, MARKOV), subset.theta.tolist(), strict=False):
-            shape = (next(constants) / self.rate,) if symbol == MARKOV and subset.constants else ()
+        for symbol, theta in zip((*noise, noise[-1]), subset.theta.tolist(), strict=False):
+            shape = (next(constants) / self.rate,) if TERMS[symbol].parameters and subset.constants else ()
             if theta > 0:
                 found.append(Term(symbol, self.coefficient(symbol, theta), self.signal, shape))
         return tuple(found)
@@ -122,7 +122,7 @@ def _noise_estimate(symbol: str, which: int, found: Found, scale: _Scale) -> Est
     relative = standard_error(chosen, which, found.slope) / (2 * theta)
     status = "identified" if relative <= WEAK else "weak"
     plain = Estimate(symbol, scale.signal, value, value * relative, status, upper(0.95), "whittle", limits, limits)
-    return _with_constant(plain, found) if symbol == MARKOV else plain
+    return _with_constant(plain, found) if TERMS[symbol].parameters else plain
 
 
 def _with_constant(estimate: Estimate, found: Found) -> Estimate:

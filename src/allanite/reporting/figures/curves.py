@@ -14,6 +14,7 @@ from allanite.core.units import unit_of
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
 
 from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs
 from .labels import Box, FloatArray
@@ -23,9 +24,6 @@ FEW = 2.0
 """Equivalent degrees of freedom below which a point is drawn open."""
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
-
-
-SINE = "Sine"
 
 
 def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
@@ -111,8 +109,8 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
     curves = fractions(ax, np.concatenate([pairs(drawn.tau, drawn.deviation), pairs(tau[inside], whole[inside])]))
     paths = {symbol: fractions(ax, pairs(tau, line)) for symbol, line in lines.items()}
     placed: list[Box] = []
-    if SINE in lines:
-        _lines_label(ax, lines[SINE], paths[SINE], curves, placed)
+    for symbol in (symbol for symbol in lines if TERMS[symbol].periodic):
+        _lines_label(ax, (symbol, lines[symbol]), paths[symbol], curves, placed)
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         mark = _draw_mark(ax, panel, fit.model[e.symbol], e.sheet_unit)
         anchors = paths[e.symbol][by_share(lines[e.symbol], whole)] if mark is None else mark
@@ -122,11 +120,14 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
             placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
 
 
-def _lines_label(ax: Axes, line: FloatArray, path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
+def _lines_label(
+    ax: Axes, named: tuple[str, FloatArray], path: FloatArray, curves: FloatArray, placed: list[Box]
+) -> None:
     """The word at the highest hump of the sinusoids."""
+    symbol, line = named
     top = path[int(np.nanargmax(line[np.isfinite(line)]))]
     if ((top > 0.01) & (top < 0.99)).all():
-        placed.append(draw_label(ax, (SINE, "sinusoids taken out"), top[None, :], curves, placed))
+        placed.append(draw_label(ax, (symbol, "sinusoids taken out"), top[None, :], curves, placed))
 
 
 def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | None:

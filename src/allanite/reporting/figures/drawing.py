@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from allanite.core.fit import Estimate
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
+from allanite.terms import TERMS
 
 from .labels import Box, FloatArray, IntArray, place
 
@@ -31,7 +32,7 @@ def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
 
 def color_of(symbol: str) -> str:
     """The colour of a term."""
-    return style.COLORS.get(symbol, style.OTHER)
+    return TERMS[symbol].color
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:

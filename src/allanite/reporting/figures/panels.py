@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, Term, model_of
 from allanite.core.units import convert, readable_unit, unit_of
 from allanite.statistics import STATISTICS, expected
 
@@ -36,7 +36,8 @@ class Panel(NamedTuple):
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
         """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
         curve, row = self.curve, STATISTICS[self.curve.statistic]
-        if row.differences and not row.summed and not row.power:
+        scaled = not any(t.row.per_sample for t in model_of(model))
+        if row.differences and not row.summed and not row.power and scaled:
             variance = expected(model, row.name, tau)
             return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
         try:

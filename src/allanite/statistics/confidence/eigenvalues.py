@@ -7,18 +7,15 @@ of freedom, known exactly, scale them. White noise of the angle is left to its o
 import numpy as np
 
 from allanite.statistics.moments import lagsums
-from allanite.statistics.moments.windowed import SCHEMES
+from allanite.statistics.moments.compact import white_level
 from allanite.statistics.row import FloatArray, Statistic
-from allanite.terms import TERMS, NoiseTerm
+from allanite.terms import NoiseTerm
 
 WINDOWS = 96
 """Windows of one row each that stand for all."""
 
 FEW = 32
 """Windows of several rows that stand for all."""
-
-REDUCED = {"theo1": 16, "mtotdev": 6, "ttotdev": 6, "htotdev": 6, "pdev": 12}
-"""Averaging factor of the reduced window."""
 
 Terms = list[tuple[float, NoiseTerm]]
 """Squared coefficients in units of the sample interval, and rows of the table."""
@@ -40,7 +37,7 @@ def is_sharp(row: Statistic, count: int) -> bool:
     """Whether white noise of the angle cannot be in the matrix: its windows neither average it nor are all there."""
     if row.differences:
         return not row.summed and count > WINDOWS
-    return row.window is not None and SCHEMES[row.name].sharp is not None
+    return row.window is not None and row.scheme.sharp is not None
 
 
 def _places(count: int, most: int) -> FloatArray:
@@ -57,7 +54,7 @@ def _differences(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray
 
 def _windows(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
     assert row.window is not None  # noqa: S101 - the caller has looked
-    short = min(m, REDUCED[row.name])
+    short = min(m, row.scheme.leading)
     weights, filters = row.window(short)
     _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
@@ -87,9 +84,8 @@ def _folded(terms: Terms, m: int, size: int) -> FloatArray:
 
 def _averaged(term: NoiseTerm, lag: FloatArray, step: float) -> FloatArray:
     """The structure function; of white noise that of its means over a step."""
-    if term.structure is TERMS["Q"].structure:
-        return 2 / step * np.minimum(lag / step, 1.0)
-    return term.structure(lag)
+    level, D = white_level(term), term.structure(lag)
+    return D - level * (lag > 0) + level / step * np.minimum(lag / step, 1.0) if level else D
 
 
 def _structure(terms: Terms, lag: FloatArray) -> FloatArray:

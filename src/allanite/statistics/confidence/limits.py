@@ -17,6 +17,7 @@ from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.statistics.angle import Angle
 from allanite.statistics.grids import part_of, times
+from allanite.statistics.moments.compact import white_level
 from allanite.statistics.moments.moments import Runs, grouped, noise_of, shares
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import TERMS
@@ -55,17 +56,6 @@ NOTHING = 1e-9
 """Share of a term below which it has none."""
 
 
-SCATTER_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
-SCATTER = {
-    "N": (0.45, 0.47, 0.70, 0.91, 0.97),
-    "B": (0.66, 0.66, 0.80, 0.92, 0.94),
-    "K": (0.72, 0.74, 0.79, 0.88, 0.89),
-    "R": (0.72, 0.74, 0.79, 0.88, 0.89),
-}
-"""EDF of TheoBR over that of Theo1 at m over the record's length, by term: its bias ratio scatters too (simulated:
-benchmarks/hybrids.py)."""
-
-
 def law(points: Points, models: Sequence[Model]) -> Law:
     """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
 
@@ -101,7 +91,7 @@ def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:
     share, r = shares(part, model, m, runs, points.rate)
     inverse = float(share @ r @ share)
     if row.parts and part is row.parts[-1] and points.scattered:
-        kept = [np.interp(m / size, SCATTER_AT, SCATTER.get(term.symbol, SCATTER["N"])) for term in model]
+        kept = [row.kept(term.row.slope, m / size) for term in model]
         inverse /= float(share @ kept)
     edf = max(1 / inverse, 1.0) if inverse > 0 else np.inf
     if edf >= MANY:
@@ -128,7 +118,7 @@ def _several(
     (m, count, size), (share, r, inverse) = where, moments
     rows = [t.sampled(rate) for t in model]
     fixed = np.array([term.waveform is not None for term in rows])
-    white = np.array([term.structure is TERMS["Q"].structure for term in rows])
+    white = np.array([white_level(term) > 0 for term in rows])
     white &= is_sharp(row, count)
     apart = fixed | white
     smooth = [(t.power(rate), t.sampled(rate)) for t, out in zip(model, apart, strict=True) if not out]

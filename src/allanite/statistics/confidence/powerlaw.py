@@ -12,19 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.model import Model
 from allanite.statistics.allan import OADEV
 from allanite.statistics.angle import Angle, Piece
 from allanite.statistics.estimator import windows
 from allanite.statistics.modified import MDEV
-from allanite.statistics.moments.moments import by_term
-from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import TERMS
-
-SYMBOLS = {2: "Q", 1: "N", 0: "N", -1: "B", -2: "K", -3: "K", -4: "K"}
-"""alpha -> term of `TERMS`. Flicker of the angle and flicker and random walk of the ramp have no term: the term beside
-them is taken that has the fewer degrees of freedom (N, not Q), or the only one (K), so that no interval is too narrow.
-"""
 
 ENOUGH = 30
 """Points from which on the autocorrelation decides."""
@@ -47,15 +40,29 @@ step. Sampled every tau, the d-th differences of x have the autocovariance (-1)^
 r1/(1 + r1) is at d = 2 -1, -0.277, 0.2 for N, B, K and at d = 3 -2, -1.149, -0.5, -0.037, 0.283 for alpha = 0 .. -4.
 """
 
-STRUCTURES: dict[int, Callable[[FloatArray], FloatArray]] = {
-    2: TERMS["Q"].structure,
-    0: TERMS["N"].structure,
-    -1: TERMS["B"].structure,
-    -2: TERMS["K"].structure,
+STEEP: dict[int, Callable[[FloatArray], FloatArray]] = {
     -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
     -4: lambda t: t**5,
 }
-"""alpha -> D(t) but for a positive factor. Flicker of the angle is left out: by the ratio it is white noise of it."""
+"""alpha -> D(t) but for a positive factor, beyond those of random walk of the rate."""
+
+LAWS = (2, 0, -1, -2, -3, -4)
+"""The alphas between which the ratio decides. Flicker of the angle is left out: it looks like its white noise."""
+
+
+def symbol_of(alpha: int) -> str:
+    """The term of `TERMS` with the exponent alpha, or the nearest safe one.
+
+    Flicker of the angle and flicker and random walk of the ramp may have no term: the term beside them is taken that
+    has the fewer degrees of freedom (N, not Q), or the only one (K), so that no interval is too narrow.
+
+    Examples
+    --------
+    >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
+    ['Q', 'N', 'N', 'B', 'K', 'K', 'K']
+    """
+    found = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
+    return found or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
 
 
 class PowerLaw(NamedTuple):
@@ -67,7 +74,7 @@ class PowerLaw(NamedTuple):
         Exponent of the spectrum of the rate: 2 and 1 white and flicker noise of the angle, 0, -1, -2 white, flicker and
         random walk noise of the rate, -3, -4 flicker and random walk of the ramp.
     symbol : str
-        The term of `TERMS` with this exponent, or the nearest safe one (`SYMBOLS`).
+        The term of `TERMS` with this exponent, or the nearest safe one (`symbol_of`).
     method : {"lag1", "b1", "rn"}
         Autocorrelation, ratio of variances, modified over plain Allan variance.
     m : int
@@ -128,32 +135,6 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     return tuple(laws[int(m)] for m in strides)
 
 
-def local_term(model: Model, row: Statistic, m: IntArray, *, size: int, rate: float) -> tuple[str, ...]:
-    """Symbol of the term with the largest share of a statistic's expectation at each averaging factor, length k.
-
-    Parameters
-    ----------
-    model : Model
-    row : Statistic
-        Not a hybrid: one of its parts.
-    m : array of int, shape (k,)
-    size : int
-        Sample intervals of the record.
-    rate : float
-        Sampling rate, Hz.
-
-    Examples
-    --------
-    >>> from allanite.core.model import K, N
-    >>> from allanite.statistics import STATISTICS
-    >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
-    >>> local_term(model, STATISTICS["oadev"], np.array([10, 20]), size=1000, rate=1.0)
-    ('N', 'K')
-    """
-    symbols = [term.symbol for term in model]
-    return tuple(symbols[int(np.argmax(by_term(row, model, k, size, rate)))] for k in m.tolist())
-
-
 def _longest(angle: Angle) -> int:
     """The largest averaging factor that leaves enough means of the rate, at least 1."""
     sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
@@ -168,7 +149,7 @@ def _law(angle: Angle, flat: Angle, m: int, order: int) -> PowerLaw:
     alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
     if alpha > 0 and m > 3 and (ratio := _modified_ratio(flat, m)) is not None:
         alpha, method = _by_modified(ratio, m), "rn"
-    return PowerLaw(alpha, SYMBOLS[alpha], method, m)
+    return PowerLaw(alpha, symbol_of(alpha), method, m)
 
 
 def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
@@ -220,7 +201,7 @@ def _autocorrelation(pieces: list[FloatArray]) -> float:
 
 def _by_ratio(angle: Angle, m: int, order: int) -> int:
     """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
-    laws = [alpha for alpha in STRUCTURES if alpha >= 2 - 2 * order]
+    laws = [alpha for alpha in LAWS if alpha >= 2 - 2 * order]
     rates = [np.diff(piece.x[::m]) for piece in angle.pieces]
     starts = [
         piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(angle.pieces, rates, strict=True)
@@ -249,7 +230,7 @@ def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, Float
 
 def expected_ratio(forms: tuple[FloatArray, FloatArray], start: FloatArray, alpha: int) -> float:
     """Ratio of the forms' expectations for a power law."""
-    D = STRUCTURES[alpha]
+    D = STEEP[alpha] if alpha in STEEP else TERMS[symbol_of(alpha)].structure
     lag = np.abs(np.subtract.outer(start, start))
     covariance = 0.5 * (D(lag + 1) + D(np.abs(lag - 1)) - 2 * D(lag))
     spread, local = (float(np.sum(form * covariance)) for form in forms)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, Term
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.statistics.grids import factors_of, part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
@@ -14,7 +14,7 @@ from .moments import by_term
 
 
 def expected(
-    model: Model | Term,
+    model: ModelLike,
     statistic: str,
     tau: float | Sequence[float] | FloatArray,
     *,
@@ -27,7 +27,7 @@ def expected(
 
     Parameters
     ----------
-    model : Model or Term
+    model : Model, Term or Fit
     statistic : str
         A name in `STATISTICS`.
     tau : array_like, shape (k,)
@@ -56,9 +56,9 @@ def expected(
     [1.0, 0.25]
     """
     row = statistic_named(statistic)
-    model = model if isinstance(model, Model) else Model((model,))
+    model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if row.differences and not row.summed:
+    if row.differences and not row.summed and not any(t.row.per_sample for t in model):
         # no time but tau is in these: let it be the sample interval
         return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
     if rate is None:

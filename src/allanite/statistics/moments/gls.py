@@ -125,15 +125,6 @@ class Covariance:
         """v'Cv: the variance of v'y, for a contrast v or, where all terms are stationary, any v."""
         return float(v @ self.times(v))
 
-    def whiten(self, y: FloatArray) -> FloatArray:
-        """Coefficients 1 to size - 1 of the DCT-II over their standard deviations, shape (size - 1,).
-
-        Independent with variance 1 for N and K; nearly so for B; Q has two loose directions more, its edges.
-        """
-        from scipy.fft import dct
-
-        return np.asarray(dct(y, norm="ortho")[1:] / np.sqrt(self.spectrum))
-
     def _precondition(self, r: FloatArray) -> FloatArray:
         from scipy.fft import dct, idct
 
@@ -168,30 +159,3 @@ class Covariance:
         raise UsageError(
             f"the covariance of {', '.join(map(str, self.terms))} cannot be inverted at {self.size} samples"
         )
-
-
-def generalised_least_squares(covariance: Covariance, y: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Best linear unbiased coefficients of `X` in the rates `y`, with a constant besides.
-
-    Parameters
-    ----------
-    covariance : Covariance
-    y : array, shape (n,)
-    X : array, shape (n, p)
-        Regressors without the constant, which is always among them.
-
-    Returns
-    -------
-    (coefficients, covariance) : arrays, shapes (p,) and (p, p)
-
-    Examples
-    --------
-    >>> from allanite.core.model import N
-    >>> white = Covariance((N(1.0, "rad/sqrt(s)"),), 4, 1.0)
-    >>> beta, error = generalised_least_squares(white, np.array([1.0, 3.0, 5.0, 7.0]), np.arange(4.0)[:, None])
-    >>> beta.round(9).tolist(), error.round(9).tolist()
-    ([2.0], [[0.2]])
-    """
-    solved = np.column_stack([covariance.solve(column) for column in X.T])
-    error = np.asarray(np.linalg.inv(X.T @ solved), dtype=np.float64)
-    return error @ (solved.T @ y), error

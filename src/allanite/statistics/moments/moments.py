@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.model import Model
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import NoiseTerm
 
@@ -43,7 +43,7 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
     if row.extreme:
         raise UsageError(f"{row.name} is a maximum: it has no expectation that a model gives")
     if row.differences:
-        free = [term.symbol for term in terms if row.order < 2 and term.power <= 0]
+        free = [term.symbol for term in terms if not _stationary(row.order, term)]
         if free:
             raise UsageError(f"{row.name} under {', '.join(free)} depends on the record and not on the model alone")
         return lagsums.responses(row, terms, m)
@@ -56,13 +56,18 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
     return E
 
 
-def edf(row: Statistic, model: Model, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
+def _stationary(order: int, term: NoiseTerm) -> bool:
+    """Whether differences of the angle of this order are stationary: a deterministic term needs two."""
+    return order > 1 if term.waveform is not None else term.power > 1 - order
+
+
+def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
     """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
 
     Exact for the model's mixture but for the quadrature: 1e-7 for differences, below 1 % for windows. A single row, not
     a hybrid. Of a model with sinusoids, that of its noise.
     """
-    model = noise_of(model)
+    model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
@@ -125,12 +130,12 @@ def grouped(runs: Runs) -> list[tuple[int, int]]:
     ]
 
 
-def covariance(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
+def covariance(row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float) -> FloatArray:
     """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
 
     For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
     """
-    return np.asarray(covariance_by_term(row, noise_of(model), m, size, rate).sum(axis=(2, 3)))
+    return np.asarray(covariance_by_term(row, noise_of(model_of(model)), m, size, rate).sum(axis=(2, 3)))
 
 
 def covariance_by_term(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:

@@ -5,33 +5,14 @@ where a point of one window falls on a point of the other, which no coarser wind
 1/(m scale(m)) at an equal number of windows over m.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.row import FloatArray, Sharp, Statistic
 from allanite.terms import NoiseTerm
 
 from .compact import Compact, compact, expectation, extrapolation, lattice, sampled
-
-
-@dataclass(frozen=True)
-class Sharp:
-    """How the ratios of white angle noise with the other terms, and with itself, depend on m.
-
-    Attributes
-    ----------
-    levels : tuple of int
-        Averaging factors of the reduced windows for even m; odd m takes the next ones.
-    scale : m -> scale
-    itself : (m, count) -> ratio, or None
-        The ratio with itself where it follows no power of m.
-    """
-
-    levels: tuple[int, ...]
-    scale: Callable[[int], float]
-    itself: Callable[[int, int], float] | None = None
 
 
 def sharp_ratios(row: Statistic, rule: Sharp, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:

@@ -5,8 +5,7 @@ long: a smooth term, D(t), is the same process however finely it is sampled, and
 away, as a polynomial in 1/m^2 (1/m for Theo1). The number of windows and their lags stay the true ones.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,47 +14,10 @@ from allanite.terms import NoiseTerm
 
 from . import folded
 from .compact import averaged, compact, expectation, extrapolation, mean_weights, products, ratios, sampled, white_level
-from .sharp import Sharp, sharp_ratios
-from .theomoments import harmonic, theo_response, white_ratio
+from .sharp import sharp_ratios
 
 EXACT = (32, 48, 64)
 """Averaging factors, for even m, of the windows that the expectation of a longer one is extrapolated from."""
-
-
-@dataclass(frozen=True)
-class Scheme:
-    """How a statistic's long window is reduced.
-
-    Attributes
-    ----------
-    levels : tuple of int
-        Averaging factors of the reduced windows for even m; odd m takes the next ones.
-    power : int
-        The extrapolation is a polynomial in ``m^-power``.
-    sharp : Sharp, optional
-        For white noise of the angle; None where the window averages it, so that it scales as the other terms do.
-    response : (term, m) -> E, or None
-        E of one window where it is known for any m.
-    """
-
-    levels: tuple[int, ...] = (10, 20)
-    power: int = 2
-    sharp: Sharp | None = None
-    response: Callable[[NoiseTerm, int], float] | None = None
-
-
-SCHEMES: dict[str, Scheme] = {
-    "mtotdev": Scheme(),
-    "ttotdev": Scheme(),
-    "htotdev": Scheme(sharp=Sharp(levels=(10, 20, 40), scale=lambda m: 1.0)),
-    "pdev": Scheme(),
-    "theo1": Scheme(
-        levels=(16, 32, 64),
-        power=1,
-        sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
-        response=theo_response,
-    ),
-}
 
 
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
@@ -64,7 +26,7 @@ def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> F
     Parameters
     ----------
     row : Statistic
-        The total deviation or a row of `SCHEMES`.
+        The total deviation or a row with a `window` that is no difference.
     terms : sequence of NoiseTerm
         With a coefficient of 1.
     m, size : int
@@ -72,7 +34,7 @@ def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> F
     """
     if row.window is None:
         return folded.response(row, terms, m, size)
-    scheme = SCHEMES[row.name]
+    scheme = row.scheme
     if scheme.response is not None:
         return np.array([scheme.response(term, m) for term in terms]) / _norm(row, m) / float(m) ** 2
     levels = [k + m % 2 for k in EXACT] if m > EXACT[-1] else [m]
@@ -100,7 +62,7 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
     """
     if row.window is None:
         return folded.relative(terms, m, size)
-    scheme = SCHEMES[row.name]
+    scheme = row.scheme
     levels = [k + m % 2 for k in scheme.levels] if m > scheme.levels[-1] else [m]
     parts = []
     for level in levels:

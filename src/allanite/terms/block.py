@@ -1,4 +1,4 @@
-"""Each noise term as states: exact transition over a sample interval, and what the mean over the interval gets.
+"""A noise term as states of a filter: exact transition over a sample interval, and what the mean over it gets.
 
 A block has states z with dz = F z dt + w, the covariance of w being Qc per second. Over an interval h it is
 
@@ -8,7 +8,8 @@ with the joint covariance of both noises in closed form.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,13 @@ class Block:
     P0 : array, shape (s, s)
         Covariance at the start.
     output : array, shape (s,)
-        What a state adds to the rate at an instant.
+        What a state adds to the rate at an instant; 0 for a state of discrete time.
+    white : float
+        Variance of the white noise that each reading gets besides.
+    bias : bool
+        Whether the states are the bias and its derivatives, which such blocks of a model have in common.
+    note : str
+        What a user of the filter should know.
     """
 
     names: tuple[tuple[str, float], ...]
@@ -45,6 +52,9 @@ class Block:
     Q: FloatArray
     P0: FloatArray
     output: FloatArray
+    white: float = 0.0
+    bias: bool = False
+    note: str = ""
 
 
 def markov(size: float, T: float, h: float) -> Block:
@@ -72,21 +82,56 @@ def _mean_variance(u: float) -> float:
     return math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
 
 
-def walk(K: float, slope: float | None, turn_on: float, h: float) -> Block:
-    """A bias with rate random walk `K`; with a `slope` of that standard deviation, if there is one."""
-    with_slope = slope is not None
-    names: tuple[tuple[str, float], ...] = (("bias, random walk" if K else "bias", 0),)
-    if with_slope:
-        names += (("rate ramp", -1),)
+def white_noise(N: float, h: float) -> Block:
+    """White noise of the rate: no state, only noise of the reading."""
+    nothing, one = np.zeros((0, 0)), np.zeros(0)
+    return Block((), nothing, nothing, nothing, one, np.zeros((1, 1)), nothing, one, white=N**2 / h)
+
+
+def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start: float = 0.0, note: str = "") -> Block:
+    """The bias and its derivatives, the last of them driven by white noise of `density`.
+
+    `names` are those of the states; `start` is the standard deviation of the last one at the start.
+    """
     s = len(names)
-    F, Phi, mean, P0 = np.zeros((s, s)), np.eye(s), np.ones(s), np.zeros((s, s))
-    P0[0, 0] = turn_on**2
-    if with_slope:
-        F[0, 1], Phi[0, 1], mean[1], P0[1, 1] = 1.0, h, h / 2, (slope or 0.0) ** 2
-    Qc, Q = np.zeros((s, s)), np.zeros((s + 1, s + 1))
-    Qc[0, 0] = K**2
-    Q[0, 0], Q[0, -1], Q[-1, 0], Q[-1, -1] = K**2 * h, K**2 * h / 2, K**2 * h / 2, K**2 * h / 3
-    return Block(names, F, Qc, Phi, mean, Q, P0, np.eye(s)[0])
+    order = np.subtract.outer(np.arange(s), np.arange(s)).T  # how often state j is integrated to give state i
+    factorial = np.array([math.factorial(k) for k in range(s + 2)], dtype=np.float64)
+    Phi = np.where(order >= 0, h ** np.maximum(order, 0) / factorial[np.maximum(order, 0)], 0.0)
+    # after a time u an impulse has left u^a / a! in a state, and in the mean u^s / s! over h
+    a = np.append(np.arange(s - 1, -1, -1), s)
+    lost = np.append(np.zeros(s), 1)
+    power = 1 + np.add.outer(a, a)
+    Q = density * h ** (power - np.add.outer(lost, lost)) / (power * np.outer(factorial[a], factorial[a]))
+    Qc, P0 = np.zeros((s, s)), np.zeros((s, s))
+    Qc[-1, -1], P0[-1, -1] = density, start**2
+    return Block(
+        names=tuple((name, -float(k)) for k, name in enumerate(names)),
+        F=np.eye(s, k=1),
+        Qc=Qc,
+        Phi=Phi,
+        mean=h ** np.arange(s) / factorial[1 : s + 1],
+        Q=Q,
+        P0=P0,
+        output=np.eye(s)[0],
+        bias=True,
+        note=note,
+    )
+
+
+def joined(blocks: Sequence[Block]) -> Block:
+    """One block of the bias and its derivatives in place of several; those that add nothing leave no name."""
+    longest = max(blocks, key=lambda block: len(block.names))
+    s = len(longest.names)
+    names, Qc, P0, Q = list(longest.names), np.zeros((s, s)), np.zeros((s, s)), np.zeros((s + 1, s + 1))
+    for block in blocks:
+        k = len(block.names)
+        at = np.append(np.arange(k), s)
+        Qc[:k, :k] += block.Qc
+        P0[:k, :k] += block.P0
+        Q[np.ix_(at, at)] += block.Q
+        if block.Qc.any():
+            names[k - 1] = block.names[-1]
+    return replace(longest, names=tuple(names), Qc=Qc, P0=P0, Q=Q)
 
 
 def oscillator(amplitude: float, frequency: float, h: float) -> Block:
@@ -102,6 +147,7 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
         Q=np.zeros((3, 3)),
         P0=np.eye(2) * amplitude**2 / 2,
         output=np.array([1.0, 0.0]),
+        note="a sinusoid is an oscillator without noise: its frequency must be known and steady",
     )
 
 
@@ -119,4 +165,6 @@ def angle_noise(Q: float, h: float) -> Block:
         Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
         P0=np.array([[Q**2]]),
         output=np.zeros(1),
+        note="quantization is taken for white Gaussian noise of the angle; that it is bounded by half a step, and "
+        "depends on the angle itself, is left out",
     )

@@ -1,0 +1,296 @@
+"""A new statistic or noise term is one file and a line in its table: everything else follows from the row."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.special import digamma, polygamma
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.model import term
+from allanite.reporting.html import page
+from allanite.statistics import covariance, edf
+from allanite.statistics.row import Statistic, binomial_window, constant
+from allanite.statistics.table import STATISTICS
+from allanite.terms import TERMS
+from allanite.terms.row import NoiseTerm
+
+# what a user would write in a file: differences of the fourth order
+
+
+def _fourth(x, m):
+    return np.array([np.sum(np.square(sum(c * x[k * s : x.size - (4 - k) * s] for k, c in FOUR))) for s in m.tolist()])
+
+
+FOUR = [(k, (-1.0) ** k * math.comb(4, k)) for k in range(5)]
+
+FDEV = Statistic(
+    name="fdev", title="fourth-difference deviation", formula="x", reference="this test", meaning="Curvature.",
+    use="Here.", limits="None.", cost="Little.",
+    order=4, norm=constant(20.0), span=(4, 0), sums=_fourth, window=binomial_window(4), differences=4,
+)  # fmt: skip
+
+# ... a window: the rate of its second half less that of its first, both with triangular weights
+
+
+def _triangular(m):
+    rise = np.minimum(np.arange(1, m + 1), np.arange(m, 0, -1)).astype(float)
+    rates = np.concatenate((-rise, rise)) * (m / rise.sum())
+    return np.ones(1), (np.append(0.0, rates) - np.append(rates, 0.0))[None, :]
+
+
+def _triangular_sums(x, m):
+    return np.array([np.sum(np.convolve(x, _triangular(s)[1][0][::-1], "valid") ** 2) for s in m.tolist()])
+
+
+WDEV = Statistic(
+    name="wdev", title="triangular deviation", formula="x", reference="this test", meaning="Change of a mean.",
+    use="Here.", limits="None.", cost="Little.",
+    order=2, norm=constant(2.0), span=(2, 0), sums=_triangular_sums, window=_triangular,
+)  # fmt: skip
+
+# ... and flicker of the angle, sampled: spectrum 1 / (2 sin(pi f)), D(h) = 4/pi (1 + 1/3 + ... + 1/(2h - 1))
+
+
+def _structure(t):
+    return 2 / math.pi * (digamma(np.asarray(t) + 0.5) - digamma(0.5))
+
+
+def _second_sum(t):
+    s = np.asarray(t, dtype=float) + 1.5
+    return (
+        (s - 1) * (s - 2) / 2 * digamma(s) - (s - 1) * (s - 2) / 4 - s * (s - 1) / 2 - digamma(0.5) * (s - 1.5) ** 2 / 2
+    )
+
+
+def _summed(t):
+    first, second = _second_sum(np.array([0.0, 1.0]))
+    return 2 / math.pi * (_second_sum(t) - first - (second - first) * np.asarray(t))
+
+
+def _increments(h):
+    D = _structure
+    return -0.5 * (6 * D(h) - 4 * D(np.abs(h - 1)) - 4 * D(h + 1) + D(np.abs(h - 2)) + D(h + 2))
+
+
+ANGLE_FLICKER = NoiseTerm(
+    symbol="F",
+    title="flicker of the angle",
+    meaning="flicker of the rate's integral",
+    formula=r"\sigma^2(\tau) \propto F^2 \ln \tau / \tau^2",
+    reference="this test",
+    power=1.0,
+    slope=-1.0,
+    read_at=1.0,
+    level=16 / (3 * math.pi),
+    structure=_structure,
+    derivative=lambda order, t: 2 / math.pi * polygamma(order, np.asarray(t) + 0.5),
+    summed=_summed,
+    increments=_increments,
+    spectrum=lambda f, tau0: 2 / tau0 * np.sin(math.pi * f * tau0),
+    dct=lambda k, n: 2 * np.sin(0.5 * math.pi / n * k),
+    color="#123456",
+    alpha=1,
+    per_sample=True,
+)
+
+MODEL = "F 3 arcsec, N 0.01 deg/sqrt(h)"
+
+
+@pytest.fixture(autouse=True)
+def rows(monkeypatch):
+    """One line a row."""
+    monkeypatch.setitem(STATISTICS, "fdev", FDEV)
+    monkeypatch.setitem(STATISTICS, "wdev", WDEV)
+    monkeypatch.setitem(TERMS, "F", ANGLE_FLICKER)
+
+
+def simulated(model, n=2**13, seed=1):
+    return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed), name="z")
+
+
+# statistics
+
+
+@pytest.mark.parametrize("name", ["fdev", "wdev"])
+def test_a_new_statistic_has_its_expectation_and_its_limits(name):
+    """Mean and scatter of 60 records, within 5 standard errors of what the row leads one to expect."""
+    model = al.N(0.1, "deg/sqrt(h)") + al.Q(3.0, "arcsec") + al.K(5.0, "deg/h/sqrt(h)")
+    curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=None) for seed in range(60)]
+    V = np.array([curve.variance for curve in curves])
+    expected = al.expected(model, name, curves[0].tau, rate=1.0)
+    freedom = edf(STATISTICS[name], model, curves[0].m, 2048, 1.0)
+    error = expected * np.sqrt(2 / freedom / len(V))
+    assert np.all(np.abs(V.mean(axis=0) - expected) < 5 * error)
+    assert np.all(np.abs(V.var(axis=0) / (2 * expected**2 / freedom) - 1) < 5 * math.sqrt(2 / 59) * 1.5)
+
+
+@pytest.mark.parametrize("name", ["fdev", "wdev"])
+@pytest.mark.parametrize("noise", ["model", "auto"])
+def test_a_new_statistic_has_limits(name, noise):
+    model = al.N(0.1, "deg/sqrt(h)") + al.K(5.0, "deg/h/sqrt(h)")
+    curve = al.deviation(simulated(model), name, noise=model if noise == "model" else "auto")
+    low, high = curve.interval(0.95)
+    assert np.all((low < curve.deviation) & (curve.deviation < high))
+    assert np.all(np.diff(curve.edf) < 0)
+
+
+@pytest.mark.parametrize("method", ["gls", "nnls"])
+@pytest.mark.parametrize("name", ["fdev", "wdev"])
+def test_a_new_statistic_is_read_by_fits(name, method):
+    model = al.N(0.1, "deg/sqrt(h)") + al.K(5.0, "deg/h/sqrt(h)")
+    fit = al.identify(simulated(model), method, terms="NK", statistic=name)
+    assert fit.model["N"].value == pytest.approx(model["N"].value, rel=0.1)
+    assert (fit["N"].standard_error is not None) == (method == "gls" and name == "fdev")
+    if name == "fdev":
+        C = covariance(FDEV, model, np.array([1, 2, 4]), 2000, 1.0)
+        assert np.linalg.eigvalsh(C).min() > 0
+
+
+def test_what_cannot_read_a_new_statistic_says_so():
+    with pytest.raises(al.UsageError, match=r"'ls' reads adev, oadev, not fdev \(those that read fdev: gls, nnls\)"):
+        al.identify(simulated(al.N(1.0, "deg/sqrt(h)")), "ls", statistic="fdev")
+
+
+@pytest.mark.parametrize("name", ["fdev", "wdev"])
+def test_a_new_statistic_at_the_command_line_and_in_pictures(name, tmp_path):
+    model = al.N(0.1, "deg/sqrt(h)")
+    al.write(simulated(model), tmp_path / "z.csv")
+    done = CliRunner().invoke(main, ["deviation", str(tmp_path / "z.csv"), "--statistic", name, "--rate", "1"])
+    assert done.exit_code == 0, done.output
+    assert STATISTICS[name].title in done.output
+    study = al.analyze(simulated(model), al.Recipe(statistic=name, method="gls"))
+    assert STATISTICS[name].title in page(study)
+    al.plot(study, path=tmp_path / "z.svg")
+    assert (tmp_path / "z.svg").stat().st_size > 1000
+
+
+# noise terms
+
+
+def test_the_new_term_is_what_it_says():
+    """D by its sum, its derivatives and second sums by differences, the spectrum by integration."""
+    h = np.arange(1.0, 200.0)
+    np.testing.assert_allclose(_structure(h), 4 / math.pi * np.cumsum(1 / (2 * h - 1)), rtol=1e-12)
+    E = _summed(np.arange(0.0, 60.0))
+    again = np.concatenate(([2 * (E[1] - E[0])], np.diff(E, 2)))
+    curvature = again - _structure(np.arange(0.0, 59.0))
+    np.testing.assert_allclose(curvature, curvature[5], atol=1e-10)
+    f = (np.arange(200_000) + 0.5) / 400_000
+    density = ANGLE_FLICKER.spectrum(f, 1.0) * 4 * np.sin(math.pi * f) ** 2
+    for lag in (0, 1, 5):
+        assert np.mean(density * np.cos(2 * math.pi * f * lag)) == pytest.approx(_increments(float(lag)), abs=1e-9)
+
+
+def test_a_new_term_is_made_written_and_read():
+    model = al.parse_model(MODEL)
+    assert str(model) == str(al.F(3.0, "arcsec") + al.N(0.01, "deg/sqrt(h)"))
+    assert model["F"] == term("F", 3.0, "arcsec")
+    assert al.Model.from_dict(model.to_dict()) == model
+    with pytest.raises(TypeError, match="unexpected keyword"):
+        al.F(3.0, "arcsec", time_constant=1.0)
+    with pytest.raises(AttributeError):
+        al.G  # noqa: B018
+
+
+@pytest.mark.parametrize("name", ["oadev", "mdev", "ohdev", "totdev", "fdev"])
+def test_a_new_term_has_expectation_and_limits_in_every_statistic(name):
+    model = al.parse_model(MODEL)
+    curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=model) for seed in range(40)]
+    expected = al.expected(model, name, curves[0].tau, rate=1.0, size=2048)
+    error = expected * np.sqrt(2 / curves[0].edf / len(curves))
+    assert np.all(np.abs(np.mean([c.variance for c in curves], axis=0) - expected) < 5 * error)
+
+
+def test_the_law_at_each_tau_may_be_that_of_a_new_term():
+    from allanite.statistics.confidence.powerlaw import symbol_of
+
+    assert symbol_of(1) == "F"
+    assert al.deviation(simulated(al.F(3.0, "arcsec")), "oadev").interval(0.95)[0].min() > 0
+
+
+@pytest.mark.parametrize("method", ["whittle", "gls"])
+def test_a_new_term_is_identified(method):
+    model = al.F(3.0, "arcsec") + al.K(50.0, "deg/h/sqrt(h)")
+    statistic = "oadev" if method == "gls" else None
+    fit = al.identify(simulated(model, 2**14), method, terms="F,K", statistic=statistic)
+    assert fit["F"].value == pytest.approx(model["F"].value, rel=0.05)
+    assert al.bound(model, 2**14, 1.0)["F"] < 0.02
+
+
+def test_a_filter_refuses_a_term_without_states_and_takes_one_that_has_some():
+    with pytest.raises(al.UsageError, match=r"F \(flicker of the angle\) has no states in a filter, Q, N, B, K, R, GM"):
+        al.state_space(al.parse_model(MODEL), 1.0)
+
+
+def test_a_new_term_with_a_block_is_a_state(monkeypatch):
+    monkeypatch.setitem(TERMS, "W", replace(TERMS["K"], symbol="W", title="another walk"))
+    plain, other = (
+        al.state_space(al.parse_model(f"N 1 rad/sqrt(s), {symbol} 0.1 rad/s^1.5"), 2.0) for symbol in ("K", "W")
+    )
+    np.testing.assert_array_equal(plain.Qd, other.Qd)
+    both = al.state_space(al.parse_model("N 1 rad/sqrt(s), K 0.3 rad/s^1.5, W 0.4 rad/s^1.5"), 2.0)
+    assert both.Qd[0, 0] == pytest.approx(0.25 * 0.5)
+
+
+def test_a_new_term_in_pictures_and_at_the_command_line(tmp_path):
+    record = simulated(al.F(3.0, "arcsec") + al.K(50.0, "deg/h/sqrt(h)"))
+    study = al.analyze(record, al.Recipe(terms="F,K"))
+    assert "flicker of the angle" in page(study)
+    al.plot(study, path=tmp_path / "z.svg")
+    assert "#123456" in (tmp_path / "z.svg").read_text("utf-8")
+    run = CliRunner().invoke(main, ["plan", "--model", MODEL, "--rate", "1"])
+    assert run.exit_code == 0, run.output
+    assert "flicker of the angle" in run.output or "F" in run.output
+
+
+def test_new_rows_have_their_pages(tmp_path, monkeypatch):
+    from pathlib import Path
+
+    pytest.importorskip("sphinx", reason="the documentation's tools are not installed here")
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "docs"))
+    from generate.statistics import statistic_index, statistic_page
+    from generate.terms import term_index, term_page
+
+    assert "flicker of the angle" in "\n".join(term_page("F", tmp_path))
+    assert "wdev" in "\n".join(statistic_page("wdev", tmp_path))
+    assert "[F](F.md)" in "\n".join(term_index())
+    assert "[fdev](fdev.md)" in "\n".join(statistic_index())
+
+
+# whatever stands for a model
+
+
+def test_a_term_and_a_fit_stand_for_a_model():
+    K = al.K(5.0, "deg/h/sqrt(h)")
+    record = simulated(K, 1024)
+    fit = al.identify(record, terms="NK")
+    for noise, same in ((K, al.Model((K,))), (fit, fit.model)):
+        curve = al.deviation(record, noise=noise)
+        assert curve.noise == same
+        np.testing.assert_array_equal(curve.edf, al.deviation(record, noise=same).edf)
+    np.testing.assert_array_equal(al.expected(fit, "oadev", [1.0]), al.expected(fit.model, "oadev", [1.0]))
+    assert al.simulate(fit, 64, 1.0, rng=np.random.default_rng(1)).size == 64
+
+
+@pytest.mark.parametrize("noise", ["banana", 3.0, [1], {"N": 1.0}])
+def test_what_is_no_model_is_refused_by_name(noise):
+    record = simulated(al.N(1.0, "deg/sqrt(h)"), 256)
+    calls = [
+        lambda: al.deviation(record, noise=noise),
+        lambda: al.dynamic(record, noise=noise),
+        lambda: al.expected(noise, "oadev", [1.0]),
+        lambda: al.simulate(noise, 10, 1.0, rng=np.random.default_rng(1)),
+        lambda: al.state_space(noise, 1.0),
+        lambda: al.bound(noise, 100, 1.0),
+        lambda: al.plan(noise, 1.0),
+        lambda: al.selfcheck(noise, 100, 1.0, rng=np.random.default_rng(1)),
+        lambda: al.rate.rank(noise, n=100, rate=1.0),
+    ]
+    came = repr(noise) if isinstance(noise, str) else type(noise).__name__
+    for call in calls:
+        with pytest.raises(al.UsageError, match=f"a Model, a Term .* not .*{came}"):
+            call()
