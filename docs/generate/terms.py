@@ -70,7 +70,7 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
-        "```python", f'al.{symbol}({TYPICAL[row.power]:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
+        "```python", f'al.{symbol}({row.typical:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
         "```", "",
         "## Source", "", row.reference + ".",
     ]  # fmt: skip
@@ -87,7 +87,7 @@ def _line(symbol: str) -> list[str]:
 
 def _arguments(symbol: str) -> str:
     wanted = [p for p in TERMS[symbol].parameters if p.default is None]
-    return "".join(f", {p.name}={SHAPES[p.name]:g}" for p in wanted)
+    return "".join(f", {p.name}={p.typical:g}" for p in wanted)
 
 
 def _term_figure(symbol: str, folder: Path) -> Path:
