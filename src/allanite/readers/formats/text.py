@@ -39,14 +39,18 @@ def read(path: str, options: Options) -> Recording:
     """
     data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
     columns, tags, said = columns_of(data)
+    return csv_file.with_description(arranged(columns, tags, (*notes, *said), options), data).recording(options)
+
+
+def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[str, ...], options: Options) -> Table:
+    """The table of columns, those of several sensors apart from each other."""
     by = sensors.turns(columns, tags)
     if by is None:
         columns, told = sensors.between(columns)
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    table = Table(tuple(columns), notes=(*notes, *said, *told))
-    return csv_file.with_description(table, data).recording(options)
+    return Table(tuple(columns), notes=(*notes, *told))
 
 
 def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
@@ -64,7 +68,7 @@ def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[
             f"line {found.line} holds {found.width} numbers; one row for each sample is expected, each on its own line"
         )
     values, passed = parse.columns(data, found)
-    columns, tags, said = _columns(values, found)
+    columns, tags, said = of_parsed(values, found.names, found.units)
     return columns, tags, (*found.notes, *passed, *said)
 
 
@@ -81,11 +85,11 @@ def _plain(data: bytes) -> bytes:
     return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
-def _columns(
-    values: list[parse.Parsed], found: layout.Layout
+def of_parsed(
+    values: list[parse.Parsed], headers: tuple[str, ...], units: tuple[str, ...]
 ) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
     """The columns, those of few words by their place, and the words about dates that were put together."""
-    values, names, notes = _dated(values, list(found.names))
+    values, names, notes = _dated(values, list(headers))
     columns: list[Column] = []
     tags = {}
     for place, entry in enumerate(values):
@@ -93,7 +97,7 @@ def _columns(
             continue
         if isinstance(entry, parse.Tags):
             tags[len(columns)] = entry
-        columns.append(_column(entry, place, names[place], found.units[place]))
+        columns.append(_column(entry, place, names[place], units[place]))
     return columns, tags, notes
 
 
