@@ -85,7 +85,7 @@ def test_an_index_of_pandas_that_says_something_is_a_column():
 
 def test_what_no_table_may_be():
     twice = pd.DataFrame(np.zeros((9, 2)), columns=["gx", "gx"])
-    with pytest.raises(DataError, match="several columns .* 'gx'"):
+    with pytest.raises(DataError, match=r"several columns .* 'gx'"):
         al.read(twice, rate=1, unit="deg/s")
     with pytest.raises(UsageError, match="leave them out"):
         al.read(pd.DataFrame(CONTENT), dtype="i2")

@@ -95,7 +95,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     names = (channel_names(channels), channel_names(along))
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
-    if hasattr(path, "columns") and hasattr(path, "__getitem__"):
+    if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         from allanite.readers.formats import frame
 
         return frame.read(path, options)

@@ -136,7 +136,7 @@ def _values(column: Any, layout: Layout, place: int) -> Any:
 
 
 def words_of(column: Any, label: str) -> Parsed:
-    """A column of words, as pyarrow holds it: dates and times as such, a few words that come again and again as codes, or the first."""
+    """A column of words of pyarrow: dates and times as such, a few words that come again as codes, or the first."""
     import pyarrow.compute as pc
 
     first = str(next((entry for entry in column[:100].to_pylist() if entry), "text"))

@@ -3,15 +3,13 @@
 import math
 import os
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.record import Recording
-from allanite.readers.columns.dataset import Dataset
-from allanite.readers.columns.datasets import rated, recording
+from allanite.readers.columns.datasets import Dataset, rated, recording
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.process import Process
@@ -37,20 +35,23 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
     with Process(form, path) as process:
         said = process.said
         with worded():
-            found = [
-                _dataset(item, said["texts"], partial(_loaded, process, path), transposed) for item in said["datasets"]
-            ]
+            found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
         notes = [f"left out, no numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
         return recording(rated(found, said["numbers"]), options, notes, said["description"])
 
 
-def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], loaded: Any, transposed: bool) -> Dataset:
+def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process, *, transposed: bool) -> Dataset:
     where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
     dtype = _dtype(item["fields"])
     turned = _turned(shape) if transposed else shape
 
     def load() -> NDArray[Any]:
-        array: NDArray[Any] = loaded(where, shape, dtype, item.get("offset"))
+        size, offset = math.prod(shape) * dtype.itemsize, item.get("offset")
+        demand_size(size, process.path, f"dataset {where!r}")
+        if offset is not None and offset + size <= os.path.getsize(process.path):
+            array: NDArray[Any] = np.memmap(process.path, dtype, mode="r", offset=offset, shape=shape)
+        else:
+            array = process.load(where, shape, dtype)
         return array.T.reshape(turned) if transposed else array
 
     unit, names = _said(item, texts)
@@ -61,16 +62,6 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], loaded: Any, tra
 def _dtype(fields: Sequence[Sequence[Any]]) -> np.dtype[Any]:
     named = [(str(name), str(kind), tuple(shape)) for name, kind, shape in fields]
     return np.dtype(named[0][1] if named[0][0] == "" else named)
-
-
-def _loaded(
-    process: Process, path: str, where: str, shape: tuple[int, ...], dtype: np.dtype[Any], offset: int | None
-) -> NDArray[Any]:
-    size = math.prod(shape) * dtype.itemsize
-    demand_size(size, path, f"dataset {where!r}")
-    if offset is not None and offset + size <= os.path.getsize(path):
-        return np.memmap(path, dtype, mode="r", offset=offset, shape=shape)
-    return process.load(where, shape, dtype)
 
 
 def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:

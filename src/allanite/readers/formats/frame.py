@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
+from allanite.readers.columns.arrays import is_number, of_arrow
 from allanite.readers.columns.table import numbers
 from allanite.readers.options import Options
 
@@ -48,7 +49,7 @@ def read(frame: Frame, options: Options) -> Recording:
 
 def _named(frame: Any) -> Iterator[tuple[str, Any]]:
     """Names and NumPy arrays of the columns, the index first where it says something."""
-    index = getattr(frame, "index", None)
+    index: Any = getattr(frame, "index", None)
     if hasattr(index, "to_numpy"):
         values = index.to_numpy()
         if index.name is not None or values.dtype.kind in "Mm":
@@ -70,10 +71,8 @@ def _parsed(name: str, values: Any) -> parse.Parsed:
         return numbers(values, name)
     try:
         column = pa.chunked_array([pa.array(values, from_pandas=True)])
-        if pa.types.is_temporal(column.type):
-            return np.asarray(column.cast(pa.timestamp("ns")).to_numpy())
-        if pa.types.is_integer(column.type) or pa.types.is_floating(column.type) or pa.types.is_decimal(column.type):
-            return np.asarray(column.cast(pa.float64()).to_numpy())
+        if is_number(column.type):
+            return of_arrow(column)
         words = column.cast(pa.string())
     except pa.ArrowException:
         return "objects"

@@ -47,10 +47,10 @@ _TIMEOUTS = (9, 24)
 
 
 class Process:
-    """A running worker; use it in a ``with`` statement. `said` is what the file holds."""
+    """A running worker; use it in a ``with`` statement. `said` is what the file at `path` holds."""
 
     def __init__(self, form: str, path: str) -> None:
-        self._library = LIBRARIES[form]
+        self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
         names = json.dumps({"rates": RATE_NAMES, "text": KEY})
         self._wait = WAIT + os.path.getsize(path) / SPEED

@@ -1,7 +1,7 @@
 """The contents of R's .rda, .RData and .rds, by the parser of the package rdata; for `worker`, which starts it.
 
-Source of the format: R Internals (R Core Team, 4.4), section 1.8. The parser is the library's, but its bytes are handed
-out here: the library takes what is there for what was claimed, so that a file that was cut off is read as a shorter one.
+Source of the format: R Internals (R Core Team, 4.4), section 1.8. The parser is the library's, but its bytes
+are handed out here: it takes what is there for what was claimed, so that a file that was cut off is read as a shorter.
 """
 
 import gc
