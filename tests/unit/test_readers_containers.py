@@ -202,6 +202,12 @@ def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
         al.read(tmp_path / "a.mat", rate=1, unit="deg/s")
 
 
+def test_of_a_bomb_in_a_mat_file_no_more_is_unpacked_than_it_may(tmp_path):
+    path = savemat(tmp_path / "a.mat", {"gyro": np.zeros(30_000_000)}, do_compression=True)
+    with pytest.raises(DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
+        al.read(path, rate=1, unit="deg/s")
+
+
 # R
 
 
@@ -248,6 +254,24 @@ def test_what_r_files_claim_is_not_believed(tmp_path, hex_body, words):
         body = body.replace(b"\0\0\0\x0ecompact_realseq", b"\0\0\0\x0fcompact_realseq")
     with pytest.raises(DataError, match=words):
         al.read(r_file(tmp_path / "a.rds", body), rate=1, unit="deg/s")
+
+
+def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
+    import struct
+
+    whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
+    assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
+    with pytest.raises(DataError, match="800 bytes are claimed, 480 are there"):
+        al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s")
+
+
+def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
+    import struct
+
+    sequence = struct.pack(">iiiii", 238, 2, 1, 9, 15) + b"compact_realseq" + struct.pack(">iii", 254, 14, 3)
+    sequence += struct.pack(">dddi", 3e6, 0.0, 1.0, 254)
+    with pytest.raises(DataError, match=r"claims more than the \S+ MB"):
+        al.read(r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 300) + 300 * sequence), rate=1, unit="deg/s")
 
 
 def test_a_million_empty_entries_do_not_take_long(tmp_path):
@@ -351,6 +375,17 @@ def test_bombs_are_refused(tmp_path):
     for name in ("a.zip", "a.gz", "a.bz2", "a.xz"):
         with pytest.raises(DataError, match="bomb"):
             al.read(tmp_path / name, rate=1)
+
+
+def test_streams_of_one_xz_file_follow_each_other(tmp_path):
+    import lzma
+
+    first, second = (lzma.compress(text) for text in (b"gx [deg/s]\n1.5\n2.5\n", b"3.5\n"))
+    (tmp_path / "a.csv.xz").write_bytes(first + bytes(8) + second)
+    assert al.read(tmp_path / "a.csv.xz", rate=1)["gx"].values.tolist() == [1.5, 2.5, 3.5]
+    (tmp_path / "a.csv.xz").write_bytes(first + b"anything else that is longer")
+    with pytest.raises(DataError, match=r"the \.xz packing is damaged"):
+        al.read(tmp_path / "a.csv.xz", rate=1)
 
 
 def test_bombs_in_bombs_do_not_multiply(tmp_path):

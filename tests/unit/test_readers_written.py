@@ -177,7 +177,7 @@ def test_packed_in_an_archive(tmp_path, values):
 
 
 @pytest.mark.parametrize("compress", [False, True])
-@settings(max_examples=30, **COMMON)
+@settings(max_examples=8, **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_matlab_5(tmp_path, compress, values, rate):
     scipy_io = pytest.importorskip("scipy.io")
@@ -211,7 +211,7 @@ def test_matlab_73(tmp_path, values, rate):
     assert recording[0].rate == rate
 
 
-@settings(max_examples=30, **COMMON)
+@settings(max_examples=8, **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_r_matrices_and_frames(tmp_path, values, rate):
     rdata, pandas = pytest.importorskip("rdata"), pytest.importorskip("pandas")

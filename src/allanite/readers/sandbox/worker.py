@@ -20,7 +20,7 @@ are gone through in a second at the least; HDF5 is opened without being read."""
 SECONDS, SPEED = 1, 20e6
 """What any opening may take, and the bytes of a dataset that are sent in a second at the least."""
 
-ROOM = 64 << 20
+ROOM = 48 << 20
 """Bytes that a library may take over those of the contents."""
 
 
