@@ -5,7 +5,8 @@
 Mutation k of a seed file is always the same: its generator is seeded by the name of the file and k, and one that fails
 is printed with both. Each file is read in a process that is watched: a crash and a hang are failures as well as an
 error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB.
-HDF5 is read as always by a process of its own, here forked from one that has imported h5py, which saves 0.1 s.
+HDF5, MATLAB and R are read as always by a process of their own, here forked from one that has imported their
+libraries, which saves 0.1 s to 1 s.
 Ends with exit code 1 if there is a failure.
 """
 
@@ -38,8 +39,11 @@ import numpy as np
 
 import allanite as al
 
+CONTAINED = (".h5", ".mat", ".rda", ".rds")
+"""Formats that are read by a process of their own."""
+
 WORKER = []
-"""The program that reads HDF5, once it is imported."""
+"""The program of that process, once it is imported."""
 
 SLOW, WATCH = 2.0, 20.0
 """Seconds that a file may take, and after which the process is stopped."""
@@ -259,7 +263,7 @@ def outcome(path: Path, options: dict) -> str:
 
 
 class Forked:
-    """What `subprocess.Popen` is for the process that reads HDF5, but forked."""
+    """What `subprocess.Popen` is for the process that reads HDF5, MATLAB and R, but forked."""
 
     def __init__(self, arguments, *, stderr, **_):
         (ask, asked), (answer, answered) = os.pipe(), os.pipe()
@@ -313,14 +317,17 @@ def _work(arguments, ours, theirs) -> None:
 
 
 def _fork_workers() -> None:
-    import h5py  # noqa: F401  what is imported now need not be in each child
+    # what is imported now need not be in each child
+    import h5py  # noqa: F401
+    import rdata.parser  # noqa: F401
+    import scipy.io  # noqa: F401
 
-    from allanite.readers.sandbox import hdf5_process
+    from allanite.readers.sandbox import process
 
-    spec = importlib.util.spec_from_file_location("worker", Path(hdf5_process.__file__).with_name("hdf5_worker.py"))
+    spec = importlib.util.spec_from_file_location("worker", process.WORKER)
     WORKER.append(importlib.util.module_from_spec(spec))
     spec.loader.exec_module(WORKER[0])
-    hdf5_process.subprocess = type("Forking", (), {"Popen": Forked, "PIPE": subprocess.PIPE})
+    process.subprocess = type("Forking", (), {"Popen": Forked, "PIPE": subprocess.PIPE})
 
 
 def _peak() -> int:
@@ -331,7 +338,7 @@ def _peak() -> int:
 def _serve(name: str, data: bytes, span: tuple[int, int], place, *, pipe, fork: bool) -> None:
     """Read the mutations of a span; `place` holds the one at work, `pipe` takes what is found."""
     seed = SEEDS[name]
-    if fork and name.endswith((".h5", "73.mat")):
+    if fork and name.endswith(CONTAINED):
         _fork_workers()
     with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
         path = Path(folder, name)

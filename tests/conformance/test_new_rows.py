@@ -11,7 +11,7 @@ from scipy.special import digamma, polygamma
 import allanite as al
 from allanite.cli import main
 from allanite.core.model import term
-from allanite.reporting.html import page
+from allanite.reporting import page
 from allanite.statistics import covariance, edf
 from allanite.statistics.row import Statistic, binomial_window, constant
 from allanite.statistics.table import STATISTICS

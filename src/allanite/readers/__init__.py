@@ -9,13 +9,17 @@ and a line of `formats.WRITERS`. Other packages bring readers by the entry point
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from allanite.core.errors import AllaniteError, DataError
 from allanite.core.record import Record, Recording
 
+if TYPE_CHECKING:
+    from allanite.readers.formats.frame import Frame
+
 
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
-    path: str | os.PathLike[str],
+    path: "str | os.PathLike[str] | Frame",
     *,
     rate: float | None = None,
     unit: str | None = None,
@@ -32,9 +36,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     Parameters
     ----------
-    path : str or path
+    path : str, path or table
         The file; its format is found from its first bytes. What is packed in a .zip, .gz, .bz2 or .xz is read
-        through; ``"runs.zip::gyro.csv"`` names one of several in an archive.
+        through; ``"runs.zip::gyro.csv"`` names one of several in an archive. Or a table in memory, of pandas, polars
+        or pyarrow, whose columns are named as those of a CSV are: ``"gx [deg/s]"``.
     rate : float, optional
         Sampling rate, Hz; wins over what the file says.
     unit : str, optional
@@ -90,6 +95,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     names = (channel_names(channels), channel_names(along))
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
+    if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
+        from allanite.readers.formats import frame
+
+        return frame.read(path, options)
     file, member = checked(path)
     name = SEPARATOR.join((file, member)) if member else file
     try:

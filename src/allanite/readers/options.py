@@ -15,26 +15,9 @@ _WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\
 
 @dataclass(frozen=True)
 class Options:
-    """What the user says about a file; None leaves the question to the file.
+    """What the user says about a file, as `allanite.readers.read` takes it; None leaves the question to the file.
 
-    Parameters
-    ----------
-    rate : float, optional
-        Sampling rate, Hz.
-    unit : str, optional
-        Unit of the readings (of `scale` where one is given).
-    kind : str, optional
-        What a reading is: a key of `record.KINDS`.
-    scale : float or str, optional
-        Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both, and becomes a number and a unit.
-    channels : sequence of str, optional
-        Names of columns, or their places counted from 1.
-    along : sequence of str, optional
-        Columns that are read beside the signals, whatever they are.
-    time : str, optional
-        The time column, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"``: use none.
-    dtype, columns, offset
-        How raw binary is laid out: type of a number, numbers in a row, bytes before the first row.
+    A `scale` such as ``"0.01deg/s"`` becomes a number and a unit.
 
     Raises
     ------

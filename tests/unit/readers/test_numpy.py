@@ -146,3 +146,11 @@ def test_nothing_said(save):
         read(save(DATA), unit="deg/s")
     with pytest.raises(UsageError, match="--unit deg/s"):
         read(save(DATA), rate=10)
+
+
+@pytest.mark.parametrize("kind", ["V0", "S0", "U0"])
+def test_elements_without_width_are_not_counted_out(tmp_path, kind):
+    header = f"{{'descr': '|{kind}', 'fortran_order': False, 'shape': (100000000000,), }}\n".encode()
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
+    with pytest.raises(DataError, match="the array claims 100000 MB"):
+        read(tmp_path / "a.npy", rate=1, unit="deg/s")

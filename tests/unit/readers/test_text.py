@@ -423,3 +423,15 @@ def test_a_sentence_of_a_receiver(write):
     body = lines(NOISE, lambda k, a, b, c, *_: f"$VNYMR,+{k % 9}.5,{a:+},{b:+},{c:+09.4f}*{k % 256:02X}")
     recording = read(write(body), rate=40, unit="rad/s", channels=["5"])
     assert np.array_equal(recording[0].values, NOISE[:, 2])
+
+
+@pytest.mark.parametrize(
+    ("first", "repeated", "last"), [("gx (", " ", ""), ("gx ", "(", ""), ("gx [", "s*", "s]"), ("", "a[", "")]
+)
+def test_no_header_takes_long(first, repeated, last):
+    import time
+
+    header, start = first + 20_000 * repeated + last, time.process_time()
+    assert headers.split(header) == (header.strip(), "")
+    layout.find(f"{header} b\n1 2\n".encode())
+    assert time.process_time() - start < 1

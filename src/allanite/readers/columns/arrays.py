@@ -1,6 +1,5 @@
 """Arrays of numbers as columns: a row of a matrix, a field of a structure, or the array itself."""
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,8 +16,6 @@ RATE_NAMES = (
     "frequency", "imu_rate", "samplingrate",
 )  # fmt: skip
 """Names under which a container keeps its sampling rate in Hz."""
-
-_UNIT = re.compile(r"(\s*[\[(][^\[\]()]*[\])])?$")
 
 
 def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -51,10 +48,17 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         upright = array.T if turned(array) else array
         said = names if len(names) == upright.shape[1] else ()
         for i in range(upright.shape[1]):
-            numbered = _UNIT.sub(rf" {i + 1}\1", name, count=1) if name else ""
-            yield said[i] if said else numbered, upright[:, i]
+            yield said[i] if said else _numbered(name, i + 1), upright[:, i]
     elif array.ndim > 2:
         raise DataError(f"array {name!r} has the shape {array.shape}; a column for each channel is expected")
+
+
+def _numbered(name: str, number: int) -> str:
+    """The name of a column of a matrix, its number before the unit."""
+    at = max(name.rfind("["), name.rfind("("))
+    has_unit = name[-1:] in ("]", ")") and at >= 0 and not set("])") & set(name[at:-1])
+    stem = name[:at].rstrip() if has_unit else name
+    return f"{stem} {number}{name[len(stem) :]}" if name else ""
 
 
 def turned(array: NDArray[Any]) -> bool:
@@ -76,3 +80,25 @@ def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") 
     if values.dtype.kind in "USb?":
         return headed(np.empty(0), position, header, text=str(values[0]) if len(values) else "text")
     return headed(numbers(values, header or f"column {position}"), position, header, unit=unit)
+
+
+def of_arrow(chunks: Any) -> NDArray[Any]:
+    """Numbers or stamps of a column of pyarrow, NaN or NaT where one is missing."""
+    import pyarrow as pa
+
+    kind = chunks.type
+    if pa.types.is_decimal(kind) or pa.types.is_null(kind):
+        chunks = chunks.cast(pa.float64())
+    elif pa.types.is_date(kind):
+        chunks = chunks.cast(pa.timestamp("ns"))
+    elif pa.types.is_time(kind):  # of day
+        chunks = chunks.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
+    return np.asarray(chunks.to_numpy())
+
+
+def is_number(kind: Any) -> bool:
+    """Whether a type of pyarrow is one of numbers or times."""
+    import pyarrow.types as t
+
+    tests = (t.is_integer, t.is_floating, t.is_decimal, t.is_null, t.is_temporal)
+    return any(test(kind) for test in tests) and not t.is_interval(kind)

@@ -1,22 +1,100 @@
-"""Datasets of a container by their paths: which share a clock, which are wanted, and the table that these make."""
+"""Datasets, the arrays of a container: which share a clock, which are wanted, and the table that these make."""
 
 import math
 import posixpath
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.options import Options
 
+from . import headers
 from .arrays import RATE_NAMES, column, split, turned, turned_note
 from .column import Column
-from .dataset import Dataset
 from .description import restored
 from .table import Table
+
+WIDEST = 1000
+"""Columns of a dataset; what has more is an image or a matrix, not a recording."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """An array in a container, before it is loaded.
+
+    Parameters
+    ----------
+    path : str
+        Where it is, as ``"imu0/gyro"``.
+    shape, dtype
+        As the container declares them.
+    load : callable
+        Reads it.
+    unit, names, rate
+        What its attributes say: unit, names of its columns, sampling rate in Hz.
+    source : str
+        Where the rate is known from.
+    """
+
+    path: str
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    load: Callable[[], NDArray[Any]]
+    unit: str = ""
+    names: tuple[str, ...] = ()
+    rate: float | None = None
+    source: str = ""
+
+    @property
+    def length(self) -> int:
+        """Samples: the longer side of a matrix."""
+        return max(self.shape)
+
+    @property
+    def parent(self) -> str:
+        """The path of the group that holds it."""
+        return self.path.rpartition("/")[0]
+
+    @property
+    def leaf(self) -> str:
+        """The last part of the path."""
+        return self.path.rpartition("/")[2]
+
+    @property
+    def is_series(self) -> bool:
+        """Whether it may hold readings: real numbers, one row for each sample."""
+        fields = [self.dtype[name] for name in self.dtype.names] if self.dtype.names else [self.dtype]
+        flat = all(f.base.kind in "iufMm" and len(self.shape) + len(f.shape) <= 2 for f in fields)
+        return flat and len(self.shape) in (1, 2) and self.length > 1 and 0 < len(self.headers) <= WIDEST
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """Names of the columns that it makes; not more than one over `WIDEST`."""
+        standin = np.broadcast_to(np.zeros((), self.dtype), self.shape)  # the shape without the memory
+        return tuple(header for header, _ in islice(split(self.path, standin, self.names), WIDEST + 1))
+
+    @property
+    def is_clock(self) -> bool:
+        """Whether it holds stamps, by its unit or its name."""
+        return headers.is_time(self.unit) or headers.clock_rank(headers.split(self.leaf)[0]) < 2
+
+    @property
+    def is_sensor(self) -> bool:
+        """Whether a unit or a name is that of an inertial sensor."""
+        said = [headers.split(header) for header in (self.path, *self.headers)]
+        units = [self.unit, *(unit for _, unit in said)]
+        names = [text for name, _ in said for text in (name, name.rpartition("/")[2])]
+        return any(map(headers.inertial, units)) or any(map(headers.sensor_by_name, names))
+
+    def __str__(self) -> str:
+        return f"{self.path} ({' x '.join(map(str, self.shape))})"
+
 
 Family = list[Dataset]
 
@@ -30,10 +108,15 @@ def rated(found: Sequence[Dataset], numbers: Mapping[str, float]) -> list[Datase
     }
     result = []
     for dataset in found:
-        above = [home for home in rates if not home or f"{dataset.path}/".startswith(f"{home}/")]
-        near = rates[max(above, key=len)] if above and not dataset.rate else (dataset.rate, dataset.source)
-        result.append(replace(dataset, rate=near[0], source=near[1]))
+        home = None if dataset.rate else _nearest(dataset, rates)
+        result.append(dataset if home is None else replace(dataset, rate=rates[home][0], source=rates[home][1]))
     return result
+
+
+def _nearest(dataset: Dataset, homes: Iterable[str]) -> str | None:
+    """The group that stands nearest above a dataset; None if none does."""
+    above = (home for home in homes if not home or f"{dataset.path}/".startswith(f"{home}/"))
+    return max(above, key=len, default=None)
 
 
 def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = "") -> Recording:
@@ -55,7 +138,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
     notes = [*notes, *([f"left out, of other length, clock or shape: {', '.join(left[:20])}"] if left else [])]
-    stem = posixpath.commonpath([dataset.parent or "." for dataset in family])
+    stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
     columns = list[Column]()
     for dataset in family:
         array = dataset.load()
@@ -89,8 +172,7 @@ def _families(series: Sequence[Dataset]) -> list[Family]:
     for dataset in series:
         alike = [d for d in series if d.length == dataset.length]
         homes = {d.parent for d in alike if d.is_clock}
-        above = [home for home in homes if not home or f"{dataset.path}/".startswith(f"{home}/")]
-        home = max(above, key=len, default="") if len(homes) > 1 else ""
+        home = _nearest(dataset, homes) or "" if len(homes) > 1 else ""
         rates = {d.rate for d in alike} - {None}
         families.setdefault((dataset.length, home, dataset.rate if len(rates) > 1 else None), []).append(dataset)
     return list(families.values())

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import AllaniteError
-from allanite.core.record import KINDS, Record, Recording
+from allanite.core.record import KINDS, Recording
 from allanite.core.units import signal_with, unit_of
 
 from .arrays import RATE_NAMES
@@ -22,26 +22,13 @@ SOURCE = "the description in the file"
 
 def described(recording: Recording) -> str:
     """Rate, start and what each channel is, in ASCII."""
-    first = recording[0]
-    said = {
-        KEY: 1,
-        "type": "Recording",
-        "rate": first.rate,
-        "start": first.start,
-        "channels": [_channel(record) for record in recording],
-    }
+    channels = [
+        {name: getattr(record, name) for name in ("name", "unit", "kind", "scale")}
+        | {"integers": record.values.dtype.kind == "i", "history": list(record.history)}
+        for record in recording
+    ]
+    said = {KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels}
     return json.dumps(said)
-
-
-def _channel(record: Record) -> dict[str, Any]:
-    return {
-        "name": record.name,
-        "unit": record.unit,
-        "kind": record.kind,
-        "scale": record.scale,
-        "integers": record.values.dtype.kind == "i",
-        "history": list(record.history),
-    }
 
 
 def keys(recording: Recording) -> list[str]:

@@ -5,7 +5,12 @@ import re
 from allanite.core.errors import UnitError
 from allanite.core.units import Signal, Unit, signal_with, unit_of
 
-_BRACKETS = re.compile(r"^(.*?)\s*[\[({]\s*([^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*)\s*[\])}]$")
+_INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
+"""What stands between the brackets of a unit: no brackets, but for pairs of round ones."""
+
+LONGEST = 200
+"""Characters of a header, and of a unit; what is longer is no name of anything."""
+
 _TIME = unit_of("s").dimension
 
 # endings of names such as gyro_x_rad_per_s: loggers write no slash in a name
@@ -51,17 +56,28 @@ def split(header: str) -> tuple[str, str]:
     (('gx', 'deg/s'), ('acc_x_mps2', 'm/s^2'), ('gyro_rad[0]', 'rad'))
     """
     header = header.strip()
-    match = _BRACKETS.match(header)
-    if match and match[2].lower() in _RAW and match[1]:
-        return match[1].strip(), ""
-    if match and not _is_index(match[2]):
-        return match[1].strip() or header, match[2].strip()
+    if len(header) > LONGEST:
+        return header, ""
+    name, unit = _bracketed(header)
+    if unit is not None and unit.lower() in _RAW and name:
+        return name, ""
+    if unit is not None and not _is_index(unit):
+        return name or header, unit
     tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
         unit = SUFFIXES.get("_".join(tokens[-count:]))
         if unit:
             return header, unit
     return header, ""
+
+
+def _bracketed(header: str) -> tuple[str, str | None]:
+    """What stands before the brackets at the end of a header and what in them; None if there are none."""
+    opening = (i for i, letter in enumerate(header) if letter in "[({") if header[-1:] in tuple("])}") else ()
+    for at in opening:
+        if _INSIDE.fullmatch(header, at + 1, len(header) - 1):
+            return header[:at].strip(), header[at + 1 : -1].strip()
+    return header, None
 
 
 def _is_index(text: str) -> bool:
@@ -71,7 +87,7 @@ def _is_index(text: str) -> bool:
 def known(unit: str) -> Unit | None:
     """The unit, None if it is unknown or empty: a header may say anything."""
     try:
-        return unit_of(unit)
+        return unit_of(unit) if len(unit) <= LONGEST else None
     except UnitError:
         return None
 

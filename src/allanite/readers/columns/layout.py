@@ -7,8 +7,8 @@ from itertools import accumulate
 
 from allanite.core.errors import DataError
 
+from . import headers
 from .cells import MISSING, Row, cells, decoded, has_number, is_number
-from .naming import header
 
 HEAD = 1 << 17
 """Bytes at the beginning of a file from which its layout is found."""
@@ -18,6 +18,8 @@ MARKS = ("#", "%", "//", ";")
 
 # delimiter and decimal sign, the likelier first: the order decides where a file can be read in two ways
 _STYLES = ((",", "."), (";", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ","), (" ", ","))
+
+_BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+")
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,11 @@ def find(data: bytes) -> Layout:
     DataError
         There are no rows of numbers near the beginning, or more names than columns.
     """
-    lines = _lines(data)
+    lines = numbered_lines(data)
+    if not lines:
+        raise DataError(
+            f"the first line is longer than {HEAD} bytes; one row for each sample is expected, each on its own line"
+        )
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
     delimiter, decimal = style(
         [*plain[:1], *plain[-200:]]
@@ -65,7 +71,7 @@ def find(data: bytes) -> Layout:
         seen = f"its first line is {rows[0].cells[0][:40]!r}" if rows else "it holds comments or blank lines only"
         raise DataError(f"no rows of numbers were found ({seen}); a text file needs one row for each sample")
     first, text = _first_row(rows, decimal)
-    names, units, notes = header(rows[: first + 1], comments, delimiter, decimal)
+    names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
         notes = (f"line {rows[first - 1].line} with the numbers {', '.join(names[:3])}.. is taken as column names",)
@@ -74,16 +80,12 @@ def find(data: bytes) -> Layout:
     return Layout(delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes)
 
 
-def _lines(data: bytes) -> list[tuple[int, int, str]]:
+def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
     """Number, offset and text of the whole lines at the beginning."""
     head = data[:HEAD]
     raw = head.splitlines(keepends=True)
     if len(data) > HEAD:
         raw = raw[:-1]
-    if not raw:
-        raise DataError(
-            f"the first line is longer than {HEAD} bytes; one row for each sample is expected, each on its own line"
-        )
     starts = accumulate((len(line) for line in raw), initial=0)
     # a tab at either end is an empty cell, unless there is nothing else
     texts = (decoded(line).strip(" \r\n") for line in raw)
@@ -135,3 +137,63 @@ def _numbered(row: Row, following: list[Row]) -> bool:
     names = row.cells[1:] if row.cells[0] == "" else row.cells
     fractions = following and any(not re.fullmatch(r"[-+]?\d*", cell) for cell in following[0].cells)
     return len(names) > 1 and names == [str(i) for i in range(len(names))] and bool(fractions)
+
+
+def _named(
+    rows: list[Row], comments: list[tuple[int, str]], delimiter: str, decimal: str
+) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Names, units and notes from the lines above the first row of numbers, which is the last of `rows`."""
+    above, width = rows[:-1], len(rows[-1].cells)
+    worded = [row for row in above[-2:] if not has_number(row, decimal)]
+    blank = ("",) * width
+    units = blank
+    if len(worded) == 2 and above[-1] is worded[-1] and _is_units(worded[-1].cells):
+        units = tuple((worded.pop().cells + list(blank))[:width])
+    named = _names(worded[-1].cells, width, delimiter) if worded and worded[-1] is above[-1 - any(units)] else None
+    if named is not None:
+        passed = len(above) - 1 - any(units)
+        return named, units, _passed(passed, above[0]) + _unnamed(named)
+    commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
+    for number, text in commented:
+        said = _commented(text, width, delimiter, decimal)
+        if said is not None:
+            return said, blank, (*_passed(len(above), rows[0]), f"column names from the comment on line {number}")
+    return blank, blank, _passed(len(above), rows[0])
+
+
+def _is_units(row: list[str]) -> bool:
+    filled = [cell.strip("[](){} ") for cell in row if cell.strip("[](){} -")]
+    return bool(filled) and sum(headers.known(cell.strip()) is not None for cell in filled) > len(filled) / 2
+
+
+def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:
+    """The cells of a header as one name a column; None if the line is no header."""
+    if delimiter == " ":
+        row = row if len(row) == width else _BLANK_HEADER.findall(" ".join(row))
+        return tuple(row) if len(row) == width else None
+    while len(row) > width and not row[-1]:
+        row = row[:-1]
+    if len(row) > width:
+        raise DataError(f"the header names {len(row)} columns ({', '.join(row[:8])}..) but the rows below have {width}")
+    return tuple(row + [""] * (width - len(row))) if len(row) > 1 or width == 1 else None
+
+
+def _commented(text: str, width: int, delimiter: str, decimal: str) -> tuple[str, ...] | None:
+    """Names in a comment such as ``#timestamp [ns],w_x [rad s^-1]``; None if it is an ordinary comment."""
+    row = cells(text.lstrip("#%;/ \t"), delimiter)
+    if delimiter == " " and len(row) != width:
+        row = _BLANK_HEADER.findall(" ".join(row))
+    wordy = all(re.search(r"[^\W\d]", cell) and not is_number(cell, decimal) for cell in row)
+    prose = width == 1 and len(_BLANK_HEADER.findall(" ".join(row))) > 1
+    return tuple(row) if len(row) == width and wordy and not prose else None
+
+
+def _passed(count: int, row: Row) -> tuple[str, ...]:
+    if count <= 0:
+        return ()
+    return (f"{count} line{'s' * (count > 1)} above the numbers passed over, the first {row.cells[0][:40]!r}",)
+
+
+def _unnamed(names: tuple[str, ...]) -> tuple[str, ...]:
+    named = sum(bool(name) for name in names)
+    return (f"the header names {named} of {len(names)} columns",) if named < len(names) else ()

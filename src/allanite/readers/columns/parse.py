@@ -12,24 +12,7 @@ from . import dates
 from .cells import MISSING, cells, decoded, is_number
 from .layout import MARKS, Layout
 
-_NULLS = [
-    "",
-    "nan",
-    "NaN",
-    "NAN",
-    "null",
-    "NULL",
-    "None",
-    "NA",
-    "N/A",
-    "n/a",
-    "#N/A",
-    "-nan",
-    "-NaN",
-    "1.#QNAN",
-    "-1.#IND",
-    "1.#IND",
-]
+_NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
 FEW = 16
 """Different words up to which a column of words may tell rows apart."""
@@ -147,19 +130,19 @@ def _values(column: Any, layout: Layout, place: int) -> Any:
             words = column.cast(pa.string())
         except pa.ArrowInvalid:
             return "text"  # of an encoding that nobody knows
-        return _words(words, layout, place)
+        name = layout.names[place]
+        return words_of(words, f"column {name!r}" if name else f"column {place + 1}")
     return _mended(column, layout)
 
 
-def _words(column: Any, layout: Layout, place: int) -> Any:
-    """A column of words: dates and times as such, a few words that come again and again as codes, or the first."""
+def words_of(column: Any, label: str) -> Parsed:
+    """A column of words of pyarrow: dates and times as such, a few words that come again as codes, or the first."""
     import pyarrow.compute as pc
 
     first = str(next((entry for entry in column[:100].to_pylist() if entry), "text"))
     pattern = dates.pattern_of(first)
     if pattern:
-        name = layout.names[place]
-        return dates.parsed(column, pattern, f"column {name!r}" if name else f"column {place + 1}")
+        return dates.parsed(column, pattern, label)
     few = pc.unique(column[: FEW * 100])
     if len(few) > FEW:
         return first

@@ -3,21 +3,12 @@
 Version 7.3 is HDF5, and an ASCII .mat is text.
 """
 
-from collections.abc import Iterator
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
 from allanite.core.errors import UsageError
 from allanite.core.record import Recording
-from allanite.readers.columns.dataset import Dataset
-from allanite.readers.columns.datasets import rated, recording
 from allanite.readers.columns.description import KEY, described, keys
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import worded
-from allanite.readers.sandbox.mat_elements import Element, Matrix, matrices
 
+from .contained import contained
 from .hdf5 import MATLAB
 
 TITLE = "MATLAB 5 to 7.2 .mat"
@@ -45,20 +36,7 @@ def read(path: str, options: Options) -> Recording:
     UsageError
         It holds several recordings and none is chosen, or something is not said.
     """
-    found, numbers, left, text = list[Dataset](), dict[str, float](), list[str](), ""
-    with worded():
-        for name, matrix in matrices(path):
-            for where, leaf in _leaves(name, matrix):
-                if leaf.text:
-                    text = leaf.text if where == KEY else text
-                elif not isinstance(leaf.content, Element):
-                    left.append(where)
-                elif leaf.size == 1:
-                    numbers[where] = float(leaf.array().reshape(-1)[0])
-                else:
-                    found.append(_dataset(where, leaf))
-    notes = [f"left out, no numbers: {', '.join(left[:20])}"] if left else []
-    return recording(rated(found, numbers), options, notes, text)
+    return contained("mat", path, options)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -70,23 +48,3 @@ def write(recording: Recording, path: str) -> None:
     content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
     with open(path, "wb") as file:
         savemat(file, content | {"rate": recording[0].rate, KEY: described(recording)}, oned_as="column")
-
-
-def _leaves(path: str, matrix: Matrix) -> Iterator[tuple[str, Matrix]]:
-    """The matrices in a structure, each with its path."""
-    if not isinstance(matrix.content, list):
-        yield path, matrix
-        return
-    for name, inner in matrix.content:
-        yield from _leaves(f"{path}/{name}", inner)
-
-
-def _dataset(path: str, matrix: Matrix) -> Dataset:
-    shape = matrix.shape
-    if len(shape) == 2 and min(shape) == 1:
-        shape = (max(shape),)
-
-    def load() -> NDArray[Any]:
-        return matrix.array().reshape(shape)
-
-    return Dataset(path, shape, np.dtype(matrix.dtype), load)

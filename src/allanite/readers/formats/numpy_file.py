@@ -15,8 +15,8 @@ from allanite.readers.columns.column import Column
 from allanite.readers.columns.description import KEY, described, keys, restored
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.sandbox.archive import demand_directory
 from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.source import demand_directory
 
 TITLE = "NumPy .npy and .npz"
 
@@ -85,6 +85,7 @@ def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
 def _copied(path: str) -> NDArray[Any]:
     # a map compares the size that the header claims with that of the file before any memory is taken
     mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    demand_size(mapped.size, path, "the array")  # elements of no width take no room in the file
     return np.array(mapped)
 
 
@@ -134,7 +135,7 @@ def _claimed(stream: Any) -> int:
     form = np.lib.format
     one = form.read_magic(stream) == (1, 0)
     shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
-    return 0 if dtype.hasobject else math.prod(shape) * dtype.itemsize  # objects are refused by their own words
+    return 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)  # objects are refused by their own words
 
 
 def _notes(name: str, array: NDArray[Any]) -> list[str]:

@@ -4,13 +4,12 @@ import json
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.readers.columns.arrays import RATE_NAMES, column
+from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import Column, headed
-from allanite.readers.columns.dataset import WIDEST
+from allanite.readers.columns.datasets import WIDEST
 from allanite.readers.columns.description import KEY, described, restored
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
@@ -105,31 +104,10 @@ def _column(file: Any, field: Any, place: int, before: int) -> Column:
     """A column; `before` it there are so many of its name."""
     said = field.metadata or {}
     unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
-    if not _is_number(field.type):
+    if not is_number(field.type):
         # not all of it: a dictionary of long words stands for any length
         first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
         word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
         return headed(np.empty(0), place, field.name, text=str(word or "text")[:100])
     chunks = file.read([field.name], use_threads=False).column(before)
-    return column(field.name, _values(chunks), place, unit=unit)
-
-
-def _is_number(kind: Any) -> bool:
-    import pyarrow.types as t
-
-    tests = (t.is_integer, t.is_floating, t.is_decimal, t.is_null, t.is_temporal)
-    return any(test(kind) for test in tests) and not t.is_interval(kind)
-
-
-def _values(chunks: Any) -> NDArray[Any]:
-    """Numbers or stamps, NaN or NaT where one is missing."""
-    import pyarrow as pa
-
-    kind = chunks.type
-    if pa.types.is_decimal(kind) or pa.types.is_null(kind):
-        chunks = chunks.cast(pa.float64())
-    elif pa.types.is_date(kind):
-        chunks = chunks.cast(pa.timestamp("ns"))
-    elif pa.types.is_time(kind):  # of day
-        chunks = chunks.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
-    return np.asarray(chunks.to_numpy())
+    return column(field.name, of_arrow(chunks), place, unit=unit)

@@ -7,9 +7,9 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
-from allanite.readers.columns.cells import decoded, is_number
+from allanite.readers.columns.cells import is_number
 from allanite.readers.columns.column import Column
-from allanite.readers.columns.layout import Layout
+from allanite.readers.columns.layout import Layout, numbered_lines
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
@@ -21,10 +21,10 @@ _GRAVITY = (9.7, 9.9)  # m/s^2, anywhere on the Earth
 
 def sniff(head: bytes, suffix: str) -> bool:
     """Whether the first line names PSINS, or the first three rows have the shape of its header."""
-    lines = head[:65536].splitlines()
+    lines = head.splitlines()
     if lines and lines[0].lstrip().startswith(b"%") and b"PSINS" in lines[0]:
         return True
-    rows = _rows(head[:65536])[:3]
+    rows = _rows(head)[:3]
     if len(rows) < 3 or not all(len(row) == 6 and all(map(is_number, row)) for _, _, row in rows):
         return False
     place, scales = [float(cell) for cell in rows[1][2]], [float(cell) for cell in rows[2][2]]
@@ -40,7 +40,7 @@ def read(path: str, options: Options) -> Recording:
         A header row is missing or holds something else than its six numbers, or a row below does.
     """
     data = Path(path).read_bytes()
-    rows = _rows(data[:65536])
+    rows = _rows(data)
     if len(rows) < 4:
         raise DataError(
             f"a PSINS file has three header rows and then the increments, but {len(rows)} rows of numbers were found"
@@ -66,13 +66,7 @@ def read(path: str, options: Options) -> Recording:
 
 def _rows(head: bytes) -> list[tuple[int, int, list[str]]]:
     """Line number, offset and cells of the lines that are neither blank nor comments."""
-    found, offset = [], 0
-    for number, raw in enumerate(head.splitlines(keepends=True), 1):
-        cells = decoded(raw).split()
-        if cells and not cells[0].startswith("%"):
-            found.append((number, offset, cells))
-        offset += len(raw)
-    return found
+    return [(n, at, text.split()) for n, at, text in numbered_lines(head) if text and not text.lstrip().startswith("%")]
 
 
 def _six(row: list[str], line: int) -> list[float]:

@@ -7,7 +7,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.options import Options
 
-from . import csv_file, hdf5, mat, numpy_file, parquet, psins, r, raw, text
+from . import hdf5, mat, numpy_file, parquet, psins, r, raw, text
 from .plugins import plugins
 
 
@@ -44,7 +44,7 @@ READERS: dict[str, Reader] = {  # asked in this order, plugins before text, whic
 }
 
 WRITERS: dict[str, Writer] = {
-    ".csv": csv_file,
+    ".csv": text,
     ".npz": numpy_file,
     ".parquet": parquet,
     ".h5": hdf5,

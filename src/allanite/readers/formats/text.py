@@ -1,5 +1,6 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header."""
 
+import re
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -9,13 +10,13 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns import dates, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.description import KEY, described, restored
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
-from . import csv_file
-
 TITLE = "text or CSV: columns of numbers, with a header or without"
 
+_COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -39,14 +40,30 @@ def read(path: str, options: Options) -> Recording:
     """
     data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
     columns, tags, said = columns_of(data)
+    return _with_description(arranged(columns, tags, (*notes, *said), options), data).recording(options)
+
+
+def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[str, ...], options: Options) -> Table:
+    """The table of columns, those of several sensors apart from each other."""
     by = sensors.turns(columns, tags)
     if by is None:
         columns, told = sensors.between(columns)
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    table = Table(tuple(columns), notes=(*notes, *said, *told))
-    return csv_file.with_description(table, data).recording(options)
+    return Table(tuple(columns), notes=(*notes, *told))
+
+
+def write(recording: Recording, path: str) -> None:
+    """A CSV with a column for each channel; other programs pass over the first line as a comment."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    table = pa.table([pa.array(r.values) for r in recording], names=[str(i) for i in range(len(recording))])
+    header = ",".join(f"{_word(r.name)} [{r.unit}]" for r in recording)
+    with Path(path).open("wb") as file:
+        file.write(f"# {described(recording)}\n{header}\n".encode())
+        csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
 
 
 def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
@@ -64,7 +81,7 @@ def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[
             f"line {found.line} holds {found.width} numbers; one row for each sample is expected, each on its own line"
         )
     values, passed = parse.columns(data, found)
-    columns, tags, said = _columns(values, found)
+    columns, tags, said = of_parsed(values, found.names, found.units)
     return columns, tags, (*found.notes, *passed, *said)
 
 
@@ -81,11 +98,11 @@ def _plain(data: bytes) -> bytes:
     return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
-def _columns(
-    values: list[parse.Parsed], found: layout.Layout
+def of_parsed(
+    values: list[parse.Parsed], headers: tuple[str, ...], units: tuple[str, ...]
 ) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
     """The columns, those of few words by their place, and the words about dates that were put together."""
-    values, names, notes = _dated(values, list(found.names))
+    values, names, notes = _dated(values, list(headers))
     columns: list[Column] = []
     tags = {}
     for place, entry in enumerate(values):
@@ -93,7 +110,7 @@ def _columns(
             continue
         if isinstance(entry, parse.Tags):
             tags[len(columns)] = entry
-        columns.append(_column(entry, place, names[place], found.units[place]))
+        columns.append(_column(entry, place, names[place], units[place]))
     return columns, tags, notes
 
 
@@ -128,3 +145,14 @@ def _column(values: Any, place: int, name: str, unit: str) -> Column:
         usual = "time of day" if values.dtype.kind == "m" else "date and time"
         return Column(stamps, place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)
+
+
+def _with_description(table: Table, data: bytes) -> Table:
+    """The table of a text with what the description in its first line says, if there is one."""
+    match = _COMMENT.match(data)
+    return restored(table, match[1]) if match else table
+
+
+def _word(name: str) -> str:
+    """A name that no reader of CSV takes for several."""
+    return re.sub(r"[^\w.+-]+", "_", name) or "column"

@@ -1,12 +1,11 @@
 """What a file may not do: claim sizes that it cannot have, break the library that reads it, or need one unnamed."""
 
-import importlib
+import importlib.util
 import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 
@@ -53,11 +52,6 @@ def demand_size(size: int, path: str, what: str) -> None:
         )
 
 
-def damaged(why: str) -> DataError:
-    """The error over a file whose parts contradict each other."""
-    return DataError(f"the file is damaged or was cut off: {why}; copy or save it again")
-
-
 @contextmanager
 def worded(what: str = "the file") -> Iterator[None]:
     """Whatever a library raises over a damaged file becomes a `DataError`; the dozens of types are its own affair."""
@@ -72,18 +66,13 @@ def worded(what: str = "the file") -> Iterator[None]:
         raise DataError(f"{what} is damaged or was cut off: {type(error).__name__}: {said}") from None
 
 
-def library(name: str, extra: str) -> Any:
-    """A library that only one format needs.
+def demand_library(name: str, extra: str) -> None:
+    """Refuse a format whose library is not installed.
 
     Raises
     ------
     UsageError
         It is not installed; the message says how to install it.
     """
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        package = name.partition(".")[0]
-        raise UsageError(
-            f"this format is read by {package}, which is not installed: pip install 'allanite[{extra}]'"
-        ) from None
+    if importlib.util.find_spec(name) is None:
+        raise UsageError(f"this format is read by {name}, which is not installed: pip install 'allanite[{extra}]'")

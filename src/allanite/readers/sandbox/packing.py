@@ -14,9 +14,8 @@ from typing import IO, Any, NamedTuple
 
 from allanite.core.errors import DataError, UsageError
 
-from .archive import demand_directory
 from .guard import demand_size, most, within, worded
-from .source import SEPARATOR, head_of
+from .source import SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
 """Layers that are taken off."""
@@ -45,20 +44,27 @@ class Packing(NamedTuple):
 
 
 class _Xz:
-    """Reads an .xz file with bounded memory, which lzma.open does not."""
+    """Reads an .xz file, of one stream or of several, with bounded memory, which lzma.open does not."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file, self._decoder = file, lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
 
     def read(self, size: int) -> bytes:
         """The next bytes, at most `size`; none at the end."""
-        while not self._decoder.eof:
-            fresh = self._file.read(_BLOCK) if self._decoder.needs_input else b""
-            if not fresh and self._decoder.needs_input:
+        while True:
+            fresh = b""
+            if self._decoder.eof:
+                # streams may follow each other, with zeros between them
+                fresh = self._decoder.unused_data.lstrip(b"\0")
+                while not fresh and (block := self._file.read(_BLOCK)):
+                    fresh = block.lstrip(b"\0")
+                if not fresh:
+                    return b""
+                self._decoder = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
+            elif self._decoder.needs_input and not (fresh := self._file.read(_BLOCK)):
                 raise EOFError("the end is missing")
             if block := self._decoder.decompress(fresh, size):
                 return block
-        return b""
 
 
 PACKINGS = (

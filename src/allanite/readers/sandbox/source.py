@@ -1,8 +1,9 @@
-"""The file itself: that it is one, its first bytes and its digest."""
+"""The file itself: that it is one, its first bytes and its digest, and the directory of an archive."""
 
 import hashlib
 import os
 import stat
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,11 @@ SEPARATOR = "::"
 
 HEAD = 1 << 16
 """Bytes by which a format is recognised."""
+
+LONGEST = 1 << 20
+"""Bytes of a directory: some ten thousand members."""
+
+_END, _LARGE, _TAIL = b"PK\x05\x06", b"PK\x06\x07", 65_557 + 76
 
 
 def checked(path: Any) -> tuple[str, str]:
@@ -58,3 +64,27 @@ def digest_of(name: str) -> str:
     """The sha256 of a file, in hexadecimal digits."""
     with Path(name).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def demand_directory(path: str) -> None:
+    """Refuse an archive whose directory is longer than that of any set of recordings.
+
+    Raises
+    ------
+    DataError
+        There is no directory, or it is too long.
+    """
+    with Path(path).open("rb") as file:
+        file.seek(max(0, os.path.getsize(path) - _TAIL))
+        tail = file.read()
+    at = tail.rfind(_END)
+    if at < 0 or len(tail) < at + 22:
+        raise DataError("the archive was cut off: the directory at its end is missing; copy or download it again")
+    (size,) = struct.unpack_from("<I", tail, at + 12)
+    if at >= 76 and tail[at - 20 : at - 16] == _LARGE:  # the end of a large archive, which goes over the other
+        (size,) = struct.unpack_from("<Q", tail, at - 76 + 40)
+    if size > LONGEST:
+        raise DataError(
+            f"the directory of the archive claims {size / 1e6:.3g} MB; no set of recordings has so many files; "
+            "unpack it and read one file"
+        )

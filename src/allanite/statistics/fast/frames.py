@@ -74,10 +74,12 @@ def framed(
         R(l).
     edges : Edges
     """
+    from scipy.fft import next_fast_len
+
     from allanite.kernels.frames import cut
 
     points = x.size + summed
-    block = min(fast(reach), BLOCK)
+    block = min(next_fast_len(reach, real=True), BLOCK)
     right = -(-reach // block)
     step = LEFT * right * block
     count = 0 if whole else max(0, (points - reach) // step)
@@ -102,7 +104,9 @@ def framed(
 
 def autocorrelation(z: FloatArray) -> FloatArray:
     """Sum over i < z.size - l of z[i] z[i + l], shape of z."""
-    block = min(fast(z.size), BLOCK)
+    from scipy.fft import next_fast_len
+
+    block = min(next_fast_len(z.size, real=True), BLOCK)
     total = np.zeros((-(-z.size // block), 2 * block + 2))
     _add_one(total, z, block)
     return _lags(total, block)[: z.size]
@@ -188,14 +192,6 @@ def _lagrange(nodes: np.ndarray[tuple[int], np.dtype[np.int64]], reach: int) -> 
         for other in np.delete(nodes, i):
             basis[i] *= (u - other) / (node - other)
     return basis
-
-
-def fast(n: int) -> int:
-    """The smallest length from n on that has only the factors 2, 3 and 5, and an even one."""
-    best = 1 << max(1, (n - 1).bit_length())
-    for odd in (3, 5, 9, 15, 27, 25, 45, 75, 81):
-        best = min(best, odd << max(1, -(-n // odd) - 1).bit_length())
-    return best
 
 
 def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArray:

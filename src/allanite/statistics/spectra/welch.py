@@ -19,7 +19,10 @@ WINDOWS: dict[str, tuple[float, ...]] = {
     "blackmanharris": (0.35875, 0.48829, 0.14128, 0.01168),
     "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
 }
-"""Windows as sums of cosines: w(t) = a0 - a1 cos(2 pi t) + a2 cos(4 pi t) - ..., over one period."""
+"""Windows as sums of cosines: w(t) = a0 - a1 cos(2 pi t) + a2 cos(4 pi t) - ..., over one period.
+
+Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are left out.
+"""
 
 AT_ONCE = 2**22
 """Samples that are transformed at once: what bounds the memory."""

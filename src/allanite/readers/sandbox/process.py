@@ -1,13 +1,16 @@
-"""The process that opens an HDF5 file for us, and what may become of it."""
+"""The process that opens a file of a fragile format for us, and what may become of it."""
 
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,27 +19,45 @@ from allanite.core.errors import DataError
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.description import KEY
 
-from .guard import library, most
+from .guard import demand_library, most
 
-WAIT, SPEED = 20.0, 5e6
+
+class Library(NamedTuple):
+    """What opens a format: the package, the extra that installs it, and what to do with a file that it cannot open."""
+
+    package: str
+    extra: str
+    remedy: str
+
+
+LIBRARIES = {
+    "hdf5": Library("h5py", "hdf5", "write it again with h5repack"),
+    "mat": Library("scipy", "", "save it again in MATLAB: save('again.mat', '-v7')"),
+    "r": Library("rdata", "r", "save its numbers alone, for example saveRDS(as.matrix(x), 'again.rds')"),
+}
+"""A line for each of `worker.FORMATS`."""
+
+WORKER = Path(__file__).with_name("worker.py")
+
+WAIT, SPEED = 20.0, 5e5
 """Seconds that an answer may take, and the bytes that a slow disk gives in one: the processor time is bound below."""
-
 
 _TIMEOUTS = (9, 24)
 """Signals by which we stop a process, and by which the system stops one that has used its time."""
 
 
 class Process:
-    """A running worker; use it in a ``with`` statement. `said` is what the file holds."""
+    """A running worker; use it in a ``with`` statement. `said` is what the file at `path` holds."""
 
-    def __init__(self, path: str) -> None:
-        library("h5py", "hdf5")
-        worker = str(Path(__file__).with_name("hdf5_worker.py"))
-        arguments = [str(Path(path).absolute()), str(most(path)), ",".join(RATE_NAMES), KEY]
+    def __init__(self, form: str, path: str) -> None:
+        self.path, self._library = path, LIBRARIES[form]
+        demand_library(self._library.package, self._library.extra)
+        names = json.dumps({"rates": RATE_NAMES, "text": KEY})
+        self._wait = WAIT + os.path.getsize(path) / SPEED
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: the folder of the worker has modules whose names are those of others
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
-            [sys.executable, "-P", worker, *arguments],
+            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), names],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -65,43 +86,44 @@ class Process:
         """
         size = math.prod(shape) * dtype.itemsize
         array = np.empty(size, np.uint8)
-        request = json.dumps({"path": path, "fields": list(dtype.names or ())})
         with self._deadline(WAIT + size / SPEED):
-            self._ask(request)
+            self._ask({"path": path, "fields": list(dtype.names or ())})
             filled, view = 0, array.data
-            while filled < size and (count := self._read_into(view[filled:])):
+            while filled < size and (count := self._stdout.readinto(view[filled:])):
                 filled += count
         if filled < size:
             raise self._broken(f"over {path!r}")
         return array.view(dtype).reshape(shape)
 
-    def _ask(self, request: str) -> None:
+    def _ask(self, request: dict[str, Any]) -> None:
+        stdin: Any = self._process.stdin
         try:
-            self._stdin.write(request.encode() + b"\n")
-            self._stdin.flush()
+            stdin.write(json.dumps(request).encode() + b"\n")
+            stdin.flush()
         except OSError:
             pass  # it is gone already, which the answer shows
-
-    def _read_into(self, view: memoryview) -> int:
-        return int(self._stdout.readinto(view) or 0)
-
-    @property
-    def _stdin(self) -> Any:
-        return self._process.stdin
 
     @property
     def _stdout(self) -> Any:
         return self._process.stdout
 
     def _listing(self) -> dict[str, Any]:
-        with self._deadline(WAIT):
+        with self._deadline(self._wait):
             line = self._stdout.readline(1 << 24)
         if not line.endswith(b"\n"):
             raise self._broken("over its structure")
         return dict(json.loads(line))
 
-    def _deadline(self, seconds: float) -> "_Deadline":
-        return _Deadline(self._process, seconds)
+    @contextmanager
+    def _deadline(self, seconds: float) -> Iterator[None]:
+        """Kill a process that has not answered in time."""
+        timer = threading.Timer(seconds, self._process.kill)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
 
     def _broken(self, where: str) -> DataError:
         """Why the worker ended, in words: what it said last, or how it died."""
@@ -111,20 +133,6 @@ class Process:
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
         reason = said[-1][:200] if said else died
         return DataError(
-            f"the file is damaged or was cut off: the HDF5 library gave up {where}: {reason}; if other programs read "
-            "it, write it again with h5repack"
+            f"the file is damaged or was cut off: {self._library.package} gave up {where}: {reason}; if other programs "
+            f"read it, {self._library.remedy}"
         )
-
-
-class _Deadline:
-    """Kills a process that has not answered in time."""
-
-    def __init__(self, process: "subprocess.Popen[bytes]", seconds: float) -> None:
-        self._timer = threading.Timer(seconds, process.kill)
-        self._timer.daemon = True
-
-    def __enter__(self) -> None:
-        self._timer.start()
-
-    def __exit__(self, *_: object) -> None:
-        self._timer.cancel()

@@ -1,13 +1,10 @@
-"""Program that opens one HDF5 file in a process of its own: on damaged files the library crashes, hangs or runs wild.
+"""The contents of an HDF5 file, by h5py; for `worker`, which starts it.
 
-It prints a line of JSON with what the file holds; then, for each line with the JSON of a request, the bytes of a
-dataset. Attributes and links are only followed inside the file; nothing in it is executed or unpickled. The process
-stands alone: it is started by its path and imports nothing of this package.
+Attributes and links are only followed inside the file.
 """
 
-import json
-import os
 import sys
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import h5py
@@ -15,22 +12,17 @@ import numpy as np
 
 MOST_OBJECTS, DEEPEST = 10_000, 32
 BLOCK = 8 << 20
-SECONDS, SPEED = 1, 20e6  # what opening may take, and the bytes that are read in a second at the least
 WANTED = ("unit", "units", "columns", "names", "channels", "labels", "matlab_class", "matlab_empty")
 
 
-def main() -> None:
-    """Serve one file: path, bytes that it may unpack to, and the names of a rate are the arguments."""
-    path, most, rates, text = sys.argv[1], int(sys.argv[2]), sys.argv[3].split(","), sys.argv[4]
-    _limit_memory(most + (64 << 20))
-    _allow(0)
-    with h5py.File(path, "r", rdcc_nbytes=BLOCK) as file:
-        _put(Listing(file, most, {*rates, *WANTED}, text).said)
-        for line in sys.stdin:
-            request = json.loads(line)
-            dataset = file[request["path"]]
-            _allow(dataset.size * dataset.dtype.itemsize)
-            _send(dataset, request["fields"])
+def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
+    """Datasets, lone numbers and texts with their paths, and what sends a dataset; see `worker.main`."""
+    file = h5py.File(path, "r", rdcc_nbytes=BLOCK)
+
+    def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
+        return file[where].size * file[where].dtype.itemsize, _blocks(file[where], fields)
+
+    return Listing(file, most, {*names["rates"], *WANTED}, names["text"]).said, load
 
 
 class Listing:
@@ -140,44 +132,11 @@ def _plain(value: Any) -> Any:
     return words if array.ndim else words[0]
 
 
-def _send(dataset: Any, fields: list[str]) -> None:
+def _blocks(dataset: Any, fields: list[str]) -> Iterator[Any]:
     """The bytes of a dataset, in blocks that hold whole chunks so that none is unpacked twice."""
     source = dataset.fields(fields) if fields else dataset
     row = max(1, dataset.size // dataset.shape[0] * dataset.dtype.itemsize)
     tall = dataset.chunks[0] if dataset.chunks else 1
     step = max(1, BLOCK // row // tall) * tall
     for start in range(0, dataset.shape[0], step):
-        sys.stdout.buffer.write(np.ascontiguousarray(source[start : start + step]).data)
-    sys.stdout.buffer.flush()
-
-
-def _put(said: dict[str, Any]) -> None:
-    sys.stdout.buffer.write(json.dumps(said).encode() + b"\n")
-    sys.stdout.buffer.flush()
-
-
-def _limit_memory(size: int) -> None:
-    """Bound what the process may take from here on, where the system can."""
-    try:
-        import resource
-
-        with open("/proc/self/statm") as file:
-            now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-        resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
-    except (ImportError, OSError, ValueError):
-        pass  # the parent bounds what it asks for, on every system
-
-
-def _allow(size: int) -> None:
-    """Bound the processor time until the next call, where the system can."""
-    try:
-        import resource
-    except ImportError:
-        return
-    used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
-    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
-    resource.setrlimit(resource.RLIMIT_CPU, (int(used + SECONDS + size / SPEED), hard))
-
-
-if __name__ == "__main__":
-    main()
+        yield np.ascontiguousarray(source[start : start + step]).data

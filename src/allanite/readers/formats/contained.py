@@ -1,0 +1,86 @@
+"""The recording in a file whose contents a process of its own lists: HDF5, MATLAB, R."""
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.record import Recording
+from allanite.readers.columns.datasets import Dataset, rated, recording
+from allanite.readers.options import Options
+from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.process import Process
+
+
+def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
+    """The channels of a file of one of the formats of `sandbox.worker`.
+
+    Parameters
+    ----------
+    form, path, options
+        The format, the file, and what the user says about it.
+    transposed : bool
+        The arrays stand in the file with their sides exchanged.
+
+    Raises
+    ------
+    DataError
+        The file is damaged, claims more than it can hold, or has no array of readings.
+    UsageError
+        It holds several recordings and none is chosen, its library is not installed, or something is not said.
+    """
+    with Process(form, path) as process:
+        said = process.said
+        with worded():
+            found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
+        notes = [f"left out, no numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
+        return recording(rated(found, said["numbers"]), options, notes, said["description"])
+
+
+def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process, *, transposed: bool) -> Dataset:
+    where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
+    dtype = _dtype(item["fields"])
+    turned = _turned(shape) if transposed else shape
+
+    def load() -> NDArray[Any]:
+        size, offset = math.prod(shape) * dtype.itemsize, item.get("offset")
+        demand_size(size, process.path, f"dataset {where!r}")
+        if offset is not None and offset + size <= os.path.getsize(process.path):
+            array: NDArray[Any] = np.memmap(process.path, dtype, mode="r", offset=offset, shape=shape)
+        else:
+            array = process.load(where, shape, dtype)
+        return array.T.reshape(turned) if transposed else array
+
+    unit, names = _said(item, texts)
+    source = "the frequency of the time series in the file" if "rate" in item else ""
+    return Dataset(where, turned, dtype, load, unit, names, item.get("rate"), source)
+
+
+def _dtype(fields: Sequence[Sequence[Any]]) -> np.dtype[Any]:
+    named = [(str(name), str(kind), tuple(shape)) for name, kind, shape in fields]
+    return np.dtype(named[0][1] if named[0][0] == "" else named)
+
+
+def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape of a MATLAB array; of a vector its length alone."""
+    turned = shape[::-1]
+    return (max(turned),) if len(turned) == 2 and min(turned) == 1 else turned
+
+
+def _said(item: Mapping[str, Any], texts: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+    """Unit and names of columns, which may carry units of their own."""
+    # pandas keeps the names beside the numbers
+    beside = texts.get(str(item["path"]).removesuffix("_values") + "_items")
+    names = next((item[n] for n in ("columns", "names", "channels", "labels") if isinstance(item.get(n), list)), beside)
+    units = item.get("units", item.get("unit"))
+    names = [str(name) for name in names] if isinstance(names, list) else []
+    if isinstance(units, list) and len(units) == 1:
+        units = units[0]
+    if isinstance(units, list) and len(units) == len(names):
+        return "", tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=True))
+    if isinstance(units, list) and len(set(units)) == 1:
+        units = units[0]
+    return units if isinstance(units, str) else "", tuple(names)

@@ -1,0 +1,81 @@
+"""Tables in memory, of pandas, polars or pyarrow: any object with ``columns`` whose entries have ``to_numpy()``."""
+
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Recording
+from allanite.readers.columns import parse
+from allanite.readers.columns.arrays import is_number, of_arrow
+from allanite.readers.columns.table import numbers
+from allanite.readers.options import Options
+
+from . import text
+
+
+class Frame(Protocol):
+    """A table in memory: ``frame[name].to_numpy()`` is the column of each of the names in `columns`."""
+
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    def __getitem__(self, name: Any, /) -> Any:
+        """A column."""
+
+
+def read(frame: Frame, options: Options) -> Recording:
+    """The channels of a table; the names of its columns are read as the headers of a CSV are.
+
+    The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
+
+    Raises
+    ------
+    DataError
+        Two columns have one name, or what is in them is not read.
+    UsageError
+        What the table does not say is not given either.
+    """
+    if options.dtype is not None:
+        raise UsageError("dtype, columns and offset describe raw binary files; leave them out for a table in memory")
+    named = list(_named(frame))
+    headers = tuple(name for name, _ in named)
+    values = [_parsed(name, entry) for name, entry in named]
+    columns, tags, notes = text.of_parsed(values, headers, ("",) * len(headers))
+    return text.arranged(columns, tags, notes, options).recording(options)
+
+
+def _named(frame: Any) -> Iterator[tuple[str, Any]]:
+    """Names and NumPy arrays of the columns, the index first where it says something."""
+    index: Any = getattr(frame, "index", None)
+    if hasattr(index, "to_numpy"):
+        values = index.to_numpy()
+        if index.name is not None or values.dtype.kind in "Mm":
+            yield str("time" if index.name is None else index.name), values
+    for name in getattr(frame, "column_names", frame.columns):  # pyarrow calls its arrays columns
+        values = frame[name].to_numpy()
+        if values.ndim != 1:
+            raise DataError(f"several columns of the table, or one of several dimensions, are called {str(name)!r}")
+        yield str(name), values
+
+
+def _parsed(name: str, values: Any) -> parse.Parsed:
+    """A column as that of a text is parsed."""
+    import pyarrow as pa
+
+    if values.dtype.kind in "Mm":
+        return np.asarray(values.astype(f"{values.dtype.kind}8[ns]"))
+    if values.dtype.kind in "iuf":
+        return numbers(values, name)
+    try:
+        column = pa.chunked_array([pa.array(values, from_pandas=True)])
+        if is_number(column.type):
+            return of_arrow(column)
+        words = column.cast(pa.string())
+    except pa.ArrowException:
+        return "objects"
+    return (
+        np.full(len(values), np.nan) if column.null_count == len(values) else parse.words_of(words, f"column {name!r}")
+    )

@@ -1,0 +1,79 @@
+"""Program that opens one file in a process of its own: on damaged files the libraries crash, hang or run wild.
+
+It prints a line of JSON with what the file holds; then, for each line with the JSON of a request, the bytes of a
+dataset. Memory and processor time are bounded, and nothing in a file is executed or unpickled. The process stands
+alone: it is started by its path and imports nothing of this package.
+"""
+
+import json
+import math
+import os
+import runpy
+import sys
+from collections.abc import Iterable
+from typing import Any
+
+FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6}
+"""What can be opened, by ``opened`` of the file ``<format>_contents.py`` beside this one, and how many bytes of a file
+are gone through in a second at the least; HDF5 is opened without being read."""
+
+SECONDS, SPEED = 1, 20e6
+"""What any opening may take, and the bytes of a dataset that are sent in a second at the least."""
+
+ROOM = 48 << 20
+"""Bytes that a library may take over those of the contents."""
+
+
+def main() -> None:
+    """Serve one file: format, path, bytes that it may unpack to, and names to look for are the arguments.
+
+    ``opened(path, most, names)`` gives what the file holds as a dictionary for JSON, and a function that takes the path
+    and the fields of a dataset and gives its size in bytes and an iterator of its blocks.
+    """
+    form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
+    opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
+    _limit_memory(most + ROOM)
+    _allow(os.path.getsize(path) / FORMATS[form])
+    try:
+        said, load = opened(path, most, names)
+        _send([json.dumps(said).encode() + b"\n"])
+        for line in sys.stdin:
+            request = json.loads(line)
+            size, blocks = load(request["path"], request["fields"])
+            _allow(size / SPEED)
+            _send(blocks)
+    except MemoryError:
+        sys.exit(f"it claims more than the {most / 1e6:.3g} MB that a file of this size may unpack to")
+
+
+def _send(blocks: Iterable[Any]) -> None:
+    for block in blocks:
+        sys.stdout.buffer.write(block)
+    sys.stdout.buffer.flush()
+
+
+def _limit_memory(size: int) -> None:
+    """Bound what the process may take from here on, where the system can."""
+    try:
+        import resource
+
+        with open("/proc/self/statm") as file:
+            now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
+    except (ImportError, OSError, ValueError):
+        pass  # the parent bounds what it asks for and how long it waits, on every system
+
+
+def _allow(seconds: float) -> None:
+    """Bound the processor time until the next call, where the system can."""
+    try:
+        import resource
+    except ImportError:
+        return
+    used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    resource.setrlimit(resource.RLIMIT_CPU, (int(used + SECONDS + seconds), hard))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""Tables of pandas, polars and pyarrow: the same recording as the CSV with these headers."""
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+
+import allanite as al
+from allanite.core.errors import DataError, UsageError
+
+RNG = np.random.default_rng(5)
+COUNT = 50
+CONTENT = {
+    "time [s]": np.arange(COUNT) * 0.01 + 3,
+    "gx [deg/s]": RNG.normal(size=COUNT),
+    "gy [deg/s]": RNG.integers(-99, 99, COUNT),
+    "acc_x_mps2": RNG.normal(size=COUNT).astype(np.float32).astype(float),
+    "Temp [degC]": RNG.normal(25, 1, COUNT),
+}
+
+
+class Plain:
+    """The least that a table may be."""
+
+    def __init__(self, content):
+        self.content, self.columns = content, list(content)
+
+    def __getitem__(self, name):
+        return type("Series", (), {"to_numpy": lambda _: np.asarray(self.content[name])})()
+
+
+KINDS = [pd.DataFrame, pl.DataFrame, pa.table, Plain]
+
+
+def assert_as_csv(frame, tmp_path, content, **options):
+    pd.DataFrame(content).to_csv(tmp_path / "a.csv", index=False)
+    expected, found = al.read(tmp_path / "a.csv", **options), al.read(frame, **options)
+    assert found.channels == expected.channels
+    assert found.notes == expected.notes
+    for mine, theirs in zip(found, expected, strict=True):
+        assert (mine.rate, mine.unit, mine.kind, mine.start) == (theirs.rate, theirs.unit, theirs.kind, theirs.start)
+        assert mine.values.dtype == theirs.values.dtype
+        assert np.array_equal(mine.values, theirs.values, equal_nan=True)
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_table_is_read_as_its_csv(kind, tmp_path):
+    found = assert_as_csv(kind(CONTENT), tmp_path, CONTENT)
+    assert found.channels == ("gx", "gy", "acc_x_mps2")
+    assert found["gx"].rate == pytest.approx(100)
+
+
+@pytest.mark.parametrize("kind", KINDS[:3])
+def test_options_words_and_missing_values(kind, tmp_path):
+    content = CONTENT | {"note": ["on the table"] * COUNT, "gy [deg/s]": [None, *range(COUNT - 1)]}
+    found = assert_as_csv(kind(content), tmp_path, content, channels=["gy", "2"], rate=10.0, time="none")
+    assert np.isnan(found["gy"].values[0])
+    with pytest.raises(DataError, match="'note' holds text"):
+        al.read(kind(content), channels=["note"])
+
+
+@pytest.mark.parametrize("kind", KINDS[:3])
+def test_sensors_that_take_turns(kind, tmp_path):
+    content = {"id": ["a", "b"] * 25, "gx [deg/s]": CONTENT["gx [deg/s]"]}
+    assert assert_as_csv(kind(content), tmp_path, content, rate=1.0).channels == ("a gx", "b gx")
+
+
+@pytest.mark.parametrize("kind", KINDS[:3])
+def test_stamps_are_times(kind):
+    stamps = np.datetime64("2024-05-01T00:00") + np.arange(COUNT) * np.timedelta64(5000, "us")
+    assert al.read(kind({"at": stamps, "gx [deg/s]": CONTENT["gx [deg/s]"]}), time="at")[0].rate == pytest.approx(200)
+
+
+def test_an_index_of_pandas_that_says_something_is_a_column():
+    frame = pd.DataFrame({"gx [deg/s]": CONTENT["gx [deg/s]"]})
+    with pytest.raises(UsageError, match="does not say its sampling rate"):
+        al.read(frame)
+    named = frame.set_index(pd.Index(CONTENT["time [s]"], name="time [s]"))
+    assert al.read(named)[0].rate == pytest.approx(100)
+    stamped = frame.set_index(pd.date_range("2024-05-01", periods=COUNT, freq="5ms"))
+    assert al.read(stamped)[0].rate == pytest.approx(200)
+
+
+def test_what_no_table_may_be():
+    twice = pd.DataFrame(np.zeros((9, 2)), columns=["gx", "gx"])
+    with pytest.raises(DataError, match=r"several columns .* 'gx'"):
+        al.read(twice, rate=1, unit="deg/s")
+    with pytest.raises(UsageError, match="leave them out"):
+        al.read(pd.DataFrame(CONTENT), dtype="i2")
+    with pytest.raises(DataError, match="fewer than 2 rows"):
+        al.read(pd.DataFrame(CONTENT)[:1])
