@@ -80,6 +80,11 @@ def _scalar(value: Any) -> Any:
     return None if math.isnan(value) else str(value)
 
 
+def finite(value: float) -> float | None:
+    """The number, or None where it is not finite: for what is written for readers only."""
+    return value if math.isfinite(value) else None
+
+
 def _numbers(array: Any) -> Any:
     """Nested lists of an array."""
     if array.dtype.kind == "c":
@@ -150,7 +155,8 @@ def _write_call(value: Any, args: tuple[Any, ...], level: float) -> dict[str, An
 
 
 def _read_call(data: Any, args: tuple[Any, ...]) -> Any:
-    return Stored(read(data["values"], args[1]), data.get("level"))
+    also = _read_call(data["also"], args) if "also" in data else None
+    return Stored(read(data["values"], args[1]), data.get("level"), also)
 
 
 def _no_type(_: Any) -> bool:

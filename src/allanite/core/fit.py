@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from allanite.terms import TERMS
 
 from .curve import Curve
+from .encoding import finite
 from .errors import UsageError
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
@@ -107,7 +108,7 @@ class Estimate(Value):
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""
-        low, high = (_finite(v) for v in self.interval(level))
+        low, high = (finite(v) for v in self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
         shown = {k: None if v is None else v * scale for k, v in (("value", self.value), ("low", low), ("high", high))}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
@@ -123,13 +124,9 @@ class Estimate(Value):
     def _shape_dict(self, level: float) -> dict[str, Any]:
         limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         return {
-            p.name: {"value": value, "low": _finite(low), "high": _finite(high), "unit": p.unit}
+            p.name: {"value": value, "low": finite(low), "high": finite(high), "unit": p.unit}
             for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
         }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -26,6 +26,8 @@ def demand_level(level: float) -> None:
 class Stored:
     """Limits that were stored: `values` for one `level`; without a level, what is given whenever it is asked for.
 
+    `also` are those for another level, where a verdict needs them.
+
     Examples
     --------
     >>> Stored((0.1, 0.3), 0.95)(0.95)
@@ -34,11 +36,14 @@ class Stored:
 
     values: Any
     level: float | None = None
+    also: "Stored | None" = None
 
     def __call__(self, level: float | None = None) -> Any:
         """The values; another level is refused."""
         if level is None or self.level is None or math.isclose(level, self.level, rel_tol=1e-12):
             return self.values
+        if self.also is not None:
+            return self.also(level)
         raise UsageError(f"stored with limits for {self.level:g}, not {level:g}: compute it again for another level")
 
 
