@@ -17,6 +17,7 @@ LONGEST = 120
 
 TYPES: dict[str, str] = {
     "Alternative": "core.fit",
+    "Bound": "planning.bound",
     "Change": "comparison.change",
     "Check": "core.residuals",
     "Comparison": "comparison.comparison",
@@ -25,6 +26,7 @@ TYPES: dict[str, str] = {
     "Finding": "core.finding",
     "Fit": "core.fit",
     "Goodness": "core.fit",
+    "Harmonics": "angle.harmonics",
     "Header": "core.record",
     "Homogeneity": "comparison.change",
     "Line": "core.fit",
@@ -35,11 +37,16 @@ TYPES: dict[str, str] = {
     "PooledTerm": "comparison.pooled",
     "Quality": "core.finding",
     "Ratios": "comparison.comparison",
+    "RecordingPlan": "planning.plan",
+    "Regression": "compensation.regression",
     "Residuals": "core.residuals",
+    "SelfCheck": "planning.selfcheck",
     "Shared": "core.residuals",
     "Spectrum": "core.spectrum",
+    "StateSpace": "statespace.space",
     "Surface": "core.surface",
     "Term": "core.model",
+    "TermCheck": "planning.selfcheck",
 }
 """The module, within the package, of every value that `from_dict` reads, by its "type"."""
 
