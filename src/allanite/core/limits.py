@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from .errors import UsageError
+from .errors import UsageError, given
 
 T = TypeVar("T")
 
@@ -19,7 +19,7 @@ def demand_level(level: float) -> None:
         It does not lie between 0 and 1.
     """
     if not 0 < level < 1:
-        raise UsageError(f"a confidence level lies between 0 and 1, not {level:g}")
+        raise UsageError(f"a confidence level lies between 0 and 1, not {given(level)}")
 
 
 @dataclass(frozen=True, eq=False)

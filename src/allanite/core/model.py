@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.terms import TERMS, NoiseTerm
 
-from .errors import UnitError, UsageError
+from .errors import UnitError, UsageError, given
 from .plain import Value, demand_type
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
@@ -117,7 +117,7 @@ def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) ->
     signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power)
     assert signal is not None  # noqa: S101 - coefficient_factor has found it
     if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
-        raise UsageError(f"the coefficient of {symbol} must be a finite number, not negative, but is {value!r}")
+        raise UsageError(f"the coefficient of {symbol} must be a finite number, not negative, but is {given(value)}")
     return Term(symbol, value * factor, signal, _shape(symbol, shape))
 
 
@@ -131,7 +131,7 @@ def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
     for p, value in zip(parameters, shape, strict=True):
         if not math.isfinite(value) or (p.least is not None and value <= p.least):
             above = "" if p.least is None else f" above {p.least:g}"
-            raise UsageError(f"the {p.name} of {symbol} is a finite number{above}, not {value!r}")
+            raise UsageError(f"the {p.name} of {symbol} is a finite number{above}, not {value:g}")
     return tuple(float(value) for value in shape)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import DataError, UsageError
+from .errors import DataError, UsageError, given
 from .finding import Finding
 from .plain import Value
 from .units import Signal, signal_with, unit_of
@@ -107,9 +107,9 @@ class Record(Value):
         if self.kind not in KINDS:
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
         if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
-            raise UsageError(f"the sampling rate must be a positive number of Hz, not {self.rate!r}")
+            raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
         if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
-            raise UsageError(f"the scale must be a positive number of {self.unit}, not {self.scale!r}")
+            raise UsageError(f"the scale must be a positive number of {self.unit}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
             raise UsageError(
                 f"counts need the worth of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
@@ -190,11 +190,15 @@ class Record(Value):
 
 
 def _plain(values: Any, unit: str) -> NDArray[Any]:
-    """Numbers out of whatever came: a quantity of pint or astropy is brought to `unit`."""
+    """Numbers out of whatever came: a quantity of pint or astropy in `unit`, a column of pandas or polars."""
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
-    return np.asarray(values)
+    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    if array.dtype.kind == "O" and hasattr(values, "isna"):  # numbers of pandas, some of which are missing
+        array = np.where(values.isna(), np.nan, array)
+        array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array
+    return array
 
 
 def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
@@ -218,7 +222,7 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
         if not np.all(values == np.floor(values)):
             first = int(np.argmax(values != np.floor(values)))
             raise DataError(
-                f"counts are integers, but sample {first} of {name!r} is {values[first]!r}; use kind='increment'"
+                f"counts are integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
             )
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
         raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.encoding import finite, plain
-from allanite.core.errors import UsageError
+from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.record import SHORTEST
@@ -122,7 +122,8 @@ def plan(
     """
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
         raise UsageError(
-            f"the sampling rate, the accuracy and all lengths are above 0, not {rate!r} Hz, {accuracy!r}, {durations!r}"
+            f"the sampling rate, the accuracy and all lengths are above 0, not {given(rate)} Hz, {given(accuracy)}, "
+            f"{durations!r}"
         )
     model = model if isinstance(model, Model) else Model((model,))
     unknown = any(t.symbol == "R" for t in model) if ramp is None else ramp

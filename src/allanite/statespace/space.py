@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.statistics import expected
@@ -159,7 +159,9 @@ def state_space(
     """
     model = model if isinstance(model, Model) else Model((model,))
     if not (math.isfinite(rate) and rate > 0) or not turn_on >= 0:
-        raise UsageError(f"the rate is above 0 Hz and the bias at switch-on not negative, unlike {rate!r}, {turn_on!r}")
+        raise UsageError(
+            f"the rate is above 0 Hz and the bias at switch-on not negative, unlike {given(rate)}, {given(turn_on)}"
+        )
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"a measurement is auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]

@@ -10,6 +10,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.limits import demand_level
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.core.version import __version__
@@ -65,8 +66,7 @@ class Recipe:
                 raise UsageError(f"{key} is a word, not {value!r}")
         if self.outliers is not None:
             demand_choice(self.outliers)
-        if not 0 < self.level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
+        demand_level(self.level)
         if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
             raise UsageError(f"a band is two frequencies in Hz, not {self.band!r}")
 
