@@ -110,21 +110,21 @@ class Estimate(Value):
         """Plain data, SI, with the data-sheet form under "shown"."""
         low, high = (finite(v) for v in self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        shown = {k: None if v is None else v * scale for k, v in (("value", self.value), ("low", low), ("high", high))}
+        shown = {
+            k: None if v is None else finite(v * scale)
+            for k, v in (("value", self.value), ("low", low), ("high", high))
+        }
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
 
     def _summary(self) -> str:
-        return (
-            f"{self.symbol} {self.words()}, {self.status}"
-            if self.value is not None
-            else f"{self.symbol} {self.words()}"
-        )
+        size = "" if self.value is None else f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
+        return f"{self.symbol}{size}, {self.status}"
 
     def _shape_dict(self, level: float) -> dict[str, Any]:
         limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         return {
-            p.name: {"value": value, "low": finite(low), "high": finite(high), "unit": p.unit}
+            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
             for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
         }
 
@@ -277,7 +277,8 @@ class Fit(Value):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Fit":
         """The fit that `to_dict` has written; its limits are known for the stored level only."""
-        return super().from_dict(data | {"alternatives": {"values": data.get("alternatives", [])}})
+        others = data.get("alternatives")
+        return super().from_dict(data | {"alternatives": {"values": others} if others else None})
 
     def _summary(self) -> str:
         return f"of {self.name!r} by {self.method}: {self.model}"
