@@ -6,7 +6,7 @@ may be None as well becomes the word "nan".
 
 import math
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
@@ -171,10 +171,6 @@ def _is_number(data: Any) -> bool:
     return data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE
 
 
-def _is_call(data: Any) -> bool:
-    return isinstance(data, dict) and "values" in data
-
-
 _itself = Form(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
 _float_form = Form(
     lambda value, _, level: _scalar(value),
@@ -183,6 +179,7 @@ _float_form = Form(
     _is_number,
 )
 _union = Form(_write_union, _read_union, _no_type, _no_type)
+_dict = Form(_write_dict, _read_dict, _is(dict), _is(dict))
 _tuple = Form(_write_tuple, _read_tuple, _is(tuple, list), _is(list, tuple))
 
 FORMS: dict[Any, Form] = {
@@ -198,9 +195,11 @@ FORMS: dict[Any, Form] = {
     np.ndarray: Form(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict)),
     tuple: _tuple,
     list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
-    dict: Form(_write_dict, _read_dict, _is(dict), _is(dict)),
+    Sequence: _tuple,
+    dict: _dict,
+    Mapping: _dict,
     Union: _union,
     types.UnionType: _union,
-    Callable: Form(_write_call, _read_call, callable, _is_call),
+    Callable: Form(_write_call, _read_call, callable, _is(dict)),
 }
 """By the type, or what it is made from."""
