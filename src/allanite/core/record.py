@@ -58,6 +58,9 @@ class Header(Value):
         """Length, s."""
         return self.size / self.rate
 
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.kind} in {self.unit}, {self.size} intervals at {self.rate:g} Hz"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(Value):
@@ -184,6 +187,9 @@ class Record(Value):
         """The `Header` of the record: readings are not stored."""
         return Header.from_dict(data)
 
+    def _summary(self) -> str:
+        return self.header._summary()
+
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
         """Another record of the same channel, with `what` added to its history."""
         return replace(self, values=values, start=start, history=(*self.history, what))
@@ -229,8 +235,8 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
     return np.ascontiguousarray(values, dtype=np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Value):
     """Records on one clock, by name and in channel order.
 
     `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
@@ -274,3 +280,7 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.records)
+
+    def _summary(self) -> str:
+        first = self.records[0]
+        return f"of {first.size} intervals at {first.rate:g} Hz: {', '.join(self.channels)}"
