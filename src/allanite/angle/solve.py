@@ -99,7 +99,7 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     if n <= p:
         raise DataError(f"{n} readings are too few for {p} constants and their noise; record for longer")
     if np.ptp(system.values) == 0:
-        raise DataError(f"the readings never change (always {system.values[0]!r}); check the column")
+        raise DataError(f"the readings never change (always {system.values[0]:.10g}); check the column")
     alone = batch(system.rows, system.values)
     values, directions = alone.singular
     seen = int((values > SINGULAR * values[0]).sum())

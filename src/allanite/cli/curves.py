@@ -8,7 +8,7 @@ from .deliver import deliver, outputs, progress, recipe_of
 from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
-    from allanite.study.survey import Settings
+    from allanite.study.survey import Densities, Deviations, Windows
 
 
 @click.command()
@@ -85,7 +85,7 @@ def _own(choices: dict[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
     return {key: value for key in keys if (value := choices.pop(key)) is not None}
 
 
-def _survey(file: str, settings: "Settings", choices: dict[str, Any]) -> None:
+def _survey(file: str, settings: "Deviations | Densities | Windows", choices: dict[str, Any]) -> None:
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.survey import survey
 

@@ -23,3 +23,9 @@ class LongJobWarning(UserWarning):
 
 class DataError(AllaniteError):
     """The data cannot be read, or cannot support the job."""
+
+
+def given(value: object) -> str:
+    """What came, as a message says it: numbers of NumPy look like those of Python."""
+    number = value.item() if hasattr(value, "item") and not getattr(value, "shape", ()) else value
+    return f"{number:g}" if isinstance(number, float) else repr(number)

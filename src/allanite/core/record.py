@@ -1,14 +1,15 @@
 """Record: one evenly sampled channel. Recording: channels on one clock."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import DataError, UsageError
+from .errors import DataError, UsageError, given
 from .finding import Finding
+from .plain import Value
 from .units import Signal, signal_with, unit_of
 
 FloatArray = NDArray[np.float64]
@@ -35,8 +36,45 @@ def explain_kinds() -> str:
     return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, repr=False)
+class Header(Value):
+    """What is known of a record beside its readings; the attributes are those of `Record`.
+
+    Results that were stored and read again have it in the place of their records.
+    """
+
+    name: str
+    rate: float
+    size: int
+    unit: str
+    kind: str
+    scale: float | None
+    start: float | None
+    history: tuple[str, ...]
+    signal: Signal
+
+    @property
+    def duration(self) -> float:
+        """Length, s."""
+        return self.size / self.rate
+
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.kind} in {self.unit}, {self.size} intervals at {self.rate:g} Hz"
+
+
+def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
+    """The first keys of a stored channel: its type, and what is known of its record."""
+    header = record if isinstance(record, Header) else record.header
+    return header.to_dict() | {"type": kind}
+
+
+def header_from(data: dict[str, Any]) -> Header:
+    """The header that `header_dict` has written among other keys."""
+    return Header.from_dict({**data, "type": "Header"})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Value):
     """One evenly sampled channel of an inertial sensor.
 
     Parameters
@@ -83,9 +121,9 @@ class Record:
         if self.kind not in KINDS:
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
         if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
-            raise UsageError(f"the sampling rate must be a positive number of Hz, not {self.rate!r}")
+            raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
         if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
-            raise UsageError(f"the scale must be a positive number of {self.unit}, not {self.scale!r}")
+            raise UsageError(f"the scale must be a positive number of {self.unit}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
             raise UsageError(
                 f"counts need the worth of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
@@ -145,17 +183,39 @@ class Record:
         steps = self.rate_values * self.interval
         return np.concatenate(([0.0], np.cumsum(steps)))
 
+    @property
+    def header(self) -> Header:
+        """All but the readings."""
+        own = {f.name: getattr(self, f.name) for f in fields(Header)}
+        return Header(**own)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data of the `header`: readings are not stored."""
+        return self.header.to_dict(level)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Any:
+        """The `Header` of the record: readings are not stored."""
+        return Header.from_dict(data)
+
+    def _summary(self) -> str:
+        return self.header._summary()
+
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
         """Another record of the same channel, with `what` added to its history."""
         return replace(self, values=values, start=start, history=(*self.history, what))
 
 
 def _plain(values: Any, unit: str) -> NDArray[Any]:
-    """Numbers out of whatever came: a quantity of pint or astropy is brought to `unit`."""
+    """Numbers out of whatever came: a quantity of pint or astropy in `unit`, a column of pandas or polars."""
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
-    return np.asarray(values)
+    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    if array.dtype.kind == "O" and hasattr(values, "isna"):  # numbers of pandas, some of which are missing
+        array = np.where(values.isna(), np.nan, array)
+        array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array
+    return array
 
 
 def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
@@ -179,15 +239,15 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
         if not np.all(values == np.floor(values)):
             first = int(np.argmax(values != np.floor(values)))
             raise DataError(
-                f"counts are integers, but sample {first} of {name!r} is {values[first]!r}; use kind='increment'"
+                f"counts are integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
             )
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
         raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")
     return np.ascontiguousarray(values, dtype=np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Value):
     """Records on one clock, by name and in channel order.
 
     `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
@@ -231,3 +291,7 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.records)
+
+    def _summary(self) -> str:
+        first = self.records[0]
+        return f"of {first.size} intervals at {first.rate:g} Hz: {', '.join(self.channels)}"

@@ -64,7 +64,7 @@ def _constant(record: Record) -> Finding | None:
         steps = steps[np.isfinite(steps)]
         if not steps.size or steps.min() != steps.max():
             return None
-    what = f"the signal never changes (always {steps[0]!r})"
+    what = f"the signal never changes (always {steps[0]:.10g})"
     return Finding("constant", what, remedy="check that the sensor is connected and this is its column", fatal=True)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.fit import Estimate
 from allanite.core.model import coefficient_factor
-from allanite.core.record import Record
+from allanite.core.record import Header, Record
 from allanite.core.units import Signal, convert
 from allanite.study.analysis import Channel
 from allanite.terms import TERMS
@@ -102,7 +102,7 @@ def duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def about(record: Record) -> str:
+def about(record: Record | Header) -> str:
     """What a channel holds: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
@@ -114,6 +114,8 @@ def about(record: Record) -> str:
 def fitness(channel: Channel) -> str:
     """Mean and spread of a channel, and that it may be analysed if it may."""
     record = channel.record
+    if isinstance(record, Header):
+        return ""
     unit = record.signal.sheet[0]
     values = record.rate_values / convert(1.0, unit, record.signal.unit)
     facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"

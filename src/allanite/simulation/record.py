@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import UnitError, UsageError
+from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.model import ModelLike, model_of
 from allanite.core.record import Record
 
@@ -55,7 +55,7 @@ def simulate(
     if n < 2:
         raise UsageError(f"a record has at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
     y = np.zeros(n)
     parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value]
     if parts:

@@ -7,21 +7,22 @@ from typing import Any
 from allanite.core.curve import Curve
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.record import Record, Recording
+from allanite.core.plain import Value
+from allanite.core.record import Header, Record, Recording, header_dict, header_from
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
 from allanite.statistics import deviation
 
 from .channels import Inspected, Job, Progress, Source, run
-from .noise import Noise, noise_of
+from .noise import Noise, noise_dict, noise_from, noise_of
 from .recipe import Recipe
 
 
-@dataclass(frozen=True, eq=False)
-class Channel:
+@dataclass(frozen=True, eq=False, repr=False)
+class Channel(Value):
     """Result of one channel, or the reason (`refusal`) why there is none."""
 
-    record: Record
+    record: Record | Header
     quality: Quality
     curve: Curve | None = None
     noise: Noise | None = None
@@ -50,41 +51,58 @@ class Channel:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         return {
-            "name": self.record.name,
-            "rate": self.record.rate,
-            "size": self.record.size,
-            "unit": self.record.unit,
-            "kind": self.record.kind,
-            "history": list(self.record.history),
+            **header_dict(self.record, "Channel"),
             "quality": self.quality.to_dict(),
             "refusal": self.refusal,
             "curves": [] if self.curve is None else [self.curve.to_dict(level)],
-            "fit": None if self.fit is None else self.fit.to_dict(level),
-            "residuals": None if self.residuals is None else self.residuals.to_dict(),
+            **noise_dict(self.noise, level),
         }
 
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Channel":
+        """What `to_dict` has written."""
+        curve = Curve.from_dict(data["curves"][0]) if data["curves"] else None
+        noise = noise_from(data)
+        if noise is not None:
+            noise = replace(noise, fit=replace(noise.fit, curve=curve))
+        return cls(header_from(data), Quality.from_dict(data["quality"]), curve, noise, data["refusal"])
 
-@dataclass(frozen=True, eq=False)
+    def _summary(self) -> str:
+        return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analysed')}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Study(Job[Channel]):
     """Recording, recipe, and the result of each channel."""
+
+    _channel = Channel
+
+    common: Shared | None = None
+    """What the channels share, where it was read and not worked out."""
 
     @cached_property
     def shared(self) -> Shared | None:
         """What the channels have in common beyond their models; None where fewer than two can be compared."""
-        fits = {c.record.name: c.fit for c in self.channels if c.noise is not None and c.noise.leftover is not None}
-        records = tuple(c.record for c in self.channels if c.record.name in fits)
+        fits = {c.record.name: c.fit for c in self.channels if c.fit is not None and c.noise and c.noise.leftover}
+        records = tuple(c.record for c in self.channels if c.record.name in fits and isinstance(c.record, Record))
         if len(records) < 2 or len({record.size for record in records}) > 1:
-            return None
-        known = {name: fit for name, fit in fits.items() if fit is not None}
-        return shared(Recording(records), known, outliers=self.recipe.outliers or "mark")
+            return self.common
+        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark")
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         return self.recipe.to_dict()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**super().to_dict(), "shared": None if self.shared is None else self.shared.to_dict()}
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`; at the recipe's by default."""
+        data = super().to_dict(level)
+        del data["common"]
+        return data | {"shared": None if self.shared is None else self.shared.to_dict()}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Study":
+        """What `to_dict` has written."""
+        return super().from_dict({**data, "common": data["shared"]})
 
 
 def analyze(

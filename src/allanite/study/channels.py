@@ -4,12 +4,15 @@ Every job that takes a recording goes through here, so that the same file gets t
 """
 
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
-from allanite.core.errors import DataError
+from allanite.core.encoding import read as read_plain
+from allanite.core.encoding import write
+from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding, Quality
+from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.record import Record, Recording
 from allanite.core.version import __version__
 from allanite.prepare import inspect, mark_outliers, quiet_window, trim
@@ -49,9 +52,11 @@ class Inspected:
         return tuple(str(finding) for finding in self.quality.warnings)
 
 
-@dataclass(frozen=True, eq=False)
-class Job(Generic[Result]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Job(Value, Generic[Result]):
     """What a job gives: a result for each channel, and how it came about.
+
+    A subclass says in `_channel` what its channels are; its own fields are written and read with the others.
 
     Attributes
     ----------
@@ -66,6 +71,8 @@ class Job(Generic[Result]):
         Version and inputs.
     """
 
+    _channel: ClassVar[type[Any]]
+
     channels: tuple[Result, ...]
     recipe: Recipe
     findings: tuple[Finding, ...]
@@ -78,23 +85,63 @@ class Job(Generic[Result]):
         for channel in self.channels:
             if channel.record.name == key:  # type: ignore[attr-defined]
                 return channel
-        raise KeyError(key)
+        names = ", ".join(channel.record.name for channel in self.channels)  # type: ignore[attr-defined]
+        raise UsageError(f"no channel {key!r}; there are {names}")
+
+    def __iter__(self) -> Iterator[Result]:
+        return iter(self.channels)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`; at the recipe's by default."""
+        level = self.recipe.level if level is None else level
         return {
-            "allanite": 1,
+            "allanite": VERSION,
             "type": type(self).__name__,
-            "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],  # type: ignore[attr-defined]
+            "channels": [channel.to_dict(level) for channel in self.channels],  # type: ignore[attr-defined]
             "findings": [finding.to_dict() for finding in self.findings],
             "recipe": self.choices(),
             "notes": list(self.notes),
             "provenance": self.provenance,
-        }
+        } | {name: write(getattr(self, name), hint, level) for name, hint in self._own()}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """What `to_dict` has written; limits are known for the stored level only, and records without readings."""
+        demand_type(data, cls.__name__)
+        known = {f.name for f in fields(Recipe)}
+        return cls(
+            tuple(cls._channel.from_dict(channel) for channel in data["channels"]),
+            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known and cls._keeps(key)}),
+            tuple(Finding.from_dict(finding) for finding in data["findings"]),
+            tuple(data["notes"]),
+            dict(data["provenance"]),
+            **{name: read_plain(data[name], hint) for name, hint in cls._own()},
+        )
+
+    @classmethod
+    def _own(cls) -> list[tuple[str, Any]]:
+        """Fields beyond those of every job."""
+        common = {f.name for f in fields(Job)}
+        return [(name, hint) for name, hint in stored_fields(cls) if name not in common]
+
+    @classmethod
+    def _keeps(cls, key: str) -> bool:
+        """Whether a key of the stored recipe is the recipe's, and not that of settings which have the same name."""
+        return key not in {f.name for name, hint in cls._own() if name == "settings" for f in settings_fields(hint)}
+
+    def _summary(self) -> str:
+        source = self.provenance.get("source") or "data in memory"
+        return f"{source!r}: {', '.join(channel.record.name or 'channel' for channel in self.channels)}"  # type: ignore[attr-defined]
+
+
+def settings_fields(hint: Any) -> list[Any]:
+    """Fields of a settings class, or of all that a union allows."""
+    kinds = get_args(hint) or (hint,)
+    return [f for kind in kinds if is_dataclass(kind) for f in fields(kind)]
 
 
 def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:

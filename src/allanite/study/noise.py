@@ -3,8 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 from allanite.core.fit import Fit
+from allanite.core.limits import Stored
+from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.core.residuals import Residuals
 from allanite.identification import METHODS, identify
@@ -13,8 +16,8 @@ from allanite.identification.checks.residuals import residuals
 from .recipe import Recipe
 
 
-@dataclass(frozen=True, eq=False)
-class Noise:
+@dataclass(frozen=True, eq=False, repr=False)
+class Noise(Portable):
     """A fit, and what its model leaves of the record.
 
     `leftover` makes `residuals` when they are first asked for; None without a model of all frequencies.
@@ -84,3 +87,24 @@ def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines:
         fit = replace(fit, notes=(*fit.notes, note))
     known = fit.goodness is not None and recipe.band is None
     return Noise(fit, partial(residuals, record, fit, outliers=outliers) if known else None)
+
+
+def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
+    """What a stored channel says of its noise: the fit, what it leaves, and whether it explains the record."""
+    if noise is None:
+        return {"fit": None, "residuals": None, "explained": None}
+    left = noise.residuals
+    fit = replace(noise.fit, curve=None)  # the channel has its curves
+    return {
+        "fit": fit.to_dict(level),
+        "residuals": None if left is None else left.to_dict(level),
+        "explained": noise.explained,
+    }
+
+
+def noise_from(data: dict[str, Any]) -> Noise | None:
+    """The noise that `noise_dict` has written."""
+    if data["fit"] is None:
+        return None
+    left = data["residuals"]
+    return Noise(Fit.from_dict(data["fit"]), None if left is None else Stored(Residuals.from_dict(left)))

@@ -3,13 +3,14 @@
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.record import Record
+from allanite.core.plain import Value, from_dict
+from allanite.core.record import Header, Record, header_dict, header_from
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
@@ -18,29 +19,14 @@ from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.spectrum import method_named, spectrum
 
 from .channels import Inspected, Job, Progress, Source, run
-from .noise import Noise, noise_of
+from .noise import Noise, noise_dict, noise_from, noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
-Value = Curve | Spectrum | Surface
+Result = Curve | Spectrum | Surface
 
 
-class Settings(Protocol):
-    """What is measured of each channel: frozen dataclasses, whose fields are the choices."""
-
-    @property
-    def to(self) -> str | None:
-        """Unit of the values; that of data sheets by default."""
-
-    @property
-    def fitted(self) -> bool:
-        """Whether the noise is identified first."""
-
-    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
-        """The values of one channel; `fit` is None where none was asked for, or none could be made."""
-
-
-@dataclass(frozen=True)
-class Deviations:
+@dataclass(frozen=True, repr=False)
+class Deviations(Value):
     """Statistics over averaging time.
 
     Attributes
@@ -70,15 +56,15 @@ class Deviations:
         """Limits suppose a noise."""
         return self.limits
 
-    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One curve a statistic."""
         noise = fit.model if fit else None
         for name in self.statistic:
             yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
 
 
-@dataclass(frozen=True)
-class Densities:
+@dataclass(frozen=True, repr=False)
+class Densities(Value):
     """A power spectral density; `fit` identifies the noise too, and draws its terms.
 
     The other attributes are those of `spectrum` and of its methods.
@@ -108,13 +94,13 @@ class Densities:
         """As asked."""
         return self.fit
 
-    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One spectrum."""
         yield spectrum(record, self._row(), sides=self.sides, bins=self.bins or None)
 
 
-@dataclass(frozen=True)
-class Windows:
+@dataclass(frozen=True, repr=False)
+class Windows(Value):
     """A statistic in windows that slide along the record; attributes as of `dynamic`."""
 
     statistic: str = "oadev"
@@ -132,18 +118,18 @@ class Windows:
         """The noise is not identified: it may change."""
         return False
 
-    def measure(self, record: Record, fit: Fit | None) -> Iterator[Value]:
+    def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One surface."""
         yield dynamic(record, self.statistic, taus=self.taus, m=self.m, window=self.window, step=self.step)
 
 
-@dataclass(frozen=True, eq=False)
-class Measured:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measured(Value):
     """The values of one channel, or the reason (`refusal`) why there are none."""
 
-    record: Record
+    record: Record | Header
     quality: Quality
-    values: tuple[Value, ...] = ()
+    values: tuple[Result, ...] = ()
     noise: Noise | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
@@ -156,23 +142,37 @@ class Measured:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         return {
-            "name": self.record.name,
+            **header_dict(self.record, "Measured"),
             "quality": self.quality.to_dict(),
             "values": [value.to_dict(level) for value in self.values],
-            "fit": None if self.fit is None else self.fit.to_dict(level),
+            **noise_dict(self.noise, level),
             "alerts": list(self.alerts),
             "refusal": self.refusal,
         }
 
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Measured":
+        """What `to_dict` has written."""
+        return cls(
+            header_from(data),
+            Quality.from_dict(data["quality"]),
+            tuple(from_dict(value) for value in data["values"]),
+            noise_from(data),
+            tuple(data["alerts"]),
+            data["refusal"],
+        )
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Survey(Job[Measured]):
     """Curves, spectra or surfaces of every channel, and the settings that made them."""
 
-    settings: Settings = field(default_factory=Deviations)
+    _channel = Measured
+
+    settings: Deviations | Densities | Windows = field(default_factory=Deviations)
 
     @property
-    def values(self) -> tuple[Value, ...]:
+    def values(self) -> tuple[Result, ...]:
         """All values, in the order of the channels; each carries the name of its channel."""
         return tuple(value for channel in self.channels for value in channel.values)
 
@@ -183,14 +183,17 @@ class Survey(Job[Measured]):
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
-        settings: Any = self.settings
         used = (*READING, *SELECTING, *(IDENTIFYING if self.settings.fitted else ("level",)))
-        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
+        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self.settings).items() if v is not None}
         return self.recipe.to_dict(used) | own
 
 
 def survey(
-    source: Source, settings: Settings, recipe: Recipe | None = None, *, progress: Progress | None = None
+    source: Source,
+    settings: Deviations | Densities | Windows,
+    recipe: Recipe | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> Survey:
     """Measure every channel of a recording.
 

@@ -10,8 +10,12 @@ from scipy.stats import f as fisher
 import allanite as al
 from allanite.comparison.change import holm
 from allanite.comparison.contrast import Contrast, gain, homogeneity
+from allanite.comparison.intervals import IntervalContrast
 from allanite.comparison.joint import drawn, joint, reduced, tied
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
+from allanite.core.fit import Estimate
+from allanite.core.limits import Below
+from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import Points, mixtures
 from allanite.statistics.table import statistic_named
 
@@ -298,3 +302,12 @@ def test_wrong_usage():
         al.compare(noisy(), noisy(seed=2))["Z"]
     with pytest.raises(al.UsageError, match="between 0 and 1"):
         al.compare(noisy(), noisy(seed=2))["N"].interval(2)
+
+
+def test_a_fit_with_a_term_that_the_other_lacks():
+    absent = Estimate("K", SIGNALS[0], None, None, "absent", 1e-6, "gls", Below(lambda level: max(level - 0.5, 0.0)))
+    there = replace(absent, value=2.0, status="identified", limits=lambda level: (2 - level, 2 + level))
+    contrast = IntervalContrast(absent, there)
+    assert contrast.limits(0.4) == (math.inf, math.inf)
+    assert contrast.limits(0.9) == (pytest.approx(1.1 / 0.4), math.inf)
+    assert 0 < contrast.p < 0.05

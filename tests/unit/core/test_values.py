@@ -63,6 +63,36 @@ def test_quantities_bring_their_unit():
     np.testing.assert_allclose(found.rate_values, [1.0, 2.0])
 
 
+def test_columns_of_tables_are_taken():
+    pandas, polars = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    lost = [1.0, np.nan, 3.0]
+    for column in (pandas.Series(lost), pandas.Series([1, None, 3], dtype="Int64"), polars.Series([1, None, 3])):
+        np.testing.assert_array_equal(al.Record(column, 10.0, "deg/h").values, lost)
+    counts = al.Record(pandas.Series([1, 2, 3], dtype="Int64"), 10.0, "arcsec", kind="count", scale=0.1)
+    assert counts.values.dtype == np.int64
+    with pytest.raises(al.DataError, match="not real numbers"):
+        al.Record(polars.Series(["1", "2", "3"]), 10.0, "deg/h")
+
+
+class Column:
+    """What the columns of pandas and polars have in common."""
+
+    def to_numpy(self):
+        return np.array([1.0, 2.0, 3.0])
+
+
+def test_a_column_needs_no_more_than_to_numpy():
+    assert al.Record(Column(), 10.0, "deg/h").values.tolist() == [1.0, 2.0, 3.0]
+
+
+def test_numbers_of_numpy_are_written_as_numbers():
+    with pytest.raises(al.UsageError, match=r"number of Hz, not -1$"):
+        al.Record([1.0, 2.0], np.float64(-1.0), "deg/h")
+    with pytest.raises(al.DataError, match=r"sample 1 of 'z' is 1\.25;"):
+        al.Record([1.0, 1.25, 2.0], 10.0, "arcsec", kind="count", scale=0.1, name="z")
+    assert "always 1.25)" in inspect(al.Record(np.full(300, 1.25), 10.0, "deg/h")).refusal
+
+
 def test_rate_and_angle_are_names_of_one_thing():
     y = np.array([1.0, -2.0, 4.0])
     rate = al.Record(y, 10.0, "rad/s")

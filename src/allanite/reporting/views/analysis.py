@@ -83,7 +83,8 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
     if channel.refusal:
         yield Note(f"no result: {channel.refusal}", "alert")
     if channel.fit is None:
-        yield Note(words.fitness(channel))
+        facts = words.fitness(channel)
+        yield from [Note(facts)] if facts else []
         return
     yield from (Note(note) for note in channel.fit.notes)
     if channel.verdict and channel.explained:

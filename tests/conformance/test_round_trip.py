@@ -1,0 +1,222 @@
+"""Every result travels: through pickle, and through JSON text, with its intervals, and `repr` is one line."""
+
+import dataclasses
+import importlib
+import json
+import pickle
+from functools import cache
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.core.correction import Correction
+from allanite.core.finding import Finding
+from allanite.core.fit import Alternative
+from allanite.core.plain import TYPES, Value
+from allanite.prepare import inspect
+from allanite.terms import TERMS
+
+LEVEL = 0.9
+MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", frequency=0.5)
+
+
+@cache
+def record(i=0):
+    noise = MODEL if i < 3 else MODEL + al.R(2000.0, "deg/h^2")
+    return dataclasses.replace(al.simulate(noise, 16384, 100.0, rng=np.random.default_rng(i)), name=f"z{i}")
+
+
+@cache
+def fit(method="whittle", i=0):
+    return al.identify(record(i), method=method, **({"terms": "QNBKR,GM"} if method == "whittle" else {}))
+
+
+@cache
+def comparison():
+    return al.compare(record(0), record(3), rng=np.random.default_rng(1))
+
+
+@cache
+def pool():
+    return al.pool([record(i) for i in range(3)], rng=np.random.default_rng(1))
+
+
+@cache
+def selfcheck():
+    return al.selfcheck(al.N(0.1, "deg/sqrt(h)"), 2000, 10.0, records=3, rng=np.random.default_rng(1), terms="NB")
+
+
+def curve(statistic="oadev", **options):
+    return al.deviation(record(), statistic, **({"noise": fit().model} | options))
+
+
+def residuals():
+    return al.residuals(record(), fit())
+
+
+def surface():
+    return al.dynamic(record(), "oadev", window=40.0, step=20.0, noise=fit().model)
+
+
+def shared():
+    return al.shared(al.Recording((record(0), record(1))), {f"z{i}": fit(i=i) for i in range(2)})
+
+
+MAKERS = {
+    "Alternative": lambda: Alternative(MODEL, -3.5),
+    "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
+    "Change": lambda: comparison()["N"],
+    "Change of a signed term": lambda: comparison()["R"],
+    "Check": lambda: residuals().checks[0],
+    "Comparison": comparison,
+    "Comparison of fits": lambda: al.compare(fit(), fit(i=3)),
+    "Curve": curve,
+    "Curve of a found power law": lambda: curve(noise="auto"),
+    "Curve without limits": lambda: curve(noise=None),
+    "Curve of many points": lambda: curve(taus="all"),
+    "Estimate": lambda: fit()["N"],
+    "Estimate that is absent": lambda: fit()["K"],
+    "Estimate of a ramp": lambda: fit(i=3)["R"],
+    "Estimate with a shape": lambda: next(e for e in fit(i=0) if TERMS[e.symbol].parameters),
+    "Finding": lambda: Finding("gaps", "10 readings are lost", place=(0.5, 1.0)),
+    "Fit": fit,
+    **{f"Fit by {method}": lambda method=method: fit(method) for method in al.METHODS if method != "whittle"},
+    "Goodness": lambda: fit().goodness,
+    "Header": lambda: record().header,
+    "Homogeneity": lambda: comparison().pairs[0].test,
+    "Line": lambda: fit().lines[0],
+    "Model": lambda: MODEL,
+    "Pair": lambda: comparison().pairs[0],
+    "Pool": pool,
+    "PooledChannel": lambda: pool().channels[0],
+    "PooledTerm": lambda: pool().terms[0],
+    "Quality": lambda: inspect(al.Record(np.full(300, 1.25), 10.0, "deg/h")),
+    "Ratios": lambda: comparison().pairs[0].ratios,
+    "RecordingPlan": lambda: al.plan(MODEL, 100.0),
+    "Residuals": residuals,
+    "SelfCheck": selfcheck,
+    "Shared": shared,
+    "Spectrum": lambda: al.spectrum(record()),
+    "StateSpace": lambda: al.state_space(MODEL, 100.0),
+    "StateSpace of discrete time": lambda: al.state_space(al.N(0.1, "deg/sqrt(h)") + al.Q(1.0, "arcsec"), 100.0),
+    "Surface": surface,
+    "Term": lambda: MODEL["Sine"],
+    "TermCheck": lambda: selfcheck().terms[1],
+}
+"""A name that begins with the type: what makes one."""
+
+
+def text_of(value):
+    return json.dumps(value.to_dict(LEVEL), allow_nan=False)
+
+
+def same(one, other):
+    """Whether two values have equal fields, as far as they can be compared."""
+    if isinstance(one, Value) and not isinstance(one, al.Record):
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one))
+    if isinstance(one, al.Record):
+        return getattr(one, "header", one) == getattr(other, "header", other)
+    if isinstance(one, (tuple, list)):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, (np.ndarray, float)):
+        return np.array_equal(one, other, equal_nan=True) and np.shape(one) == np.shape(other)
+    return callable(one) == callable(other) if callable(one) else one == other
+
+
+def intervals(value):
+    found = value.interval(LEVEL) if hasattr(value, "interval") and getattr(value, "law", 0) is not None else ()
+    return [np.asarray(limit) for limit in found]
+
+
+def alike(one, other):
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(intervals(one), intervals(other), strict=True))
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_a_value_travels(name):
+    value = MAKERS[name]()
+    text = text_of(value)
+    pickled, stored = pickle.loads(pickle.dumps(value)), al.from_dict(json.loads(text))
+    for again in (pickled, stored):
+        assert type(again) is type(value)
+        assert type(value).__name__ == name.split()[0]
+        assert same(value, again)
+        assert text_of(again) == text
+        assert alike(value, again)
+        assert repr(again) == repr(value)
+    assert "\n" not in repr(value)
+    assert len(repr(value)) < 160
+
+
+def test_every_type_that_is_read_is_tried():
+    elsewhere = {"Harmonics", "Regression"}  # corrections, tried beside what estimates them
+    assert {name.split()[0] for name in MAKERS} == set(TYPES) - elsewhere
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_a_type_is_found_by_its_name_and_keeps_the_short_repr(name):
+    cls = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
+    assert issubclass(cls, Value)
+    assert cls.__repr__ is Value.__repr__ or issubclass(cls, Correction)
+
+
+def test_limits_at_another_level_are_refused():
+    stored = al.from_dict(fit().to_dict(LEVEL))
+    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.95"):
+        stored["N"].interval(0.95)
+    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.5"):
+        al.Curve.from_dict(curve().to_dict(LEVEL)).interval(0.5)
+
+
+def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
+    found = comparison()
+    stored = al.from_dict(json.loads(json.dumps(found.to_dict(0.8))))
+    assert stored.verdict == found.verdict
+    assert stored["K"].interval(0.8) == found["K"].interval(0.8)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; the types are Alternative, "),
+        ([], "of type None cannot be read"),
+        ({"type": "Finding", "name": "gaps"}, "the stored Finding has no 'what'"),
+        ({"allanite": 2, "type": "Finding", "name": "gaps"}, "version 2; this program reads version 1"),
+    ],
+)
+def test_what_cannot_be_read_is_said(data, words):
+    with pytest.raises(al.UsageError, match=words):
+        al.from_dict(data)
+
+
+def test_a_value_is_not_read_as_another():
+    with pytest.raises(al.UsageError, match="a Model, not a Curve"):
+        al.Curve.from_dict(MODEL.to_dict())
+
+
+def test_a_stored_comparison_knows_its_records_by_their_headers():
+    stored = al.from_dict(comparison().to_dict())
+    assert stored.pairs[0].records == (record(0).header, record(3).header)
+    assert al.Record.from_dict(record().to_dict()) == record().header
+
+
+def test_nan_and_none_and_infinity_are_told_apart():
+    estimate = dataclasses.replace(fit()["N"], value=np.nan, standard_error=None, upper=np.inf, shape=(-np.inf, np.nan))
+    data = json.loads(json.dumps(estimate.to_dict(), allow_nan=False))
+    again = al.from_dict(data)
+    assert np.isnan(again.value)
+    assert again.standard_error is None
+    assert again.upper == np.inf
+    assert again.shape[0] == -np.inf
+    assert np.isnan(again.shape[1])
+
+
+def test_a_pickle_holds_no_more_than_it_must():
+    # the readings are not in the limits of a curve, nor in those of a fit
+    assert len(pickle.dumps(curve(noise="auto"))) < 20_000
+    assert len(pickle.dumps(fit())) < 400_000
+
+
+def test_a_notebook_shows_a_value():
+    assert "oadev" in curve()._repr_html_()
