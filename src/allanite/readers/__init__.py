@@ -15,7 +15,7 @@ from allanite.core.errors import AllaniteError, DataError
 from allanite.core.record import Record, Recording
 
 if TYPE_CHECKING:
-    from allanite.readers.formats.frame import Frame
+    from .options import Frame
 
 
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
@@ -87,7 +87,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
-    from allanite.readers.formats.table import READERS, readable, reader_for
+    from allanite.readers.formats.table import read_frame, readable, reader_for, reader_named
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import SEPARATOR, checked, digest_of, head_of
 
@@ -96,15 +96,13 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     names = (channel_names(channels), channel_names(along))
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
-        from allanite.readers.formats import frame
-
-        return frame.read(path, options)
+        return read_frame(path, options)
     file, member = checked(path)
     name = SEPARATOR.join((file, member)) if member else file
     try:
         with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
             suffix = os.path.splitext(inner)[1].lower()
-            reader = READERS["raw"] if dtype is not None else reader_for(head_of(inner), suffix)
+            reader = reader_named("raw") if dtype is not None else reader_for(head_of(inner), suffix)
             recording = reader.read(inner, options)
         return replace(recording, source=name, digest=digest_of(file))
     except AllaniteError as error:

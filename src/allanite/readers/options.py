@@ -3,7 +3,7 @@
 import math
 import re
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from allanite.core.errors import UsageError
 from allanite.core.record import KINDS, explain_kinds
@@ -11,6 +11,17 @@ from allanite.core.units import unit_of
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, and perhaps a unit behind it."""
+
+
+class Frame(Protocol):
+    """A table in memory: ``frame[name].to_numpy()`` is the column of each of the names in `columns`."""
+
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    def __getitem__(self, name: Any, /) -> Any:
+        """A column."""
 
 
 @dataclass(frozen=True)

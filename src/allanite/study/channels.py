@@ -15,7 +15,9 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.record import Record, Recording
 from allanite.core.version import __version__
-from allanite.prepare import inspect, mark_outliers, quiet_window, trim
+from allanite.prepare.quality import inspect
+from allanite.prepare.transform import mark_outliers
+from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
 
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe

@@ -12,7 +12,7 @@ import pytest
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
 from allanite.core.record import KINDS
 from allanite.readers import read
-from allanite.readers.formats.table import READERS
+from allanite.readers.formats.table import READERS, reader_named
 
 GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"
 
@@ -42,9 +42,9 @@ def test_a_relative_path_stays_as_given(write, monkeypatch):
 
 @pytest.mark.parametrize("name", READERS)
 def test_table_of_formats(name):
-    assert READERS[name].TITLE
-    assert not READERS[name].sniff(b"", "")
-    assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
+    assert reader_named(name).TITLE
+    assert not reader_named(name).sniff(b"", "")
+    assert not reader_named(name).sniff(b"\x00\x01\x02" * 100, ".bin")
 
 
 def test_import_is_cheap():

@@ -1,7 +1,7 @@
 """Tables in memory, of pandas, polars or pyarrow: any object with ``columns`` whose entries have ``to_numpy()``."""
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -10,20 +10,9 @@ from allanite.core.record import Recording
 from allanite.readers.columns import parse
 from allanite.readers.columns.arrays import is_number, of_arrow
 from allanite.readers.columns.table import numbers
-from allanite.readers.options import Options
+from allanite.readers.options import Frame, Options
 
 from . import text
-
-
-class Frame(Protocol):
-    """A table in memory: ``frame[name].to_numpy()`` is the column of each of the names in `columns`."""
-
-    @property
-    def columns(self) -> Any:
-        """Names of the columns."""
-
-    def __getitem__(self, name: Any, /) -> Any:
-        """A column."""
 
 
 def read(frame: Frame, options: Options) -> Recording:

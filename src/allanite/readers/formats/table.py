@@ -1,13 +1,13 @@
-"""The formats that are read and written, as tables: a line of `READERS` is a module with TITLE, sniff and read."""
+"""The formats that are read and written, as tables: a line of `READERS` names a module with TITLE, sniff and read."""
 
 from collections.abc import Iterator
-from typing import Protocol
+from importlib import import_module
+from typing import Any, Protocol
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
-from allanite.readers.options import Options
+from allanite.readers.options import Frame, Options
 
-from . import hdf5, mat, numpy_file, parquet, psins, r, raw, text
 from .plugins import plugins
 
 
@@ -32,32 +32,50 @@ class Writer(Protocol):
         """Write a recording whose records have one clock and one length."""
 
 
-READERS: dict[str, Reader] = {  # asked in this order, plugins before text, which sniffs least
-    "numpy": numpy_file,
-    "psins": psins,
-    "parquet": parquet,
-    "hdf5": hdf5,
-    "mat": mat,
-    "r": r,
-    "raw": raw,
-    "text": text,
+READERS: dict[str, str] = {  # asked in this order, plugins before text, which sniffs least
+    "numpy": "numpy_file",
+    "psins": "psins",
+    "parquet": "parquet",
+    "hdf5": "hdf5",
+    "mat": "mat",
+    "r": "r",
+    "raw": "raw",
+    "text": "text",
 }
+"""Name of a format: its module, which is imported when a file is read."""
 
-WRITERS: dict[str, Writer] = {
-    ".csv": text,
-    ".npz": numpy_file,
-    ".parquet": parquet,
-    ".h5": hdf5,
-    ".hdf5": hdf5,
-    ".mat": mat,
+WRITERS: dict[str, str] = {
+    ".csv": "text",
+    ".npz": "numpy_file",
+    ".parquet": "parquet",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".mat": "mat",
 }
+"""Suffix of a file: the module that writes it."""
+
+
+def reader_named(name: str) -> Reader:
+    """The reader of a format of the table."""
+    reader: Reader = _module(READERS[name])
+    return reader
+
+
+def read_frame(frame: Frame, options: Options) -> Recording:
+    """The channels of a table in memory."""
+    recording: Recording = _module("frame").read(frame, options)
+    return recording
+
+
+def _module(name: str) -> Any:
+    return import_module(f"{__package__}.{name}")
 
 
 def candidates() -> Iterator[Reader]:
     """The readers in the order in which they are asked."""
-    yield from (reader for name, reader in READERS.items() if name != "text")
+    yield from (reader_named(name) for name in READERS if name != "text")
     yield from plugins()
-    yield READERS["text"]
+    yield reader_named("text")
 
 
 def reader_for(head: bytes, suffix: str) -> Reader:
@@ -81,4 +99,5 @@ def writer_for(suffix: str) -> Writer:
     """The format that is written to files of that suffix."""
     if suffix not in WRITERS:
         raise UsageError(f"no format is written to files that end in {suffix!r}; those that are: {', '.join(WRITERS)}")
-    return WRITERS[suffix]
+    writer: Writer = _module(WRITERS[suffix])
+    return writer
