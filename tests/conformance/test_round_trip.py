@@ -15,6 +15,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Value
 from allanite.prepare import inspect
+from allanite.study.survey import Densities, Deviations, Windows, survey
 from allanite.terms import TERMS
 
 LEVEL = 0.9
@@ -51,6 +52,16 @@ def curve(statistic="oadev", **options):
     return al.deviation(record(), statistic, **({"noise": fit().model} | options))
 
 
+@cache
+def study():
+    flat = al.Record(np.zeros(16384), 100.0, "deg/h", name="flat")
+    return al.analyze(al.Recording((record(0), record(1), flat)), al.Recipe(level=LEVEL))
+
+
+def surveyed(settings):
+    return survey(record(), settings, al.Recipe(level=LEVEL))
+
+
 def residuals():
     return al.residuals(record(), fit())
 
@@ -67,6 +78,8 @@ MAKERS = {
     "Alternative": lambda: Alternative(MODEL, -3.5),
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Change": lambda: comparison()["N"],
+    "Channel": lambda: study().channels[0],
+    "Channel that is refused": lambda: study().channels[2],
     "Change of a signed term": lambda: comparison()["R"],
     "Check": lambda: residuals().checks[0],
     "Comparison": comparison,
@@ -75,6 +88,8 @@ MAKERS = {
     "Curve of a found power law": lambda: curve(noise="auto"),
     "Curve without limits": lambda: curve(noise=None),
     "Curve of many points": lambda: curve(taus="all"),
+    "Densities": lambda: Densities(bins=5),
+    "Deviations": lambda: Deviations(("adev",), m=(1, 2)),
     "Estimate": lambda: fit()["N"],
     "Estimate that is absent": lambda: fit()["K"],
     "Estimate of a ramp": lambda: fit(i=3)["R"],
@@ -86,6 +101,7 @@ MAKERS = {
     "Header": lambda: record().header,
     "Homogeneity": lambda: comparison().pairs[0].test,
     "Line": lambda: fit().lines[0],
+    "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
     "Model": lambda: MODEL,
     "Pair": lambda: comparison().pairs[0],
     "Pool": pool,
@@ -100,9 +116,15 @@ MAKERS = {
     "Spectrum": lambda: al.spectrum(record()),
     "StateSpace": lambda: al.state_space(MODEL, 100.0),
     "StateSpace of discrete time": lambda: al.state_space(al.N(0.1, "deg/sqrt(h)") + al.Q(1.0, "arcsec"), 100.0),
+    "Study": study,
+    "Study by another method": lambda: al.analyze(record(), al.Recipe(method="gls", level=LEVEL)),
     "Surface": surface,
+    "Survey": lambda: surveyed(Deviations(limits=False)),
+    "Survey of spectra": lambda: surveyed(Densities(fit=True)),
+    "Survey of surfaces": lambda: surveyed(Windows(window=40.0)),
     "Term": lambda: MODEL["Sine"],
     "TermCheck": lambda: selfcheck().terms[1],
+    "Windows": lambda: Windows(window=10.0),
 }
 """A name that begins with the type: what makes one."""
 
@@ -114,7 +136,7 @@ def text_of(value):
 def same(one, other):
     """Whether two values have equal fields, as far as they can be compared."""
     if isinstance(one, Value) and not isinstance(one, al.Record):
-        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one))
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one) if f.compare)
     if isinstance(one, al.Record):
         return getattr(one, "header", one) == getattr(other, "header", other)
     if isinstance(one, (tuple, list)):

@@ -1,6 +1,6 @@
 """The main job: noise coefficients of every channel with intervals, and the curve that they explain."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -77,7 +77,7 @@ class Study(Job[Channel]):
 
     _channel = Channel
 
-    common: Shared | None = None
+    common: Shared | None = field(default=None, compare=False)
     """What the channels share, where it was read and not worked out."""
 
     @cached_property
