@@ -10,7 +10,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
-from allanite.core.finding import Quality
+from allanite.core.finding import Finding, Quality
 from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.prepare import inspect, trim
@@ -46,6 +46,11 @@ class _Source:
     @property
     def notes(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys((*self.signals.notes, *self.along.notes)))
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """About the clocks of both."""
+        return tuple(dict.fromkeys((*self.signals.findings, *self.along.findings)))
 
 
 def compensate_file(
@@ -92,7 +97,7 @@ def compensate_file(
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
         provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
-    study = CompensationStudy(fitted, recipe, here.signals.findings, here.notes, provenance, (), settings)
+    study = CompensationStudy(fitted, recipe, here.findings, here.notes, provenance, (), settings)
     return study if apply_to is None else _applied(study, apply_to, keys, progress)
 
 
@@ -103,7 +108,7 @@ def _applied(
     there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
     applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=progress)
-    findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.signals.findings)
+    findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.findings)
     return replace(
         study,
         applied=applied,
@@ -177,7 +182,7 @@ def _each(
     channels = [(record.name, (record,)) for record in source.signals]
     return each_channel(
         channels, work, refused,
-        findings=source.signals.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
+        findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
     )  # fmt: skip
 
 

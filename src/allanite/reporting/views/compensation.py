@@ -205,19 +205,17 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
 
 def _curves(channel: Compensated, level: float) -> Table:
     """The deviations before and after, with their limits."""
-    assert channel.before is not None and channel.after is not None  # noqa: S101, PT018 - there is a regression
-    unit = channel.record.signal.sheet[0]
-    before, after = channel.before.to(unit), channel.after.to(unit)
-    limited = [(curve.deviation, *curve.interval(level)) for curve in (before, after)]
     rows = []
-    for i, tau in enumerate(before.tau):
-        cells = [cell for numbers in limited for cell in digits(*(float(v[i]) for v in numbers)).plain()]
-        ratio = float(after.deviation[i] / before.deviation[i]) if before.deviation[i] > 0 else math.nan
-        rows.append([f"{tau:.6g}", *cells, _finite(ratio, ".3f"), _finite(float(after.edf[i]), ".3g")])
+    for _, _, tau, _, *numbers, _, _, edf in _lines(channel, "", level):
+        before, after = numbers[:3], numbers[3:]
+        cells = [*digits(*before).plain(), *digits(*after).plain()]
+        ratio = after[0] / before[0] if before[0] > 0 else math.nan
+        rows.append([f"{tau:.6g}", *cells, _finite(ratio, ".3f"), _finite(edf, ".3g")])
     heads = (
         Column("tau [s]"), Column("before"), Column("limits before", "interval", aside=True), Column("after"),
         Column("limits after", "interval", aside=True), Column("after / before"), Column("edf after"),
     )  # fmt: skip
+    unit = channel.record.signal.sheet[0]
     title = f"overlapping Allan deviation in {unit}, with {words.percent(level)} limits"
     return Table(heads, rows, title, details=True)
 
