@@ -42,7 +42,8 @@ def compensate(file: str, **choices: Any) -> None:
     """Find and remove what follows a temperature.
 
     Whatever part of the channels of FILE follows other columns is estimated and taken off. Prints the coefficients with
-    intervals and p values, and the Allan deviation before and after.
+    intervals and p values, and the Allan deviation before and after. The noise of the fit has the terms Q, N, B and K,
+    or those of --terms.
     """
     apply_to = choices.pop("apply_to")
     read = [file, apply_to, *(choices[key] for key in ("beside", "use", "recipe"))]
