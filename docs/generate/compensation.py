@@ -93,8 +93,8 @@ def _units(before: dict[str, float]) -> list[str]:
     return [
         f"The paper gives Q in degrees. Then the deviation at 1 ms would be {high:.2g} deg/h, and quantization would "
         f"rule the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle random walk "
-        f"rules from {1e3 * early:.2g} ms on: so it is meant. The paper also divides B by 0.6648 to get the floor of "
-        f"the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
+        f"rules from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper also divides B by "
+        f"0.6648 to get the floor of the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
     ]  # fmt: skip
 
 
@@ -176,5 +176,5 @@ def _naive(records: list[al.Record]) -> list[str]:
         "## The paper's way on the same records", "",
         "Least squares of the Allan variance, every point with the same weight. A negative number stands for a "
         "negative square, which no noise has: beyond Q and N these numbers are scatter, and their percentages too.", "",
-        *table(("", "unit", "before", "after", "before", "after"), rows),
+        *table(("", "unit", "before", "after", "status before", "status after"), rows),
     ]  # fmt: skip

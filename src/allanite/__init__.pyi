@@ -13,7 +13,7 @@ from .comparison.pooling import truncation as truncation
 from .comparison.study import compare as compare
 from .compensation import Regression as Regression
 from .compensation import compensate as compensate
-from .compensation.study import CompensationChoices as CompensationChoices
+from .compensation.compensated import CompensationSettings as CompensationSettings
 from .compensation.study import compensate_file as compensate_file
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve
@@ -65,7 +65,7 @@ from .signals import Stage as Stage
 from .signals import TorqueScale as TorqueScale
 from .signals import budget as budget
 from .signals import rate_from_current as rate_from_current
-from .signals.study import SignalPath as SignalPath
+from .signals.study import PathSettings as PathSettings
 from .signals.study import budget_file as budget_file
 from .simulation import faults as faults
 from .simulation.record import simulate as simulate

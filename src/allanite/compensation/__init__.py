@@ -1,7 +1,7 @@
 """Compensation by regressors: the part of a rate that follows a temperature, a displacement, a flux, taken off."""
 
 from .clocks import aligned as aligned
-from .fit import Handling as Handling
+from .fit import FitSettings as FitSettings
 from .fit import compensate as compensate
 from .gain import Gain as Gain
 from .mixture import Mixture as Mixture

@@ -1,5 +1,7 @@
 """Bringing channels onto a record's clock, if that is asked for."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from allanite.core.errors import DataError
@@ -26,7 +28,7 @@ def aligned(along: Recording, record: Record) -> Recording:
     >>> aligned(Recording((temp,)), gyro)["temp"].values.tolist()
     [20.0, 21.0, 22.0, 23.0, 24.0, nan]
     """
-    return Recording(tuple(_aligned(other, record) for other in along), along.source, along.digest, along.notes)
+    return replace(along, records=tuple(_aligned(other, record) for other in along))
 
 
 def _aligned(other: Record, record: Record) -> Record:

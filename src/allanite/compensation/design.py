@@ -27,7 +27,7 @@ TRENDING = 0.9
 
 
 @dataclass(frozen=True)
-class Choices:
+class DesignSettings:
     """What a regression is made of.
 
     Attributes
@@ -105,7 +105,7 @@ class Design:
         return tuple(regressor.label for regressor in self.regressors)
 
 
-def design(record: Record, along: Recording, choices: Choices, *, smooth: float, gaps: str) -> Design:
+def design(record: Record, along: Recording, settings: DesignSettings, *, smooth: float, split_gaps: bool) -> Design:
     """The columns of a record.
 
     Raises
@@ -113,16 +113,16 @@ def design(record: Record, along: Recording, choices: Choices, *, smooth: float,
     UsageError
         A regressor is missing.
     DataError
-        One never changes, or is a sum of others; readings are lost and `gaps` is "error"; nothing is left.
+        One never changes, or is a sum of others; readings are lost and not split at; nothing is left.
     """
-    listed = list(_regressors(record, along, choices, smooth))
+    listed = list(_regressors(record, along, settings, smooth))
     X = np.column_stack([regressor.column(record, along) for regressor, _ in listed])
     y = record.rate_values
-    lost = int(np.isnan(y).sum()), int(np.isnan(_base(record, along, choices)).sum())
-    if any(lost) and gaps == "error":
+    lost = int(np.isnan(y).sum()), int(np.isnan(_base(record, along, settings)).sum())
+    if any(lost) and not split_gaps:
         raise DataError(
             f"{lost[0]} readings of {record.name!r} and {lost[1]} of its regressors are lost; take the stretches "
-            "between them, each with its own constant, with Handling(gaps='split') (--split-gaps)"
+            "between them, each with its own constant, with FitSettings(split_gaps=True) (--split-gaps)"
         )
     stretches, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
@@ -139,19 +139,21 @@ def design(record: Record, along: Recording, choices: Choices, *, smooth: float,
     return found
 
 
-def _regressors(record: Record, along: Recording, choices: Choices, smooth: float) -> Iterator[tuple[Regressor, bool]]:
+def _regressors(
+    record: Record, along: Recording, settings: DesignSettings, smooth: float
+) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
-    for name in choices.regressors:
+    for name in settings.regressors:
         unit, centre = _measured(name, record, along)
         yield Regressor(name, unit, centre), False
-    for name in choices.rate_of:
+    for name in settings.rate_of:
         yield Regressor(name, _measured(name, record, along)[0], smooth=smooth), False
-    if choices.trend:
+    if settings.trend:
         yield Regressor(TREND, "s"), False
-    for name in choices.regressors:
+    for name in settings.regressors:
         unit, centre = _measured(name, record, along)
-        yield from ((Regressor(name, unit, centre, power), True) for power in range(2, choices.degree + 1))
-        for lag in choices.lags:
+        yield from ((Regressor(name, unit, centre, power), True) for power in range(2, settings.degree + 1))
+        for lag in settings.lags:
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
             yield Regressor(name, unit, centre, lag=lag), True
@@ -173,9 +175,9 @@ def _measured(name: str, record: Record, along: Recording) -> tuple[str, float]:
     return unit, round(mean, int(4 - np.floor(np.log10(spread))))
 
 
-def _base(record: Record, along: Recording, choices: Choices) -> FloatArray:
+def _base(record: Record, along: Recording, settings: DesignSettings) -> FloatArray:
     """Readings of the named channels, shape (n, channels): their NaN are losses, those of a lag are not."""
-    names = dict.fromkeys((*choices.regressors, *choices.rate_of))
+    names = dict.fromkeys((*settings.regressors, *settings.rate_of))
     return np.column_stack([readings(name, _measured(name, record, along)[0], record, along) for name in names])
 
 

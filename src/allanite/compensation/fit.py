@@ -12,59 +12,67 @@ from allanite.core.record import SHORTEST, Record, Recording
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
-from .design import CONDITION, TRENDING, Choices, Collinearity, Design, collinearity, design
+from .design import CONDITION, TRENDING, Collinearity, Design, DesignSettings, collinearity, design
 from .gain import Gain
 from .mixture import mixture
 from .regression import Regression
 from .restricted import FloatArray, restricted
 from .selection import choose, folds
 
-GAPS = ("error", "split")
+ORDINARY = "QNBK"
+"""Noise terms that may be there where none are named."""
 
 WHOLLY = 1e-11
 """What is left, over the record, at which only rounding is left."""
 
 
 @dataclass(frozen=True)
-class Handling:
+class FitSettings:
     """How a regression is made.
 
     Attributes
     ----------
     terms : str
-        Noise terms that may be there; a ramp is no noise, see `trend`.
+        Noise terms that may be there, for example "NK"; "auto" stands for QNBK. A ramp is no noise, see `trend`.
     smooth : float
         Seconds of the Hann window in which a rate of change is taken, 60 or more.
     blocks : int
         Blocks of the cross-validation.
     every : bool
         Keep every column, whether held-back blocks gain from it or not.
-    gaps : {"error", "split"}
-        What to do if readings are lost.
+    split_gaps : bool
+        Where readings are lost, fit the stretches between them, each with its own constant.
     least : float
         Effective samples that a regressor needs.
     """
 
-    terms: str = "QNBK"
+    terms: str = "auto"
     smooth: float = 60.0
     blocks: int = 5
     every: bool = False
-    gaps: str = "error"
+    split_gaps: bool = False
     least: float = 10.0
 
     def __post_init__(self) -> None:
-        wrong = [s for s in self.terms if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
-        if wrong or not self.terms or len(set(self.terms)) < len(self.terms):
-            raise UsageError(f"terms are different noise terms such as QNBK, not {self.terms!r}")
-        if self.gaps not in GAPS:
-            raise UsageError(f"gaps is one of {', '.join(GAPS)}, not {self.gaps!r}")
+        symbols = self.symbols
+        wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
+        if wrong or not symbols or len(set(symbols)) < len(symbols):
+            raise UsageError(
+                f"terms are different noise terms such as QNBK, not {self.terms!r}; a steady drift is estimated with "
+                "trend=True (--trend)"
+            )
         if isinstance(self.blocks, bool) or not isinstance(self.blocks, int) or not 3 <= self.blocks <= 50:
             raise UsageError(f"blocks of the cross-validation are a whole number from 3 to 50, not {self.blocks!r}")
         if not (math.isfinite(self.least) and self.least > 0):
             raise UsageError(f"the least number of effective samples is positive, not {self.least!r}")
 
+    @property
+    def symbols(self) -> str:
+        """The noise terms, one letter each."""
+        return ORDINARY if self.terms == "auto" else self.terms
 
-USUAL = Handling()
+
+USUAL = FitSettings()
 
 
 def compensate(
@@ -76,7 +84,7 @@ def compensate(
     lags: Sequence[float] = (),
     rate_of: Sequence[str] = (),
     trend: bool = False,
-    handling: Handling = USUAL,
+    settings: FitSettings = USUAL,
 ) -> Regression:
     """Fit the part of a record that follows other channels: temperature, displacement, flux, any.
 
@@ -101,7 +109,7 @@ def compensate(
         Channels whose rate of change is a regressor.
     trend : bool
         Estimate a steady drift along; it is not taken off.
-    handling : Handling
+    settings : FitSettings
         Noise terms, window of rates, blocks, gaps.
 
     Returns
@@ -139,19 +147,19 @@ def compensate(
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
         raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
-    wanted = Choices(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
-    whole = design(record, beside, wanted, smooth=handling.smooth, gaps=handling.gaps)
+    wanted = DesignSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
+    whole = design(record, beside, wanted, smooth=settings.smooth, split_gaps=settings.split_gaps)
     _demand_noise(whole, record)
-    theta, _ = _noise(whole, handling.terms)
-    blocks = folds(whole, theta, handling.terms, handling.blocks)
+    theta, _ = _noise(whole, settings.symbols)
+    blocks = folds(whole, theta, settings.symbols, settings.blocks)
     validated = len(blocks) > 2
-    kept = choose(whole, blocks) if validated and not handling.every else list(range(len(whole.regressors)))
+    kept = choose(whole, blocks) if validated and not settings.every else list(range(len(whole.regressors)))
     notes = () if validated else ("the record is too short for cross-validation: every column is kept",)
     taken = [i for i in kept if not whole.regressors[i].is_trend]
     squares = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0) if validated else None
     count = sum(b - a for a, b in whole.stretches)
     held = None if squares is None else Gain(float(squares[0]) / count, float(squares[1]) / count, 0.0)
-    return _regression(record, whole, kept, handling, held=held, notes=notes)
+    return _regression(record, whole, kept, settings, held=held, notes=notes)
 
 
 def _noise(part: Design, terms: str) -> tuple[FloatArray, Likelihood]:
@@ -161,32 +169,32 @@ def _noise(part: Design, terms: str) -> tuple[FloatArray, Likelihood]:
 
 
 def _regression(
-    record: Record, whole: Design, kept: list[int], handling: Handling, *, held: Gain | None, notes: tuple[str, ...]
+    record: Record, whole: Design, kept: list[int], settings: FitSettings, *, held: Gain | None, notes: tuple[str, ...]
 ) -> Regression:
     part = whole.only(kept)
     first = _plain(part)
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is taken out
-    seen = restricted(part.y - part.X @ first, part.X, part.stretches, rate=part.rate, symbols=handling.terms)
-    theta, mean, found = mixture(seen, handling.terms)
+    seen = restricted(part.y - part.X @ first, part.X, part.stretches, rate=part.rate, symbols=settings.symbols)
+    theta, mean, found = mixture(seen, settings.symbols)
     seen_by_noise = collinearity(part, seen, theta)
     taken = [i for i, regressor in enumerate(part.regressors) if not regressor.is_trend]
     inside, effective = _inside(part, seen, theta, found.values + first)
-    if effective < handling.least * len(taken):
+    if effective < settings.least * len(taken):
         raise DataError(
             f"the noise of {record.name!r} has {effective:.3g} effective samples, because most of it is slow: too few "
-            f"for {len(taken)} regressors, each of which wants {handling.least:g}. Name fewer, record for longer, or "
-            "accept fewer samples for each with Handling(least=...) (--least)"
+            f"for {len(taken)} regressors, each of which wants {settings.least:g}. Name fewer, record for longer, or "
+            "accept fewer samples for each with FitSettings(least=...) (--least)"
         )
     return Regression(
         signal=record.signal,
         name=record.name,
         regressors=part.regressors,
         mixture=found.scaled(1 / part.size, first),
-        chosen=tuple(bool(o) and not handling.every for o in part.optional),
+        chosen=tuple(bool(o) and not settings.every for o in part.optional),
         candidates=int(whole.optional.sum()),
         inflation=seen_by_noise.inflation,
         condition=seen_by_noise.condition,
-        noise=_model(record, handling.terms, mean),
+        noise=_model(record, settings.symbols, mean),
         effective=effective,
         inside=inside,
         held=held,

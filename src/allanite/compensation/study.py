@@ -1,127 +1,62 @@
 """Compensation of files: every channel fitted on the channels beside it, what it gained here, and on another file."""
 
 import os
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from allanite.compensation import Gain, Handling, Regression, aligned, compensate, gain_on, load
 from allanite.core.curve import Curve
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
+from allanite.core.finding import Finding, Quality
 from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record, Recording
-from allanite.identification import identify
-from allanite.prepare import inspect, quiet_window, trim
-from allanite.readers import read
+from allanite.prepare import inspect, trim
 from allanite.statistics import deviation
-from allanite.study.analysis import READING, Recipe, provenance_of
+from allanite.study.channels import (
+    Inspected,
+    Progress,
+    demand_result,
+    each_channel,
+    open_recording,
+    provenance_of,
+)
+from allanite.study.noise import Noise, noise_of
+from allanite.study.recipe import Recipe
+
+from .clocks import aligned
+from .compensated import Compensated, CompensationSettings, CompensationStudy
+from .fit import compensate
+from .prediction import gain_on
+from .regression import Regression, load
 
 PathLike = str | os.PathLike[str]
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
-class CompensationChoices:
-    """What is fitted on what, as plain data.
+class _Source:
+    """The inertial channels of a file, and the regressors under the names that the user gave them."""
 
-    Attributes
-    ----------
-    regressors, degree, lags, rate_of, trend
-        As of `compensate`.
-    handling : Handling
-    beside : path or None
-        File that holds the regressors; the same file if left out.
-    interpolate : bool
-        Bring regressors of another time base onto the record's.
-    use : path or None
-        A saved regression, which is taken instead of a new fit.
-    """
-
-    regressors: tuple[str, ...] = ()
-    degree: int = 1
-    lags: tuple[float, ...] = ()
-    rate_of: tuple[str, ...] = ()
-    trend: bool = False
-    handling: Handling = field(default_factory=Handling)
-    beside: str | None = None
-    interpolate: bool = False
-    use: str | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items() if v is not None}
-
-
-@dataclass(frozen=True, eq=False)
-class Compensated:
-    """A channel before and after its correction; `refusal` says why there is none.
-
-    `error` is what was taken off (rate, SI), `gain` what it brought on a record that was not fitted.
-    """
-
-    record: Record
-    regression: Regression | None = None
-    corrected: Record | None = None
-    error: np.ndarray[Any, np.dtype[np.float64]] | None = None
-    before: Curve | None = None
-    after: Curve | None = None
-    gain: Gain | None = None
-    notes: tuple[str, ...] = ()
-    refusal: str = ""
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data; the regression stands once, with the channel it was fitted on."""
-        return {
-            "name": self.record.name,
-            "rate": self.record.rate,
-            "size": self.record.size,
-            "history": list((self.corrected or self.record).history),
-            "before": None if self.before is None else self.before.to_dict(level),
-            "after": None if self.after is None else self.after.to_dict(level),
-            "gain": None if self.gain is None else self.gain.to_dict() | {"met": self.gain.met},
-            "notes": list(self.notes),
-            "refusal": self.refusal,
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class CompensationStudy:
-    """What was fitted, and what came of it here and elsewhere."""
-
-    fitted: tuple[Compensated, ...]
-    applied: tuple[Compensated, ...]
-    recipe: Recipe
-    choices: CompensationChoices
-    notes: tuple[str, ...]
-    provenance: dict[str, str]
+    signals: Recording
+    along: Recording
+    named: Mapping[str, str]
 
     @property
-    def regressions(self) -> tuple[Regression, ...]:
-        """All that there are."""
-        return tuple(channel.regression for channel in self.fitted if channel.regression is not None)
+    def notes(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*self.signals.notes, *self.along.notes)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        level = self.recipe.level
-        return {
-            "allanite": 1,
-            "type": "CompensationStudy",
-            "regressions": [regression.to_dict(level) for regression in self.regressions],
-            "fitted": [channel.to_dict(level) for channel in self.fitted],
-            "applied": [channel.to_dict(level) for channel in self.applied],
-            "choices": self.choices.to_dict(),
-            "recipe": self.recipe.to_dict(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
-        }
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """About the clocks of both."""
+        return tuple(dict.fromkeys((*self.signals.findings, *self.along.findings)))
 
 
 def compensate_file(
     source: PathLike,
     recipe: Recipe | None = None,
-    choices: CompensationChoices | None = None,
+    settings: CompensationSettings | None = None,
     *,
     apply_to: PathLike | None = None,
     progress: Progress | None = None,
@@ -132,9 +67,9 @@ def compensate_file(
     ----------
     source : path
     recipe : Recipe, optional
-        How files are read.
-    choices : CompensationChoices, optional
-        The regressors, or a saved regression; at least one must be named.
+        How files are read, and how the noise is identified.
+    settings : CompensationSettings
+        The regressors, or a saved regression.
     apply_to : path, optional
         Another file of the same channels, on which nothing is fitted.
     progress : callable, optional
@@ -147,102 +82,142 @@ def compensate_file(
     UsageError
         No regressor is named, or it is not in the file.
     """
-    recipe, choices = recipe or Recipe(), choices or CompensationChoices()
-    tell = progress or (lambda what, fraction: None)
+    settings, tell = settings or CompensationSettings(), progress or (lambda what, fraction: None)
+    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings)
+    saved = {} if settings.use is None else {r.name: r for r in load(settings.use)}
+    keys = _keys(settings, saved)
     tell("reading", 0.0)
-    saved = {} if choices.use is None else {r.name: r for r in load(choices.use)}
-    keys = _keys(choices, saved)
-    whole, along = _read(source, recipe, choices, keys)
-    named = dict(zip(keys, along.channels, strict=True))
-    fitted = []
-    for i, record in enumerate(whole):
-        tell(f"fitting {record.name}", (i + 0.3) / (len(whole) + 0.6))
-        fitted.append(_used(record, along, saved) if saved else _fitted(record, along, choices, named))
-    if all(channel.refusal for channel in fitted):
-        raise DataError("; ".join(f"{channel.record.name or 'the record'}: {channel.refusal}" for channel in fitted))
-    applied: list[Compensated] = []
-    if apply_to is not None:
-        tell("applying", 0.9)
-        there = {c.record.name: c.regression for c in fitted if c.regression is not None}
-        other, beside = _read(apply_to, recipe, replace(choices, beside=None), keys)
-        applied = [_used(record, beside, there) for record in other]
-    tell("done", 1.0)
-    provenance = provenance_of(whole) | ({} if apply_to is None else {"applied to": os.fspath(apply_to)})
-    return CompensationStudy(tuple(fitted), tuple(applied), recipe, choices, whole.notes, provenance)
+    here = _open(source, recipe, settings, keys)
+
+    def regression_of(record: Record) -> Regression:
+        return _saved(saved, record.name) if saved else _fitted(record, here, settings)
+
+    fitted = _each(here, regression_of, recipe, held=bool(saved), progress=progress)
+    demand_result(here.signals.channels, fitted)
+    provenance = provenance_of(here.signals)
+    if settings.beside is not None:
+        provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
+    study = CompensationStudy(fitted, recipe, here.findings, here.notes, provenance, (), settings)
+    return study if apply_to is None else _applied(study, apply_to, keys, progress)
 
 
-def _keys(choices: CompensationChoices, saved: dict[str, Regression]) -> tuple[str, ...]:
+def _applied(
+    study: CompensationStudy, path: PathLike, keys: tuple[str, ...], progress: Progress | None
+) -> CompensationStudy:
+    """The study with what its regressions do to another file."""
+    there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
+    known = {regression.name: regression for regression in study.regressions}
+    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=progress)
+    findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.findings)
+    return replace(
+        study,
+        applied=applied,
+        findings=(*study.findings, *findings),
+        notes=tuple(dict.fromkeys((*study.notes, *there.notes))),
+        provenance=study.provenance | {"applied to": os.fspath(path), "sha256 applied to": there.signals.digest},
+    )
+
+
+def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[Recipe, CompensationSettings]:
+    """The recipe and the settings with the same noise terms: those of the settings where they name some."""
+    if settings.fit.terms != "auto":
+        return replace(recipe, terms=settings.fit.terms), settings
+    return recipe, replace(settings, fit=replace(settings.fit, terms=recipe.terms))
+
+
+def _keys(settings: CompensationSettings, saved: Mapping[str, Regression]) -> tuple[str, ...]:
     """What the user calls the channels that are regressors."""
-    if saved:
-        wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
-        return tuple(dict.fromkeys(wanted))
-    keys = tuple(dict.fromkeys((*choices.regressors, *choices.rate_of)))
-    if not keys:
-        raise UsageError("name what the rate may depend on (--regressors temp, --rate-of temp), or --use a saved fit")
-    return keys
+    wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
+    return tuple(dict.fromkeys((*settings.regressors, *settings.rate_of, *wanted)))
 
 
-def _read(
-    path: PathLike, recipe: Recipe, choices: CompensationChoices, keys: tuple[str, ...]
-) -> tuple[Recording, Recording]:
-    """The inertial channels of a file, and the regressors, of the part that the recipe wants."""
-    options = {key: getattr(recipe, key) for key in READING}
-    if choices.beside is not None:
-        signals, along = _part(read(path, **options), recipe), read(choices.beside, channels=keys)
+def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
+    """The inertial channels of a file, and the regressors, of the part that the recipe selects."""
+    if settings.beside is None:
+        both = open_recording(path, recipe, along=keys)
+        signals, along = (replace(both, records=r) for r in (both.records[: -len(keys)], both.records[-len(keys) :]))
     else:
-        both = _part(read(path, along=keys, **options), recipe)
-        signals, along = (
-            replace(both, records=part) for part in (both.records[: -len(keys)], both.records[-len(keys) :])
-        )
-    return signals, aligned(along, signals[0]) if choices.interpolate else along
+        signals = open_recording(path, recipe)
+        along = open_recording(settings.beside, Recipe(channels=keys))
+    if settings.interpolate:
+        along = aligned(along, signals[0])
+    elif settings.beside is not None and (recipe.start, recipe.until, recipe.quiet_window) != (None, None, None):
+        since = (signals[0].start or 0.0) - (along[0].start or 0.0)
+        along = trim(along, since, since + signals[0].duration)
+    return _Source(signals, along, dict(zip(keys, along.channels, strict=True)))
 
 
-def _part(recording: Recording, recipe: Recipe) -> Recording:
-    cut = trim(recording, recipe.start, recipe.until)
-    return cut if recipe.quiet_window is None else quiet_window(cut, recipe.quiet_window)
+def _each(
+    source: _Source,
+    regression_of: Callable[[Record], Regression],
+    recipe: Recipe,
+    *,
+    held: bool,
+    progress: Progress | None,
+) -> tuple[Compensated, ...]:
+    """Every channel corrected; `held` says that it was not fitted.
+
+    A record that follows a temperature may look as if it moved: whether it does is asked of what the correction leaves.
+    """
+    regression_of = cache(regression_of)
+
+    def look(record: Record) -> Quality:
+        quality = inspect(record)
+        if not any(finding.fatal and finding.name == "moving" for finding in quality.findings):
+            return quality
+        try:
+            return inspect(regression_of(record).apply(record, source.along))
+        except DataError:  # what cannot be corrected stays refused, because it moves
+            return quality
+
+    def work(seen: Inspected) -> Compensated:
+        regression = regression_of(seen.record)
+        gain = gain_on(regression, seen.record, source.along) if held else None
+        done = _corrected(seen.record, source.along, regression, recipe)
+        return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
+
+    def refused(seen: Inspected, why: str) -> Compensated:
+        return Compensated(seen.record, refusal=why)
+
+    channels = [(record.name, (record,)) for record in source.signals]
+    return each_channel(
+        channels, work, refused,
+        findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
+    )  # fmt: skip
 
 
-def _fitted(record: Record, along: Recording, choices: CompensationChoices, named: dict[str, str]) -> Compensated:
-    alerts = tuple(str(finding) for finding in inspect(record).warnings)
-    try:
-        regression = compensate(
-            record,
-            along,
-            [named[key] for key in choices.regressors],
-            degree=choices.degree,
-            lags=choices.lags,
-            rate_of=[named[key] for key in choices.rate_of],
-            trend=choices.trend,
-            handling=choices.handling,
-        )
-    except DataError as error:
-        return Compensated(record, refusal=str(error))
-    return replace(_corrected(record, along, regression), notes=alerts)
+def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
+    return compensate(
+        record,
+        source.along,
+        [source.named[key] for key in settings.regressors],
+        degree=settings.degree,
+        lags=settings.lags,
+        rate_of=[source.named[key] for key in settings.rate_of],
+        trend=settings.trend,
+        settings=settings.fit,
+    )
 
 
-def _used(record: Record, along: Recording, there: dict[str, Regression]) -> Compensated:
-    """A channel that was not fitted, corrected by the regression of its name."""
-    if record.name not in there:
-        return Compensated(record, refusal=f"no regression of this name; there are {', '.join(there)}")
-    regression = there[record.name]
-    try:
-        gain = gain_on(regression, record, along)
-        return replace(_corrected(record, along, regression), gain=gain)
-    except DataError as error:
-        return Compensated(record, refusal=str(error))
+def _saved(there: Mapping[str, Regression], name: str) -> Regression:
+    if name not in there:
+        raise DataError(f"no regression of this name; there are {', '.join(there)}")
+    return there[name]
 
 
-def _corrected(record: Record, along: Recording, regression: Regression) -> Compensated:
+def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
     error = regression.rate_error(record, along)
     corrected = regression.apply(record, along)
     before, after = (_longest(part, np.isfinite(error)) for part in (record, corrected))
     if before.size < SHORTEST:
         raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
-    curves = (
-        deviation(before, "oadev", taus="octave", noise=_noise(before, regression.noise)),
-        deviation(after, "oadev", taus="octave", noise=regression.noise),
-    )
-    return Compensated(record, regression, corrected, error, *curves)
+    noise, alerts = _noise(before, recipe)
+
+    def curve(part: Record, model: Model) -> Curve:
+        return deviation(part, "oadev", taus="octave", noise=model)
+
+    curves = curve(before, noise.fit.model if noise else regression.noise), curve(after, regression.noise)
+    return Compensated(record, regression, corrected, error, *curves, noise, alerts=alerts)
 
 
 def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:
@@ -257,9 +232,10 @@ def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Recor
     return Record(kept, record.rate, record.signal.unit, name=record.name)
 
 
-def _noise(record: Record, otherwise: Model) -> Model:
+def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
     """What the limits of the uncorrected curve suppose: all that is in it, the dependence as well."""
     try:
-        return identify(record).model
-    except DataError:
-        return otherwise
+        noise = noise_of(record, recipe)
+    except DataError as error:
+        return None, (f"the limits of the deviation before suppose the noise that was found with the fit: {error}",)
+    return noise, tuple(f"the limits of the deviation before are in doubt: {doubt}" for doubt in noise.doubts)

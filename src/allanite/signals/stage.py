@@ -73,6 +73,11 @@ class Stage:
             ) from None
 
     @property
+    def text(self) -> str:
+        """As `parse` reads it; blanks in the name become underscores."""
+        return f"{'_'.join(self.name.split())} {self.bits} {self.full_scale!r} {self.unit}"
+
+    @property
     def step(self) -> float:
         """Worth of the last bit, in `unit`."""
         return float(2.0 * self.full_scale / 2.0**self.bits)

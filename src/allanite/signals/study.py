@@ -1,29 +1,51 @@
 """Budgets of files: every channel as a rate, its noise, and what the stages of its path add."""
 
-import os
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from allanite.core.errors import DataError
-from allanite.core.record import Record
-from allanite.prepare import inspect
-from allanite.signals import Budget, Stage, TorqueScale, budget
-from allanite.study.analysis import Recipe, provenance_of, recording_of
+from allanite.core.record import Record, Recording
+from allanite.study.channels import Inspected, Job, Progress, Source, run
+from allanite.study.recipe import Recipe
+
+from .rounding_noise import Budget, budget
+from .stage import Stage
+from .torque import TorqueScale
 
 
 @dataclass(frozen=True)
-class SignalPath:
-    """How a rate came into the file: the stages that rounded it, the torquer, the sensor of its current."""
+class PathSettings:
+    """How a rate came into the file.
+
+    Attributes
+    ----------
+    stages : tuple of Stage
+        The stages that rounded it, in their order.
+    scale : TorqueScale or float, optional
+        Of the torquer, or rad/s per A.
+    sense : float, optional
+        Of the sensor of its current, V per A.
+    """
 
     stages: tuple[Stage, ...]
     scale: TorqueScale | float | None = None
     sense: float | None = None
 
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, under the names of the command line."""
+        torquer = isinstance(self.scale, TorqueScale)
+        found = {
+            "stages": [stage.text for stage in self.stages],
+            "torquer": self.scale.text if isinstance(self.scale, TorqueScale) else None,
+            "scale_factor": None if torquer else self.scale,
+            "sense": self.sense,
+        }
+        return {key: value for key, value in found.items() if value is not None}
+
 
 @dataclass(frozen=True, eq=False)
 class BudgetChannel:
-    """One channel: its budget, or why there is none."""
+    """One channel: its budget, or why there is none (`refusal`); `alerts` must stand beside the numbers."""
 
     record: Record
     budget: Budget | None = None
@@ -42,45 +64,40 @@ class BudgetChannel:
 
 
 @dataclass(frozen=True, eq=False)
-class BudgetStudy:
+class BudgetStudy(Job[BudgetChannel]):
     """Budgets of the channels of a file."""
 
-    channels: tuple[BudgetChannel, ...]
-    path: SignalPath
-    recipe: Recipe
-    notes: tuple[str, ...]
-    provenance: dict[str, str]
+    settings: PathSettings
+
+    @property
+    def rates(self) -> Recording:
+        """The channels with a budget, as rates."""
+        return Recording(tuple(channel.budget.record for channel in self.channels if channel.budget is not None))
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe and the settings that were really used, as plain data."""
+        return super().choices() | self.settings.to_dict()
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        scale = self.path.scale
-        return {
-            "allanite": 1,
-            "type": "BudgetStudy",
-            "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],
+        """Plain data; `scale` is that of the torquer, rad/s per A."""
+        scale = self.settings.scale
+        return super().to_dict() | {
             "scale": scale.factor if isinstance(scale, TorqueScale) else scale,
-            "sense": self.path.sense,
-            "recipe": self.recipe.to_dict(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
+            "sense": self.settings.sense,
         }
 
 
 def budget_file(
-    source: str | os.PathLike[str],
-    recipe: Recipe,
-    path: SignalPath,
-    *,
-    progress: Callable[[str, float], None] | None = None,
+    source: Source, recipe: Recipe | None, settings: PathSettings, *, progress: Progress | None = None
 ) -> BudgetStudy:
     """The budget of every channel of a file.
 
     Parameters
     ----------
-    source : path
-    recipe : Recipe
-        How it is read.
-    path : Path
+    source : Recording, Record or path
+    recipe : Recipe or None
+        How it is read, and how the noise is identified.
+    settings : PathSettings
         How the rates came into it.
     progress : callable, optional
         Called with what is being done and the fraction that is finished.
@@ -92,26 +109,16 @@ def budget_file(
     UsageError
         A constant is missing or not positive.
     """
-    tell = progress or (lambda what, fraction: None)
-    tell("reading", 0.0)
-    recording = recording_of(source, recipe)
-    channels = []
-    for i, record in enumerate(recording):
-        tell(f"measuring {record.name}", (i + 0.3) / (len(recording) + 0.3))
-        channels.append(_channel(record, path))
-    if all(channel.refusal for channel in channels):
-        raise DataError("; ".join(f"{channel.record.name or 'the record'}: {channel.refusal}" for channel in channels))
-    tell("done", 1.0)
-    return BudgetStudy(tuple(channels), path, recipe, recording.notes, provenance_of(recording))
+    recipe = recipe or Recipe()
 
+    def work(seen: Inspected) -> BudgetChannel:
+        found = budget(seen.record, settings.stages, scale=settings.scale, sense=settings.sense, recipe=recipe)
+        told = {f.name for f in found.findings}
+        alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
+        return BudgetChannel(seen.record, found, (*found.alerts, *alerts))
 
-def _channel(record: Record, path: SignalPath) -> BudgetChannel:
-    quality = inspect(record)
-    if quality.refusal:
-        return BudgetChannel(record, refusal=quality.refusal)
-    try:
-        found = budget(record, path.stages, scale=path.scale, sense=path.sense)
-    except DataError as error:
-        return BudgetChannel(record, refusal=str(error))
-    told = {f.name for f in found.findings}
-    return BudgetChannel(record, found, tuple(str(f) for f in quality.warnings if f.name not in told))
+    def refused(seen: Inspected, why: str) -> BudgetChannel:
+        return BudgetChannel(seen.record, refusal=why)
+
+    return run(partial(BudgetStudy, settings=settings), source, recipe, work, refused, doing="measuring",
+               progress=progress)  # fmt: skip

@@ -70,6 +70,32 @@ class TorqueScale:
             if not (fine and math.isfinite(value) and value > 0):
                 raise UsageError(f"the {constant.name} of a torquer is a positive number, not {value!r}")
 
+    @classmethod
+    def parse(cls, text: str) -> "TorqueScale":
+        """The constants as they are written on the command line: ``turns=100,field=0.4,...``."""
+        constants: dict[str, float] = {}
+        for part in text.split(","):
+            name, _, number = (word.strip() for word in part.partition("="))
+            try:
+                constants[name] = float(number)
+            except ValueError:
+                raise UsageError(
+                    f"a constant of the torquer is a name and a number, as turns=100, not {part!r}"
+                ) from None
+        known = [constant.name for constant in fields(cls)]
+        missing = [name for name in known[:-1] if name not in constants]
+        strange = [name for name in constants if name not in known]
+        if missing or strange:
+            named = (("missing", missing), ("unknown", strange))
+            wrong = "; ".join(f"{what} {', '.join(names)}" for what, names in named if names)
+            raise UsageError(f"a torquer (--torquer) wants {', '.join(known)} ({wrong})")
+        return cls(**constants)
+
+    @property
+    def text(self) -> str:
+        """As `parse` reads it."""
+        return ",".join(f"{constant.name}={float(getattr(self, constant.name))!r}" for constant in fields(self))
+
     @property
     def factor(self) -> float:
         """K_i, rad/s per A."""

@@ -185,6 +185,7 @@ def each_channel(
     refused: Callable[[Inspected, str], Result],
     *,
     findings: Sequence[Finding] = (),
+    look: Callable[[Record], Quality] = inspect,
     doing: str = "analysing",
     progress: Progress | None = None,
 ) -> tuple[Result, ...]:
@@ -199,6 +200,8 @@ def each_channel(
         What a channel without a result becomes.
     findings : sequence of Finding
         About the files as a whole; a fatal one refuses every channel.
+    look : Record -> Quality
+        What is found in a record, where that is not what `inspect` finds.
     doing : str
         What is told as progress, before the name.
     progress : callable, optional
@@ -209,7 +212,7 @@ def each_channel(
     results = []
     for i, (name, records) in enumerate(channels):
         tell(f"{doing} {name}", (i + 0.3) / (len(channels) + 0.3))
-        seen = Inspected(name, records, tuple(inspect(record) for record in records))
+        seen = Inspected(name, records, tuple(look(record) for record in records))
         results.append(_result(seen, work, refused, fatal))
     tell("done", 1.0)
     return tuple(results)

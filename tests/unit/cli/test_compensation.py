@@ -10,6 +10,10 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.compensation.compensated import CompensationSettings
+from allanite.reporting import table
+from allanite.reporting.sheet import toml
+from allanite.signals.study import PathSettings
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 STAGE = "ADC 12 5V"
@@ -68,6 +72,8 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     assert [r["name"] for r in data["regressions"]] == ["gx"]
     effect = data["regressions"][0]["effects"][0]
     assert effect["low"] < np.radians(20 / 3600) < effect["high"]
+    assert data["channels"][0]["explained"] is False
+    assert any("no model" in alert for alert in data["channels"][0]["alerts"])
     assert data["applied"][0]["gain"]["explained"] > 0.5
     rows = list(csv.DictReader(io.StringIO(paths["csv"].read_text(encoding="utf-8"))))
     assert {row["of"] for row in rows} == {"fitted", "applied"}
@@ -83,6 +89,70 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     np.testing.assert_allclose(corrected["gx"].values, again.values, rtol=1e-9)
 
 
+def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):
+    asked = ("--regressors", "temp", "--channels", "gx", "--degree", 2, "--lags", 60, "--from", 200, "--apply", days[1])
+    first = run("compensate", days[0], *asked, "--outliers", "mark", "--split-gaps", "--level", 0.9, "--json", "-")
+    data = json.loads(first.stdout)
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(toml(data["recipe"]), encoding="utf-8")
+    assert json.loads(run("compensate", days[0], "--recipe", recipe, "--json", "-").stdout) == data
+
+
+def test_a_compensation_is_shown_everywhere(days, tmp_path):
+    settings = CompensationSettings(("temp",))
+    found = al.compensate_file(days[0], al.Recipe(channels=("gx", "gy")), settings)
+    for width in (80, 120):
+        text = table(found, width=width)
+        assert "limits after" in text
+        assert max(len(line) for line in text.partition("\n\n")[2].splitlines()) <= width
+    al.report(found, tmp_path / "p.html")
+    assert "restricted likelihood" in (tmp_path / "p.html").read_text(encoding="utf-8")
+    assert len(al.plot(found).axes) == 4
+    assert "sensitivity" in table(found["gx"])
+    assert "gx depends on temp" in table(found["gx"].regression)
+
+
+def test_a_channel_that_moves_is_refused(days, tmp_path):
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)
+    rows[1200:1400, 1] += 3e5
+    path = tmp_path / "moved.csv"
+    np.savetxt(
+        path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],gy [deg/h],temp [degC],hum", comments=""
+    )
+    done = run("compensate", path, "--regressors", "temp")
+    assert "no result: moves from" in " ".join(done.stdout.split())
+    assert "gy shows no dependence on temp" in done.stdout
+    assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
+
+
+def test_a_warm_up_is_no_motion(tmp_path):
+    """Its slope is large beside the noise, so that `info` calls it moving; what the temperature leaves is at rest."""
+    path = day(tmp_path / "warm.csv", 5)
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)
+    warm = 10 * (1 - np.exp(-rows[:, 0] / 600))
+    rows[:, 1] += 60 * warm - 20 * rows[:, 3]
+    rows[:, 3] = warm
+    np.savetxt(
+        path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],gy [deg/h],temp [degC],hum", comments=""
+    )
+    assert run("info", path, "--channels", "gx").exit_code == 3
+    done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
+    assert done.exit_code == 0, done.stderr
+    assert "gx depends on temp" in done.stdout
+
+
+def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
+    beside = tmp_path / "beside.csv"
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 3]]
+    np.savetxt(beside, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
+    asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--from", 300, "--until", 2100)
+    effects = [
+        json.loads(run(*asked, *more, "--json", "-").stdout)["regressions"][0]["effects"]
+        for more in ((), ("--beside", beside))
+    ]
+    assert effects[0] == effects[1]
+
+
 def test_a_channel_that_does_not_follow_is_said_to(days):
     done = run("compensate", days[0], "--regressors", "temp", "--rate-of", "temp", "--channels", "gy")
     assert "gy shows no dependence on temp, d temp/dt" in done.stdout
@@ -94,8 +164,8 @@ def test_what_was_saved_is_used(days, tmp_path):
     run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
     done = run("compensate", days[1], "--use", saved, "--channels", "gx,gy", "--json", "-")
     data = json.loads(done.stdout)
-    assert data["fitted"][0]["gain"]["met"] is True
-    assert data["fitted"][1]["refusal"].startswith("no regression of this name")
+    assert data["channels"][0]["gain"]["met"] is True
+    assert data["channels"][1]["refusal"].startswith("no regression of this name")
     assert run("compensate", days[1], "--use", saved, "--regressors", "temp").exit_code == 2
     assert run("compensate", days[1], "--use", days[0]).exit_code == 3
     # what is read is never overwritten
@@ -119,7 +189,7 @@ def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_pat
 
 REFUSED = [
     (("--regressors", "flux"), 2, "no column 'flux'; there are"),
-    ((), 2, "name what the rate may depend on"),
+    ((), 2, "name at least one regressor"),
     (("--regressors", "temp", "--degree", "9"), 2, "from 1 to 6"),
     (("--regressors", "temp", "--lags", "a"), 2, "seconds are wanted"),
     (("--rate-of", "temp", "--smooth", "5"), 2, "60 s or more"),
@@ -151,6 +221,42 @@ def test_everything_of_a_budget_is_written(current, tmp_path):
     assert next(csv.reader(io.StringIO(paths["csv"].read_text(encoding="utf-8"))))[:2] == ["channel", "stage"]
     assert "How this was computed" in paths["report"].read_text(encoding="utf-8")
     assert paths["plot"].read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_recipe_of_a_budget_repeats_it(current, tmp_path):
+    asked = ("--unit", "V", "--stage", STAGE, "--stage", "output 16 500deg/s", "--sense", 5, "--from", 1)
+    for scale in (("--torquer", TORQUER), ("--scale-factor", 0.2)):
+        data = json.loads(run("budget", current, *asked, *scale, "--terms", "QN", "--json", "-").stdout)
+        recipe = tmp_path / f"recipe{scale[0]}.toml"
+        recipe.write_text(toml(data["recipe"]), encoding="utf-8")
+        assert json.loads(run("budget", current, "--recipe", recipe, "--json", "-").stdout) == data
+
+
+def test_a_budget_is_shown_everywhere(current, tmp_path):
+    settings = PathSettings((al.Stage.parse(STAGE), al.Stage.parse("output 16 500deg/s")), 0.2, 5.0)
+    found = al.budget_file(current, al.Recipe(unit="V", terms="QN"), settings)
+    assert [e.symbol for e in found["ux"].budget.fit] == ["Q", "N"]
+    for width in (80, 120):
+        text = table(found, width=width)
+        assert "+-500 deg/s" in text
+        assert max(len(line) for line in text.partition("\n\n")[2].splitlines()) <= width
+    for value in (found, found["ux"].budget):
+        al.report(value, tmp_path / "p.html", force=True)
+        assert "output adds N = 0.008358" in (tmp_path / "p.html").read_text(encoding="utf-8")
+        assert len(al.plot(value).axes) == 1
+        assert "adds N" in table(value)
+
+
+def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path):
+    rng = np.random.default_rng(1)
+    t = np.arange(20_000) / 100
+    values = rng.standard_normal(t.size) + 3 * np.sin(2 * np.pi * t * (1 + 0.001 * t))
+    record = al.Record(values, 100.0, "deg/h", name="z")
+    found = al.budget_file(record, None, PathSettings((al.Stage("output", 16, 100.0, "deg/s"),)))
+    assert not found["z"].budget.noise.explained
+    assert found["z"].alerts[0].startswith("no model of these terms explains the record")
+    assert found.to_dict()["channels"][0]["budget"]["explained"] is False
+    assert "no model of these terms" in table(found)
 
 
 WRONG = [

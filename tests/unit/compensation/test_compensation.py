@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.reference.regression import dense
 
 import allanite as al
-from allanite.compensation import Handling, Mixture, Regressor, aligned, compensate, gain_on, load
+from allanite.compensation import FitSettings, Mixture, Regressor, aligned, compensate, gain_on, load
 from allanite.compensation.mixture import mixture
 from allanite.compensation.restricted import restricted
 from allanite.compensation.slope import local_slope
@@ -81,7 +81,7 @@ def test_the_mixture_is_wider_than_one_noise_and_its_numbers_agree():
 
 def test_one_white_noise_term_gives_ordinary_least_squares():
     record = gyro(2, model=al.Model((al.N(0.1, "deg/sqrt(h)"),)))
-    found = compensate(record, TEMP, ["temp"], handling=Handling(terms="N"))
+    found = compensate(record, TEMP, ["temp"], settings=FitSettings(terms="N"))
     X = TEMP.values - TEMP.values.mean()
     assert found["temp"].value == pytest.approx(X @ record.values / (X @ X), rel=1e-6)
     assert found.effective == pytest.approx(3599)
@@ -183,7 +183,7 @@ def test_nothing_is_added_to_a_straight_line_but_seldom():
     temp = channel(cycles(period=400.0))
     found = [compensate(gyro(seed, 1e-5 * temp.values), temp, ["temp"], degree=2) for seed in range(1, 21)]
     assert sum(len(f.regressors) > 1 for f in found) <= 7
-    every = compensate(gyro(1), temp, ["temp"], degree=2, handling=Handling(every=True))
+    every = compensate(gyro(1), temp, ["temp"], degree=2, settings=FitSettings(every=True))
     assert [e.label for e in every] == ["temp", "temp^2"]
 
 
@@ -194,7 +194,7 @@ def test_gaps_are_an_error_or_split_the_record():
     holed = al.Record(values, 1.0, "rad/s", name="z")
     with pytest.raises(al.DataError, match=r"10 readings of 'z' .* lost; .*split"):
         compensate(holed, TEMP, ["temp"])
-    found = compensate(holed, TEMP, ["temp"], handling=Handling(gaps="split"))
+    found = compensate(holed, TEMP, ["temp"], settings=FitSettings(split_gaps=True))
     assert found["temp"].low < 1e-5 < found["temp"].high
     assert "2 stretch(es)" in found.notes[0]
     corrected = found.apply(holed, al.Recording((TEMP,)))
@@ -205,7 +205,7 @@ def test_many_gaps_lose_no_more_than_their_readings():
     rng = np.random.default_rng(1)
     values = gyro(11, 1e-5 * TEMP.values).values.copy()
     values[rng.choice(3600, 12, replace=False)] = np.nan
-    found = compensate(al.Record(values, 1.0, "rad/s", name="z"), TEMP, ["temp"], handling=Handling(gaps="split"))
+    found = compensate(al.Record(values, 1.0, "rad/s", name="z"), TEMP, ["temp"], settings=FitSettings(split_gaps=True))
     assert found["temp"].low < 1e-5 < found["temp"].high
 
 
@@ -249,8 +249,8 @@ WRONG = [
     ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
     ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
     ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
-    ({"regressors": ["temp"], "handling": Handling(least=1e4)}, al.DataError, "effective samples.*--least"),
-    ({"rate_of": ["temp"], "handling": Handling(smooth=10.0)}, al.UsageError, "60 s or more"),
+    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*--least"),
+    ({"rate_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "60 s or more"),
 ]
 
 
@@ -263,13 +263,13 @@ def test_what_cannot_be_fitted_is_said(options, error, words):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"gaps": "fill"}, "error, split"),
+        ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
         ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
     ],
 )  # fmt: skip
-def test_handling_is_checked(options, words):
+def test_settings_are_checked(options, words):
     with pytest.raises(al.UsageError, match=words):
-        Handling(**options)
+        FitSettings(**options)
 
 
 def test_records_that_are_no_use_are_said_to_be():

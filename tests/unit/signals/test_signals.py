@@ -60,6 +60,11 @@ def test_all_ways_to_a_current_give_the_same_rate(record, options):
     assert "0.2 rad/s per A" in rate.history[-1]
 
 
+def test_the_constants_are_read_from_text():
+    assert TorqueScale.parse(SCALE.text) == SCALE
+    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
+
+
 def test_lost_readings_stay_lost_and_history_is_kept():
     record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
     rate = rate_from_current(record, 0.5)
@@ -224,6 +229,7 @@ STAGES = [
 @pytest.mark.parametrize(("text", "wanted"), STAGES)
 def test_stages_are_read_from_text(text, wanted):
     assert al.Stage.parse(text) == al.Stage(*wanted)
+    assert al.Stage.parse(al.Stage(*wanted).text) == al.Stage(*wanted)
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,11 @@ VIEWS: dict[str, str] = {
     "Fit": "fit.FIT",
     "Residuals": "fit.RESIDUALS",
     "Model": "fit.MODEL",
+    "BudgetStudy": "budget.STUDY",
+    "Budget": "budget.BUDGET",
+    "CompensationStudy": "compensation.STUDY",
+    "Compensated": "compensation.CHANNEL",
+    "Regression": "compensation.REGRESSION",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from allanite.core.errors import UsageError
@@ -11,9 +11,10 @@ from allanite.core.fit import Fit
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
-from allanite.identification import identify
 from allanite.prepare.rounding import NO_DITHER, rounding
 from allanite.prepare.view import View
+from allanite.study.noise import Noise, noise_of
+from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 from .codes import Codes, codes
@@ -106,19 +107,30 @@ class StageNoise:
 class Budget:
     """Noise of rounding beside the noise of a rate record; see `budget`.
 
-    `record` is the rate, `fit` its noise, `stages` what each adds, `findings` what must be known beside them.
+    `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known
+    beside them.
     """
 
     record: Record
-    fit: Fit
+    noise: Noise
     stages: tuple[StageNoise, ...]
-    findings: tuple[Finding, ...] = field(default=())
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def fit(self) -> Fit:
+        """The noise of the rate."""
+        return self.noise.fit
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside the numbers."""
+        return (*self.noise.doubts, *(str(finding) for finding in self.findings))
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, the coefficients in data-sheet units."""
         headings = [
-            "stage", "bits", "full scale", "step", "unit", "makes", "coefficient", "measured", "coefficient unit",
-            "share %", "bits enough", "distinct codes", "missing codes", "clipped",
+            "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured", "coefficient_unit",
+            "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped",
         ]  # fmt: skip
         rows = []
         for s in self.stages:
@@ -142,6 +154,7 @@ class Budget:
             "stages": [s.to_dict() for s in self.stages],
             "findings": [f.to_dict() for f in self.findings],
             "fit": self.fit.to_dict(level),
+            "explained": self.noise.explained,
         }
 
 
@@ -151,7 +164,7 @@ def budget(
     *,
     scale: TorqueScale | float | None = None,
     sense: float | None = None,
-    fit: Fit | None = None,
+    recipe: Recipe | None = None,
 ) -> Budget:
     r"""What the rounding of each stage adds to the noise of a record.
 
@@ -169,8 +182,8 @@ def budget(
         Of the torquer, or rad/s per A; needed for currents.
     sense : float, optional
         Of the current's sensor, V per A; needed for voltages.
-    fit : Fit, optional
-        The noise of the rate; identified if left out.
+    recipe : Recipe, optional
+        How the noise of the rate is identified.
 
     Returns
     -------
@@ -198,11 +211,12 @@ def budget(
     if not stages:
         raise UsageError("name at least one stage, for example Stage('ADC', 12, 5.0, 'V') (--stage 'ADC 12 5V')")
     rate = _rate(record, stages[0], scale, sense)
-    found = fit or identify(rate)
+    noise = noise_of(rate, recipe or Recipe())
     clipped = [demand_unclipped(record, stage) for stage in stages]
-    rows = [_noise(stage, rate, found, _per(stage, scale, sense), n) for stage, n in zip(stages, clipped, strict=True)]
-    notes = [f for row in rows for f in _findings(row, rate)]
-    return Budget(rate, found, tuple(rows), tuple(notes))
+    rows = [
+        _noise(stage, rate, noise.fit, _per(stage, scale, sense), n) for stage, n in zip(stages, clipped, strict=True)
+    ]
+    return Budget(rate, noise, tuple(rows), tuple(f for row in rows for f in _findings(row, rate)))
 
 
 def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense: float | None) -> Record:

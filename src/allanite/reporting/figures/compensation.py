@@ -1,11 +1,13 @@
 """Figures of a compensation: deviations before and after, and what was taken off, over time."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from allanite.compensation.study import Compensated
+from allanite.compensation.compensated import Compensated
 from allanite.core.curve import Curve
 from allanite.core.units import unit_of
 from allanite.reporting import style
@@ -14,20 +16,21 @@ from allanite.reporting.words import percent
 
 FloatArray = NDArray[np.float64]
 
-BEFORE, AFTER, TAKEN = "#6B6B6B", style.DATA, "#C1272D"
+BEFORE, AFTER, TAKEN = style.OTHER, style.DATA, "#C1272D"
 
 POINTS = 400
 """Means over time that are drawn."""
 
 
-def plot(channel: Compensated, level: float = 0.95) -> Figure:
-    """Deviation by averaging time, and rate by time, of one channel."""
+def plot_compensated(channels: Sequence[Compensated], level: float) -> Figure:
+    """Deviation by averaging time, and below it rate by time, of each channel that was corrected."""
+    width = 7.2 if len(channels) == 1 else 5.2 * len(channels)
     with style.look():
-        figure = style.new_figure(7.2, 6.6)
-        top, bottom = figure.subplots(2, 1)
-        _draw_curves(top, channel, level)
-        _draw_rates(bottom, channel)
-        top.set_title(printable(channel.record.name) or "channel", loc="left", fontweight="bold", parse_math=False)
+        figure = style.new_figure(width, 6.6)
+        for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
+            _draw_curves(top, channel, level)
+            _draw_rates(bottom, channel)
+            top.set_title(printable(channel.record.name) or "channel", loc="left", fontweight="bold", parse_math=False)
     return figure
 
 
@@ -52,7 +55,7 @@ def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) ->
 def _draw_rates(ax: Axes, channel: Compensated) -> None:
     unit = channel.record.signal.sheet[0]
     factor = unit_of(unit).factor
-    assert channel.error is not None and channel.corrected is not None  # noqa: S101, PT018 - only what was corrected is drawn
+    assert channel.error is not None  # noqa: S101 - only what was corrected is drawn
     y, error = channel.record.rate_values / factor, channel.error / factor
     bias = float(np.nanmean(y - error))
     m = max(1, y.size // POINTS)
@@ -66,8 +69,6 @@ def _draw_rates(ax: Axes, channel: Compensated) -> None:
     ax.legend(loc="best")
 
 
-def _means(
-    y: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]", m: int
-) -> "np.ndarray[tuple[int, ...], np.dtype[np.float64]]":
+def _means(y: FloatArray, m: int) -> FloatArray:
     count = y.size // m
     return np.asarray(y[: count * m].reshape(count, m).mean(axis=1))

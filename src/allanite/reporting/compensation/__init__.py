@@ -1,1 +1,0 @@
-"""A compensation for people: table, figure, page; and for machines: CSV."""

@@ -1,0 +1,41 @@
+"""Figure of a budget: what each stage adds by its bits, beside what was measured."""
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from allanite.reporting import style
+from allanite.reporting.sheet import printable, printed_unit
+from allanite.signals import Budget
+
+
+def plot_budgets(budgets: Sequence[Budget]) -> Figure:
+    """A panel for each channel, one below the other."""
+    with style.look():
+        figure = style.new_figure(6.4, 0.4 + 3.4 * len(budgets))
+        for ax, budget in zip(figure.subplots(len(budgets), 1, squeeze=False)[:, 0], budgets, strict=True):
+            _draw(ax, budget)
+    return figure
+
+
+def _draw(ax: Axes, budget: Budget) -> None:
+    # one unit to an axis: what the first stage makes
+    first = budget.stages[0]
+    shown = [s for s in budget.stages if s.symbol == first.symbol]
+    bits = range(max(1, min(s.stage.bits for s in shown) - 6), max(s.stage.bits for s in shown) + 7)
+    style.grid(ax)
+    for s, color, marker in zip(shown, style.SERIES * 9, style.MARKERS * 9, strict=False):
+        at = s.to(s.coefficient) or 0.0
+        ax.plot(bits, [at * 2.0 ** (s.stage.bits - b) for b in bits], color=color, lw=1.1)
+        ax.plot([s.stage.bits], [at], marker, color=color, ms=7, label=f"{printable(s.stage.name)}, as it is")
+    known = first.to(first.measured if first.measured is not None else first.limit)
+    if known is not None:
+        ax.axhline(known, color=style.INK, lw=1.2, label="measured" if first.measured is not None else "upper limit")
+        ax.axhline(known / 10, color=style.INK, lw=0.9, ls=(0, (5, 3)), label="a tenth of it: 1 % of the variance")
+    ax.set(yscale="log", xlabel="bits", ylabel=f"{first.symbol} by rounding ({printed_unit(first.sheet_unit)})")
+    style.plain_ticks(ax.yaxis)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_title(printable(budget.record.name), loc="left", fontweight="bold", parse_math=False)
+    ax.legend(loc="best")

@@ -1,0 +1,157 @@
+"""How a budget is shown."""
+
+from collections.abc import Callable, Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.reporting import words
+from allanite.reporting.sheet import (
+    Column,
+    Drawing,
+    Face,
+    Note,
+    Part,
+    Sheet,
+    Table,
+    header_of,
+    printable,
+    printed_unit,
+    toml,
+)
+from allanite.signals import Budget, StageNoise, TorqueScale
+from allanite.signals.study import BudgetChannel, BudgetStudy
+
+from . import Rows, View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BRAND = "what rounding adds to the noise"
+HOW = (
+    "A stage of b bits over ± full scale rounds to steps s = 2 × full scale / 2ᵇ, and adds errors of variance s²/12. "
+    "Errors of a rate (of a current, of a voltage) are white noise of the rate, N = s √(Δt/12), Δt being the sample "
+    "interval: slope −1/2 on the Allan curve. Only errors of an angle are quantization noise, Q = s/√12: slope −1. "
+    "This holds where the noise before the rounding is above 0.3 steps.",
+    "Bits enough: the fewest with which the share of the measured variance is below 1 %. Codes: how many different "
+    "ones occur. Missing: those that never occur between frequent ones. Both are left out where the readings lie on no "
+    "grid of this step, because they were filtered, averaged or rounded again behind it.",
+)
+CAPTION = (
+    "What each stage adds, by its bits; below the dashed line its share of the variance of the measured noise is less "
+    "than 1 %."
+)
+COLUMNS = (
+    Column("stage", "name"), Column("bits"), Column("full scale", aside=True), Column("step", aside=True),
+    Column("makes", "symbol"), Column("adds"), Column("measured"), Column("unit", "unit"), Column("share"),
+    Column("bits enough"), Column("codes", aside=True), Column("missing", aside=True), Column("clipped", aside=True),
+)  # fmt: skip
+
+
+def sentence(s: StageNoise, shown: Callable[[str], str] = str) -> str:
+    """What the budget says of a stage; `shown` prints a unit."""
+    unit = shown(s.sheet_unit)
+    adds = f"{printable(s.stage.name)} adds {s.symbol} = {_number(s.to(s.coefficient))} {unit}"
+    if s.measured is None:
+        limit = f"; {s.symbol} was not found, below {_number(s.to(s.limit))} {unit}" if s.limit else ""
+        return f"{adds}{limit}."
+    fate = f"{s.enough} bits would bring it below 1 %" if s.matters else "more bits would change nothing"
+    return f"{adds}, {_percent(s.share)} of the measured variance: {fate}."
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{100 * share:.2g} %"
+
+
+def _table(stages: Sequence[StageNoise]) -> Table:
+    """A row for each stage; columns that are empty everywhere are left out."""
+    rows = [_cells(s) for s in stages]
+    kept = [i for i in range(len(COLUMNS)) if any(row[i] for row in rows)]
+    return Table([COLUMNS[i] for i in kept], [[row[i] for i in kept] for row in rows])
+
+
+def _cells(s: StageNoise) -> list[str]:
+    seen = ("", "") if s.codes is None else (str(s.codes.distinct), str(s.codes.missing))
+    measured = _number(s.to(s.measured)) if s.measured is not None else f"< {_number(s.to(s.limit))}" if s.limit else ""
+    return [
+        s.stage.name, str(s.stage.bits), f"+-{s.stage.full_scale:g} {s.stage.unit}",
+        f"{s.stage.step:.4g} {s.stage.unit}", s.symbol, _number(s.to(s.coefficient)), measured, s.sheet_unit,
+        _percent(s.share), "" if s.enough is None else str(s.enough), *seen, str(s.clipped),
+    ]  # fmt: skip
+
+
+def _scale(scale: TorqueScale | float | None) -> list[str]:
+    if isinstance(scale, TorqueScale):
+        return [f"{scale}, of {scale.sides:g} coil side(s)"]
+    return [] if scale is None else [f"K_i = {scale:.6g} rad/s per A, as given"]
+
+
+def _face(study: BudgetStudy, level: float) -> Face:
+    notes = (*_scale(study.settings.scale), *study.notes)
+    return Face(
+        f"Rounding in {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
+        BRAND,
+        [_sheet(channel) for channel in study.channels],
+        header_of(study.provenance, notes),
+        parts=[Note(str(finding), "alert") for finding in study.findings],
+        how=[Note(paragraph) for paragraph in HOW],
+        choices=toml(study.choices()),
+        provenance=study.provenance,
+        notes=notes,
+    )
+
+
+def _sheet(channel: BudgetChannel) -> Sheet:
+    if channel.budget is not None:
+        return _budget_sheet(channel.budget, channel.record, channel.alerts)
+    refusal = f"no result: {channel.refusal}"
+    name = channel.record.name
+    return Sheet(name, (words.about(channel.record),), (Note(refusal, "alert"),), (f"{name}: {refusal}",), doubt=True)
+
+
+def _budget_sheet(budget: Budget, record: Record, alerts: Sequence[str]) -> Sheet:
+    parts: tuple[Part, ...] = (
+        *(Note(alert, "alert") for alert in alerts),
+        *(Note(sentence(s), where="text") for s in budget.stages),
+        _table(budget.stages),
+        Drawing(lambda: _draw([budget]), "noise of rounding by bits", CAPTION),
+    )
+    named = tuple(f"{record.name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
+    return Sheet(record.name, (words.about(record),), parts, named, doubt=not budget.noise.explained)
+
+
+def _draw(budgets: Sequence[Budget]) -> "Figure":
+    from allanite.reporting.figures.budget import plot_budgets
+
+    return plot_budgets(budgets)
+
+
+def _plot(values: Sequence[BudgetStudy], fit: Fit | None, level: float) -> "Figure":
+    return _draw([channel.budget for study in values for channel in study.channels if channel.budget is not None])
+
+
+def _rows(study: BudgetStudy, level: float) -> Rows:
+    found = [channel.budget for channel in study.channels if channel.budget is not None]
+    return ("channel", *found[0].rows()[0]), [[b.record.name, *row] for b in found for row in b.rows()[1]]
+
+
+def _budget_face(budget: Budget, level: float) -> Face:
+    sheet = _budget_sheet(budget, budget.record, budget.alerts)
+    return Face(f"Rounding in {budget.record.name or 'a record'}", BRAND, (sheet,))
+
+
+def _plot_budgets(values: Sequence[Budget], fit: Fit | None, level: float) -> "Figure":
+    return _draw(values)
+
+
+def _budget_rows(budget: Budget, level: float) -> tuple[Sequence[str], list[list[Any]]]:
+    return budget.rows()
+
+
+STUDY = View(_face, _plot, _rows)
+BUDGET = View(_budget_face, _plot_budgets, _budget_rows)

@@ -1,0 +1,267 @@
+"""How a compensation is shown: coefficients in data-sheet units per unit of the regressor, and deviations."""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from allanite.compensation.compensated import Compensated, CompensationStudy
+from allanite.compensation.gain import Gain
+from allanite.compensation.regression import Effect, Regression
+from allanite.core.fit import Fit
+from allanite.core.units import unit_of
+from allanite.reporting import words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import (
+    Column,
+    Drawing,
+    Face,
+    Note,
+    Part,
+    Sheet,
+    Table,
+    header_of,
+    printable,
+    printed_number,
+    printed_unit,
+    toml,
+)
+
+from . import Rows, View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BRAND = "compensation by regressors"
+KEY = (
+    "Found: if there were no dependence, a coefficient as far from zero would have a probability (p) below 5 %; for a "
+    "column that cross-validation chose, p is multiplied by the number of columns it was chosen from. VIF: variance "
+    "inflation factor, by which the other regressors widen the variance. "
+)
+HOW = (
+    "The rate is modelled as a constant, a sum of coefficients times regressors (each less its mean), and noise. The "
+    "noise is identified from the same record by the restricted likelihood of its cosine transform, in which the "
+    "coefficients are integrated out. The coefficients are generalised least squares estimates, averaged over what "
+    "bias instability and rate random walk may be. Ordinary least squares would report an effect where there is none "
+    "in half of all records or more.",
+    "Regressors that were named are kept. Powers and lags enter only where the gain in blocks that are held back "
+    "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A steady drift "
+    "that is estimated along with the coefficients is not taken off.",
+    "A regressor that is itself noisy makes its coefficient too small, by the share of noise in its variance. The "
+    "deviations before and after come from the same readings: that one lies in the band of the other does not show "
+    "that they agree.",
+)
+HEADINGS = (
+    "channel", "of", "tau_s", "m", "before", "before_low", "before_high", "after", "after_low", "after_high", "unit",
+    "before_edf", "after_edf",
+)  # fmt: skip
+
+
+def coefficients(regression: Regression, level: float) -> Table:
+    """Every coefficient of a regression."""
+    heads = (
+        Column("regressor", "name"), Column("sensitivity"), Column(f"{words.percent(level)} interval", "interval"),
+        Column("unit", "unit"), Column("status", "text"), Column("std. error", aside=True), Column("t", aside=True),
+        Column("p", aside=True), Column("VIF", aside=True),
+    )  # fmt: skip
+    effects = [regression.effect(i, level) for i in range(len(regression.regressors))]
+    rows = [_cells(e, regression.signal.sheet[0]) for e in effects]
+    key = KEY + printed_unit(_beside(regression))
+    return Table(heads, rows, marks=["strong" if e.significant else "quiet" for e in effects], key=key)
+
+
+def _cells(e: Effect, unit: str) -> list[str]:
+    scale = 1 / unit_of(unit).factor
+    value, interval = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
+    error = digits(e.standard_error * scale, figures=2).plain()[0]
+    per = "" if e.regressor.column_unit == "1" else f" per {e.regressor.column_unit}"
+    return [
+        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", probability(e.p),
+        f"{e.inflation:.3g}",
+    ]  # fmt: skip
+
+
+def _status(effect: Effect) -> str:
+    parts = ("found" if effect.significant else "not shown", "chosen" * effect.chosen)
+    return ", ".join(filter(None, (*parts, "not taken off" * effect.regressor.is_trend)))
+
+
+def probability(p: float) -> str:
+    """A p value.
+
+    Examples
+    --------
+    >>> probability(0.0213), probability(1e-9)
+    ('0.021', '< 0.0001')
+    """
+    return "< 0.0001" if p < 1e-4 else f"{p:.2g}"
+
+
+def _beside(regression: Regression) -> str:
+    return (
+        f"Noise, identified with the coefficients: {regression.noise}; {regression.effective:.4g} effective samples; "
+        f"scaled condition number {regression.condition:.3g}."
+    )
+
+
+def verdict(channel: Compensated) -> str:
+    """What the regression does, in one or two sentences."""
+    name = printable(channel.record.name) or "the channel"
+    if channel.regression is None:
+        return f"{name} gives no result: {channel.refusal}."
+    return _found(name, channel.regression) if channel.gain is None else _elsewhere(name, channel.gain)
+
+
+def _found(name: str, regression: Regression) -> str:
+    own = [e for e in regression if not e.regressor.is_trend]
+    if not regression.significant:
+        return f"{name} shows no dependence on {_names(own)}: the correction would take off noise only."
+    gain, held = regression.inside, regression.held
+    # by chance the sum of squares falls a little even where nothing is found
+    also = f"{_share(gain.expected, gain)} expected by chance"
+    also += "" if held is None else f"; {_percent(held)} in cross-validation"
+    said = f"{name} depends on {_names([e for e in own if e.significant])}. The correction reduces the variance by "
+    said += f"{_percent(gain)} ({also})."
+    rest = [e for e in own if not (e.chosen or e.significant)]
+    said += f" Leave out {_names(rest)}: no dependence on it is shown." if rest else ""
+    return said + (" In cross-validation it does harm: do not use it." if held and held.explained < 0 else "")
+
+
+def _elsewhere(name: str, gain: Gain) -> str:
+    did = f"reduces the variance of {name} by {_percent(gain)}"
+    if gain.explained < 0:
+        did = f"increases the variance of {name} by {100 * -gain.explained:.3g} %"
+    if gain.low is None or gain.high is None:
+        return f"The correction {did}."
+    low, high = (_share(v, gain) for v in (gain.low, gain.high))
+    met = "" if gain.met else ", and it does not: the dependence is another one here"
+    return f"The correction {did}; {_share(gain.expected, gain)} ({low} .. {high}) could be expected{met}."
+
+
+def _names(effects: Sequence[Effect]) -> str:
+    return ", ".join(e.label for e in effects)
+
+
+def _percent(gain: Gain) -> str:
+    return f"{100 * gain.explained:.3g} %"
+
+
+def _share(part: float, gain: Gain) -> str:
+    # two digits, of which "g" writes 100 as 1e+02
+    return f"{float(f'{100 * part / gain.before:.2g}'):g} %"
+
+
+def _doubtful(channel: Compensated) -> bool:
+    regression, gain = channel.regression, channel.gain
+    if gain is not None:
+        return gain.met is False or gain.explained < 0
+    return regression is None or not regression.significant or bool(regression.held and regression.held.explained < 0)
+
+
+def _face(study: CompensationStudy, level: float) -> Face:
+    other = study.provenance.get("applied to", "")
+    return Face(
+        f"Compensation of {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
+        BRAND,
+        [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)],
+        header_of(study.provenance, study.notes),
+        parts=[Note(str(finding), "alert") for finding in study.findings],
+        how=[Note(paragraph) for paragraph in HOW],
+        choices=toml(study.choices()),
+        provenance=study.provenance,
+        notes=study.notes,
+    )
+
+
+def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
+    name = f"{channel.record.name or 'channel'} of {source}" if source else channel.record.name
+    said = f"{source}: {verdict(channel)}" if source else verdict(channel)
+    about = (words.about(channel.record),)
+    return Sheet(name, about, tuple(_parts(channel, level)), (printed_number(said),), _doubtful(channel))
+
+
+def _parts(channel: Compensated, level: float) -> Iterator[Part]:
+    yield from (Note(alert, "alert") for alert in channel.alerts)
+    regression = channel.regression
+    if regression is None:
+        yield Note(f"no result: {channel.refusal}", "alert")
+        return
+    yield Note(verdict(channel), "strong", where="text")
+    if channel.gain is None:
+        yield from _regression_parts(regression, level)
+    caption = (
+        f"Overlapping Allan deviation before and after with {words.percent(level)} bands, and the rate over time less "
+        "its bias: what was recorded, what the regressors explain, what is left."
+    )
+    yield Drawing(lambda: _draw([channel], level), "deviation and rate before and after", caption)
+    yield _curves(channel, level)
+
+
+def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
+    yield from (Note(note, "alert") for note in regression.notes)
+    yield Note(_beside(regression), where="text")
+    yield coefficients(regression, level)
+
+
+def _curves(channel: Compensated, level: float) -> Table:
+    """The deviations before and after, with their limits."""
+    rows = []
+    for _, _, tau, _, *numbers, _, _, edf in _lines(channel, "", level):
+        before, after = numbers[:3], numbers[3:]
+        cells = [*digits(*before).plain(), *digits(*after).plain()]
+        ratio = after[0] / before[0] if before[0] > 0 else math.nan
+        rows.append([f"{tau:.6g}", *cells, _finite(ratio, ".3f"), _finite(edf, ".3g")])
+    heads = (
+        Column("tau [s]"), Column("before"), Column("limits before", "interval", aside=True), Column("after"),
+        Column("limits after", "interval", aside=True), Column("after / before"), Column("edf after"),
+    )  # fmt: skip
+    unit = channel.record.signal.sheet[0]
+    title = f"overlapping Allan deviation in {unit}, with {words.percent(level)} limits"
+    return Table(heads, rows, title, details=True)
+
+
+def _finite(value: float, form: str) -> str:
+    return f"{value:{form}}" if math.isfinite(value) else ""
+
+
+def _draw(channels: Sequence[Compensated], level: float) -> "Figure":
+    from allanite.reporting.figures.compensation import plot_compensated
+
+    return plot_compensated([c for c in channels if c.regression is not None], level)
+
+
+def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Figure":
+    applied = [c for study in values for c in study.applied if c.regression is not None]
+    return _draw(applied or [c for study in values for c in study.channels], level)
+
+
+def _rows(study: CompensationStudy, level: float) -> Rows:
+    """Overlapping Allan deviations in data-sheet units."""
+    listed = [(c, "fitted") for c in study.channels] + [(c, "applied") for c in study.applied]
+    return HEADINGS, [row for channel, of in listed for row in _lines(channel, of, level)]
+
+
+def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
+    if channel.before is None or channel.after is None:
+        return
+    unit = channel.record.signal.sheet[0]
+    before, after = channel.before.to(unit), channel.after.to(unit)
+    numbers = [v for c in (before, after) for v in (c.deviation, *c.interval(level))]
+    for i, tau in enumerate(before.tau.tolist()):
+        values = [float(v[i]) for v in numbers]
+        yield [channel.record.name, of, tau, int(before.m[i]), *values, unit, float(before.edf[i]), float(after.edf[i])]
+
+
+def _channel_face(channel: Compensated, level: float) -> Face:
+    return Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),))
+
+
+def _regression_face(regression: Regression, level: float) -> Face:
+    sheet = Sheet(regression.name, parts=tuple(_regression_parts(regression, level)))
+    said = _found(printable(regression.name) or "the channel", regression)
+    return Face(f"Regression of {regression.name}", BRAND, (sheet,), parts=[Note(said, "strong")])
+
+
+STUDY = View(_face, _plot, _rows)
+CHANNEL = View(_channel_face, lambda values, fit, level: _draw(values, level))
+REGRESSION = View(_regression_face)
