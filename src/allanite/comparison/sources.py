@@ -27,15 +27,7 @@ Result = TypeVar("Result")
 class Sources:
     """Recordings that are taken together.
 
-    Attributes
-    ----------
-    recordings : tuple of Recording
-    names : tuple of str
-        Of what is compared.
-    channels : sequence of (name, records)
-        The records that belong together.
-    notes : tuple of str
-        What was assumed in pairing them.
+    `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
     """
 
     recordings: tuple[Recording, ...]
@@ -48,11 +40,8 @@ class Sources:
         """About each recording as a whole, with its name where there are several."""
         if len(self.recordings) == 1:
             return self.recordings[0].findings
-        return tuple(
-            replace(finding, what=f"{name}: {finding.what}")
-            for name, recording in zip(self.names, self.recordings, strict=True)
-            for finding in recording.findings
-        )
+        named = zip(self.names, self.recordings, strict=True)
+        return tuple(replace(found, what=f"{name}: {found.what}") for name, one in named for found in one.findings)
 
 
 def run_together(
@@ -77,7 +66,7 @@ def run_together(
     findings = sources.findings
     results = each_channel(sources.channels, work, refused, findings=findings, doing=doing, progress=progress)
     demand_result([name for name, _ in sources.channels], results)
-    notes = dict.fromkeys((*(note for recording in sources.recordings for note in recording.notes), *sources.notes))
+    notes = dict.fromkeys((*(note for one in sources.recordings for note in one.notes), *sources.notes))
     return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
 
 
@@ -131,24 +120,18 @@ def pair_channels(
     names = [recording.channels for recording in recordings]
     common = [name for name in names[0] if all(name in others for others in names)]
     if common and not ordered:
-        alone = sorted({name for some in names for name in some} - set(common))
-        notes = [f"not in {_all(recordings)} recordings, and not compared: {', '.join(alone)}"] if alone else []
-        return [(name, tuple(recording[name] for recording in recordings)) for name in common], tuple(notes)
+        alone = ", ".join(sorted({name for some in names for name in some} - set(common)))
+        which = "both" if len(recordings) == 2 else "all"
+        notes = (f"not in {which} recordings, and not compared: {alone}",) if alone else ()
+        return [(name, tuple(recording[name] for recording in recordings)) for name in common], notes
     if len({len(some) for some in names}) > 1 or (len(recordings) > 2 and len(names[0]) > 1):
         shown = "; ".join(", ".join(some) for some in names)
         why = "they differ in number" if ordered else "the recordings have no channel in common"
-        raise UsageError(
-            f"the channels do not pair ({shown}): {why}; name as many of each (channels, --channels; against, "
-            "--against)"
-        )
+        raise UsageError(f"the channels do not pair ({shown}): {why}; name as many of each (--channels, --against)")
     matched = list(zip(*recordings, strict=True))
-    unlike = [[r.name for r in records if r.name] for records in matched if len({r.name for r in records}) > 1]
-    notes = [f"channel {first} is compared with {', '.join(rest)}" for first, *rest in unlike if rest]
-    return [(name_both(*records), records) for records in matched], tuple(notes)
-
-
-def _all(recordings: Sequence[Recording]) -> str:
-    return "both" if len(recordings) == 2 else "all"
+    unlike = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
+    said = tuple(f"channel {first} is compared with {', '.join(rest)}" for first, *rest in filter(None, unlike) if rest)
+    return [(name_both(*records), records) for records in matched], said
 
 
 def name_both(*records: Any) -> str:

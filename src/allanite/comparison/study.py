@@ -12,14 +12,14 @@ from allanite.core.record import Recording
 from allanite.prepare import trim
 from allanite.study import channels
 from allanite.study.analysis import Study
-from allanite.study.channels import Inspected, Progress
+from allanite.study.channels import Progress
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
 
 from .comparison import Comparison, ComparisonSettings, Pair
 from .intervals import compare_fits
 from .pairing import compare_records, refuse_pair
-from .pooled import Pool, PooledChannel
+from .pooled import Pool
 from .pooling import pool_records, refuse_pool
 from .sources import Sources, name_both, open_source, open_sources, run_together
 
@@ -98,16 +98,6 @@ def compare_channels(
     """The channels of one recording, held against each other: a comparison of two, a pool of more.
 
     Parameters, errors and result are those of `compare` and `pool`.
-
-    Examples
-    --------
-    >>> from allanite.core.model import N
-    >>> from allanite.core.record import Recording
-    >>> from allanite.simulation.record import simulate
-    >>> noise = N(0.3, "deg/sqrt(h)")
-    >>> records = [simulate(noise, 8192, 100.0, rng=np.random.default_rng(i), name=name) for i, name in enumerate("xy")]
-    >>> compare_channels(Recording(tuple(records))).names
-    ('x', 'y')
     """
     recipe = _by_likelihood(recipe)
     _tell_reading(progress)
@@ -247,19 +237,11 @@ def _compare(
     rng: "np.random.Generator | None",
     progress: Progress | None,
 ) -> Comparison:
-    rng = rng or np.random.default_rng(1)
     kind = partial(Comparison, settings=settings or ComparisonSettings())
-
-    def work(seen: Inspected) -> Pair:
-        return compare_records(seen, recipe, rng)
-
+    work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_together(kind, sources, recipe, work, refuse_pair, progress=progress)
 
 
 def _pool(sources: Sources, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
-    rng = rng or np.random.default_rng(1)
-
-    def work(seen: Inspected) -> PooledChannel:
-        return pool_records(seen, sources.names, recipe, rng)
-
+    work = partial(pool_records, names=sources.names, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_together(Pool, sources, recipe, work, refuse_pool, doing="pooling", progress=progress)

@@ -2,30 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.plain import Value
 from allanite.study.channels import Job
 from allanite.study.recipe import Recipe
 
-
-class Verdict(Protocol):
-    """The result of one channel."""
-
-    @property
-    def name(self) -> str:
-        """Of the channel."""
-
-    @property
-    def verdict(self) -> str:
-        """In a sentence or two."""
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data."""
-
-
-Compared = TypeVar("Compared", bound=Verdict)
+Compared = TypeVar("Compared", bound=Any)
+"""The result of one channel: it has a name, a verdict and a refusal."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.comparison.change import OUTCOMES, Change
@@ -68,49 +69,33 @@ RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "betwee
 def _compared_face(value: Comparison, level: float) -> Face:
     met = {change.outcome for change in value.terms}
     outcomes = Table((Column("outcome", "name"), Column("meaning", "text")), list(map(list, OUTCOMES.items())))
-    return _face(
-        value,
-        f"Comparison of {' and '.join(value.names)}",
-        "what has changed",
-        [_pair_sheet(pair, value, level) for pair in value],
-        parts=_parts(value, any(pair.ratios for pair in value), level),
+    face = _face(value, any(pair.ratios is not None for pair in value), level)
+    return replace(
+        face,
+        title=f"Comparison of {' and '.join(value.names)}",
+        sheets=[_pair_sheet(pair, value, level) for pair in value],
         close=[Note(f"{word}: {OUTCOMES[word]}", "quiet", where="text") for word in OUTCOMES if word in met],
         how=[*map(Note, COMPARED), outcomes],
     )
 
 
 def _pooled_face(value: Pool, level: float) -> Face:
-    return _face(
-        value,
-        f"Comparison of {len(value.names)} runs",
-        "what runs have in common",
-        [_pooled_sheet(channel, value, level) for channel in value],
-        parts=_parts(value, any(channel.curve for channel in value), level),
-        how=[*map(Note, POOLED)],
-    )
+    face = _face(value, any(channel.curve is not None for channel in value), level)
+    sheets = [_pooled_sheet(channel, value, level) for channel in value]
+    return replace(face, brand="what runs have in common", sheets=sheets, how=[*map(Note, POOLED)])
 
 
-def _face(
-    value: Value,
-    title: str,
-    brand: str,
-    sheets: Sequence[Sheet],
-    *,
-    parts: Sequence[Part],
-    how: Sequence[Part],
-    close: Sequence[Part] = (),
-) -> Face:
-    header = [("with" if i else "compared", name) for i, name in enumerate(value.names)]
+def _face(value: Value, drawn: bool, level: float) -> Face:
+    """What both have."""
+    source = value.provenance.get("source", "")
+    header = [("file", source)] if source and "source 2" not in value.provenance else []
+    header += [("with" if i else "compared", name) for i, name in enumerate(value.names)]
     header += [("" if i else "assumed", note) for i, note in enumerate(value.notes)]
-    header += [("made by", f"allanite {value.provenance['allanite']}")]
     return Face(
-        title,
-        brand,
-        sheets,
-        header,
-        parts=parts,
-        close=close,
-        how=how,
+        f"Comparison of {len(value.names)} runs",
+        "what has changed",
+        header=[*header, ("made by", f"allanite {value.provenance['allanite']}")],
+        parts=_parts(value, drawn, level),
         choices=toml(value.choices()),
         provenance=value.provenance,
         notes=value.notes,
@@ -118,10 +103,9 @@ def _face(
 
 
 def _parts(value: Value, drawn: bool, level: float) -> list[Part]:
-    findings: list[Part] = [Note(str(finding), "alert") for finding in value.findings]
-    caption = CAPTION.format(level=words.percent(level))
-    label = "curves with bands, and the ratio of their variances"
-    return findings + ([Drawing(lambda: _plot([value], None, level), label, caption)] if drawn else [])
+    label, caption = "curves with bands, and the ratio of their variances", CAPTION.format(level=words.percent(level))
+    drawings = [Drawing(lambda: _plot([value], None, level), label, caption)] if drawn else []
+    return [*(Note(str(finding), "alert") for finding in value.findings), *drawings]
 
 
 def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -139,7 +123,7 @@ def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tabl
 def _pair_sheet(pair: Pair, whole: Comparison, level: float) -> Sheet:
     tables = [_changes_table(pair, whole, level)] if pair.changes else []
     tables += [_ratios_table(pair.ratios, whole, (level, pair.alpha))] if pair.ratios is not None else []
-    return _sheet(pair, whole.names, False, tables)
+    return _sheet(pair, whole.names, not all(pair.explained), tables)
 
 
 def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
@@ -208,7 +192,8 @@ def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]
 def _pooled_sheet(channel: PooledChannel, whole: Pool, level: float) -> Sheet:
     tables = [_terms_table(channel, level), _runs_table(channel, whole, level)] if channel.terms else []
     tables += [_curve_table(channel.curve, channel, level)] if channel.curve is not None else []
-    return _sheet(channel, whole.names, not channel.alike or bool(channel.apart), tables)
+    doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
+    return _sheet(channel, whole.names, doubt, tables)
 
 
 def _terms_table(channel: PooledChannel, level: float) -> Table:
@@ -266,11 +251,7 @@ def _plot(values: Sequence[Value], fit: Fit | None, level: float) -> "Figure":
 
 
 def _compared_rows(value: Comparison, level: float) -> Rows:
-    return PAIRS, [list(map(_known, row)) for row in (*_change_lines(value, level), *_ratio_lines(value, level))]
-
-
-def _known(cell: Any) -> Any:
-    return None if isinstance(cell, float) and math.isnan(cell) else cell
+    return PAIRS, [*_change_lines(value, level), *_ratio_lines(value, level)]
 
 
 def _change_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
@@ -291,8 +272,7 @@ def _ratio_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
 
 
 def _pooled_rows(value: Pool, level: float) -> Rows:
-    lines = (*_term_lines(value, level), *_curve_lines(value, level))
-    return (*RUNS, *value.names), [list(map(_known, row)) for row in lines]
+    return (*RUNS, *value.names), [*_term_lines(value, level), *_curve_lines(value, level)]
 
 
 def _term_lines(value: Pool, level: float) -> Iterator[list[Any]]:
