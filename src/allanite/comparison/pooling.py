@@ -64,38 +64,40 @@ def refuse_pool(seen: Inspected, why: str) -> PooledChannel:
 
 
 def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
-    free = together.chosen.free
-    alone, _ = least(together.only(free))
+    alone, _ = least(together.only(together.chosen.free))
     found = [spread(together, i) for i in range(len(together.symbols))]
     adjusted = holm([p for _, p in found])
     terms = []
-    for i, symbol in enumerate(together.symbols):
-        theta = float(together.chosen.theta[i])
-        between = within = math.nan
-        if theta > 0:
-            column = int(free[:i].sum())
-            values = np.sqrt([part[column] / theta for part in alone])
-            common = [replace(together.chosen, likelihood=part) for part in together.parts]
-            errors = [standard_error(subset, i) / (2 * theta) for subset in common]
-            between, within = float(values.std(ddof=1)), float(np.sqrt(np.mean(np.square(errors))))
-        statistic, p = found[i]
-        runs, dof = tuple(fit[symbol] for fit in fits), len(fits) - 1
+    for i, (symbol, (statistic, p)) in enumerate(zip(together.symbols, found, strict=True)):
+        between, within = _scatter(together, i, alone)
         terms.append(
             PooledTerm(
                 symbol,
                 together.signal,
-                value=math.sqrt(theta),
+                value=math.sqrt(together.chosen.theta[i]),
                 limits=Remembered(partial(together.limits, i)),
-                runs=runs,
+                runs=tuple(fit[symbol] for fit in fits),
                 between=between,
                 within=within,
                 statistic=statistic,
-                dof=dof,
+                dof=len(fits) - 1,
                 p=p,
                 adjusted=adjusted[i],
             )
         )
     return tuple(terms)
+
+
+def _scatter(together: Joint, which: int, alone: Sequence[FloatArray]) -> tuple[float, float]:
+    """Scatter of the runs' coefficients over the common one, and as expected of equal sensors; NaN where that is 0."""
+    theta = float(together.chosen.theta[which])
+    if theta <= 0:
+        return math.nan, math.nan
+    column = int(together.chosen.free[:which].sum())
+    values = np.sqrt([part[column] / theta for part in alone])
+    common = [replace(together.chosen, likelihood=part) for part in together.parts]
+    errors = [standard_error(subset, which) / (2 * theta) for subset in common]
+    return float(values.std(ddof=1)), float(np.sqrt(np.mean(np.square(errors))))
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
