@@ -4,13 +4,14 @@ import math
 from pathlib import Path
 
 import numpy as np
-from x.markdown import figure, table
 
 import allanite as al
+from allanite.core.model import coefficient_factor, term
 from allanite.core.units import convert
 from allanite.reporting.digits import digits
+from allanite.reporting.sheet import printed_unit
 from allanite.reporting.views.comparison import change_of, p_cell
-from allanite.reporting.words import printed_unit
+from generate.markdown import figure, table
 
 UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "B": "deg/h", "K": "deg/h/sqrt(h)", "R": "deg/h^2"}
 TABLE_2 = {"Q": 0.963036, "N": 2.525648, "B": 12.023988, "K": 32.724570, "R": 38.789995}
@@ -28,7 +29,7 @@ PAPER = (
 
 def model_of(values: dict[str, float]) -> al.Model:
     """The model of a table."""
-    return al.Model(tuple(al.model.term(symbol, value, UNITS[symbol]) for symbol, value in values.items()))
+    return al.Model(tuple(term(symbol, value, UNITS[symbol]) for symbol, value in values.items()))
 
 
 def compensation_page(
@@ -123,13 +124,13 @@ def _value(estimate: al.Estimate) -> str:
     if estimate.value is None:
         return f"< {digits(_upper(estimate), figures=2).plain()[0]}"
     unit = UNITS[estimate.symbol]
-    low, high = (v / al.model.coefficient_factor(estimate.symbol, unit) for v in estimate.interval(0.95))
+    low, high = (v / coefficient_factor(estimate.symbol, unit) for v in estimate.interval(0.95))
     return digits(estimate.to(unit), low, high).plain()[0]
 
 
 def _upper(estimate: al.Estimate) -> float:
     assert estimate.upper is not None  # noqa: S101 - an absent term has a limit
-    return estimate.upper / al.model.coefficient_factor(estimate.symbol, UNITS[estimate.symbol])
+    return estimate.upper / coefficient_factor(estimate.symbol, UNITS[estimate.symbol])
 
 
 def _claims(found: al.Comparison) -> list[str]:
