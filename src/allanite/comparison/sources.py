@@ -91,7 +91,10 @@ def open_source(source: Source | Study, recipe: Recipe) -> Recording:
     """The recording of whatever holds one, as far as the recipe selects it."""
     if isinstance(source, Study):
         made = source.provenance.get("source", ""), source.provenance.get("sha256", "")
-        source = Recording(tuple(c.record for c in source.channels), *made, source.notes, source.findings)
+        records = tuple(c.record for c in source.channels if isinstance(c.record, Record))
+        if len(records) < len(source.channels):
+            raise UsageError("a study that was stored has no readings; compare its file instead")
+        source = Recording(records, *made, source.notes, source.findings)
     if not isinstance(source, (Recording, Record, str, os.PathLike)):
         raise UsageError(f"a {type(source).__name__} cannot be compared; give records, recordings, studies or paths")
     return open_recording(source, recipe)

@@ -21,6 +21,7 @@ TYPES: dict[str, str] = {
     "Change": "comparison.change",
     "Check": "core.residuals",
     "Comparison": "comparison.comparison",
+    "ComparisonSettings": "comparison.comparison",
     "Curve": "core.curve",
     "Estimate": "core.fit",
     "Finding": "core.finding",
