@@ -8,9 +8,9 @@ import numpy as np
 import allanite as al
 from allanite.core.model import coefficient_factor, term
 from allanite.core.units import convert
-from allanite.reporting.comparison.sheets import chance, change_of
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import printed_unit
+from allanite.reporting.views.comparison import change_of, p_cell
 from generate.markdown import figure, table
 
 UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "B": "deg/h", "K": "deg/h/sqrt(h)", "R": "deg/h^2"}
@@ -107,7 +107,7 @@ def _result(records: list[al.Record], found: al.Comparison, truth: tuple[dict[st
         size, interval = change_of(change, found.level)
         rows.append((
             change.symbol, printed_unit(UNITS[change.symbol]), *values, f"{100 * (after / before - 1):+.1f}",
-            size, interval, chance(change.adjusted), change.outcome,
+            size, interval, p_cell(change.adjusted), change.outcome,
         ))  # fmt: skip
     headings = ("", "unit", "before", "after", "true change, %", "found", "95 % interval", "p (Holm)", "verdict")
     return [

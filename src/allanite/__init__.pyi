@@ -8,9 +8,9 @@ from . import statistics as statistics
 from . import study as study
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
-from .comparison.pooling import pool as pool
-from .comparison.pooling import truncation as truncation
 from .comparison.study import compare as compare
+from .comparison.study import pool as pool
+from .comparison.study import truncation as truncation
 from .compensation import Regression as Regression
 from .compensation import compensate as compensate
 from .compensation.compensated import CompensationSettings as CompensationSettings

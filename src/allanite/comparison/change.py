@@ -9,6 +9,7 @@ from allanite.core.encoding import finite, plain
 from allanite.core.fit import Estimate
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
+from allanite.core.residuals import chance
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -16,9 +17,6 @@ Limits = Callable[[float], tuple[float, float]]
 
 RESOLVED = 2.0
 """Where the limits of a ratio hold this factor or its inverse, the record does not resolve the coefficient."""
-
-LEAST_P = 1e-12
-"""A probability below this is printed as being below it."""
 
 OUTCOMES = {
     "smaller": "the coefficient is smaller afterwards; by chance that happens with the adjusted p",
@@ -107,6 +105,13 @@ class Change(Value):
             return "smaller" if abs(self.ratio) < 1 else "larger"
         return "no change" if low > 1 / RESOLVED and high < RESOLVED else "not resolvable"
 
+    def row(self, level: float = 0.95) -> list[Any]:
+        """Symbol, name, coefficients before and after, unit, change in percent, its limits, p, adjusted p, outcome."""
+        unit = self.before.sheet_unit
+        values = [None if e.value is None else e.to(unit) for e in (self.before, self.after)]
+        return [self.symbol, TERMS[self.symbol].title, *values, unit, self.percent, *self.interval(level), self.p,
+                self.adjusted, self.outcome]  # fmt: skip
+
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         low, high = self.interval(level)
@@ -117,7 +122,7 @@ class Change(Value):
         return data
 
     def _summary(self) -> str:
-        return told(self) if self.significant else f"{self.symbol}: {self.outcome}, {words_of_p(self.p)}"
+        return told(self) if self.significant else f"{self.symbol}: {self.outcome}, {chance(self.p)}"
 
 
 def alpha_of(level: float) -> float:
@@ -138,11 +143,6 @@ def holm(p: list[float]) -> list[float]:
         least = max(least, min(1.0, (len(p) - rank) * p[i]))
         adjusted[i] = least
     return adjusted
-
-
-def words_of_p(p: float) -> str:
-    """A probability: ``p = 0.03``, ``p < 1e-12``."""
-    return f"p = {p:.2g}" if p >= LEAST_P else f"p < {LEAST_P:g}"
 
 
 def told(change: Change) -> str:

@@ -1,7 +1,7 @@
 """Comparison: what has changed between two records of one kind of sensor, and whether that means anything."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -15,9 +15,10 @@ from allanite.core.fit import Fit
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Header, Record
-from allanite.terms import TERMS
+from allanite.core.residuals import chance
 
-from .change import Change, Homogeneity, told, words_of_p
+from .change import Change, Homogeneity, told
+from .together import Together
 
 FloatArray = NDArray[np.float64]
 
@@ -93,6 +94,8 @@ class Pair(Value):
     band : (low, high) or None
         Frequencies that were compared, Hz.
     fits : (Fit, Fit) or None
+    explained : tuple of bool
+        Whether each fit explains its record.
     records : (Record, Record) or None
         Only the header of each where the comparison was stored.
     alerts : tuple of str
@@ -110,6 +113,7 @@ class Pair(Value):
     ratios: Ratios | None = None
     band: tuple[float, float] | None = None
     fits: tuple[Fit, Fit] | None = None
+    explained: tuple[bool, ...] = ()
     records: tuple[Record | Header, Record | Header] | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
@@ -141,7 +145,7 @@ class Pair(Value):
             return f"not compared: {self.refusal}"
         test = self.test
         how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {_coefficients(test.dof)})"
-        p = words_of_p(self.p)
+        p = chance(self.p)
         first = f"the noise has changed, {p}{how}" if self.changed else f"no change of the noise is seen, {p}{how}"
         named = [told(change) for change in self.changes if change.significant]
         same = [c.symbol for c in self.changes if c.outcome == "no change"]
@@ -165,74 +169,62 @@ def _coefficients(count: int) -> str:
     return f"{count} coefficient{'' if count == 1 else 's'}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Value):
-    """Every channel of two recordings, compared.
-
-    ``comparison["z"]`` is the `Pair` of a channel; of a single channel ``comparison["N"]`` is the `Change` of a term.
+@dataclass(frozen=True, repr=False)
+class ComparisonSettings(Value):
+    """What is held against what.
 
     Attributes
     ----------
-    pairs : tuple of Pair
-    names : (str, str)
-        What is compared with what.
-    level : float
-        Of all limits.
-    choices : dict
-        How it was read and compared.
-    notes : tuple of str
-    provenance : dict
+    against : tuple of str, optional
+        Channels of the second recording that are compared with those of the first.
+    part : float, optional
+        Length of the beginning of one recording that is held against the rest, s.
     """
 
-    _keys: ClassVar = {"pairs": "channels"}
-    _also = ("verdict",)
+    against: tuple[str, ...] | None = None
+    part: float | None = None
 
-    pairs: tuple[Pair, ...]
-    names: tuple[str, str] = ("before", "after")
-    level: float = 0.95
-    choices: dict[str, Any] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    provenance: dict[str, str] = field(default_factory=dict)
 
-    def __iter__(self) -> Iterator[Pair]:
-        return iter(self.pairs)
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Together[Pair]):
+    """Every channel of two recordings, compared.
 
-    def __getitem__(self, key: str) -> "Pair | Change":
-        for pair in self.pairs:
-            if pair.name == key:
-                return pair
-        if len(self.pairs) == 1:
+    ``comparison["z"]`` is the `Pair` of a channel; of a single channel ``comparison["N"]`` is the `Change` of a term.
+    The attributes are those of `Together`, and `settings`.
+    """
+
+    _channel = Pair
+
+    settings: ComparisonSettings = field(default_factory=ComparisonSettings)
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """The channels."""
+        return self.channels
+
+    def __getitem__(self, key: str | int) -> Any:
+        if isinstance(key, str) and len(self.pairs) == 1 and self.pairs[0].name != key:
             return self.pairs[0][key]
-        raise UsageError(f"no channel {key!r}; there are {', '.join(pair.name for pair in self.pairs)}")
+        return super().__getitem__(key)
 
     @property
     def terms(self) -> tuple[Change, ...]:
         """The changes of all coefficients, channel after channel."""
         return tuple(change for pair in self.pairs for change in pair.changes)
 
-    @property
-    def verdict(self) -> str:
-        """What has changed, a line a channel."""
-        many = len(self.pairs) > 1
-        return "\n".join(f"{pair.name}: {pair.verdict}" if many else pair.verdict for pair in self.pairs)
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data; of two fits only the level counts."""
+        if not any(pair.records for pair in self.pairs):
+            return self.recipe.to_dict(("level",))
+        own = {"against": self.settings.against and list(self.settings.against), "part": self.settings.part}
+        return super().choices() | {key: value for key, value in own.items() if value is not None}
 
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: a coefficient before and after, its change in percent, and what that means."""
         level = level or self.level
         headings = ["channel", "term", "", "before", "after", "unit", "change %", f"low {level:.4g}",
                     f"high {level:.4g}", "p", "p (Holm)", "outcome"]  # fmt: skip
-        rows: list[list[Any]] = []
-        for pair in self.pairs:
-            for c in pair.changes:
-                unit = c.before.sheet_unit
-                values = [None if e.value is None else e.to(unit) for e in (c.before, c.after)]
-                rows.append([pair.name, c.symbol, TERMS[c.symbol].title, *values, unit, c.percent,
-                             *c.interval(level), c.p, c.adjusted, c.outcome])  # fmt: skip
-        return headings, rows
-
-    def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data; the limits are at the comparison's own level, if no other is given."""
-        return super().to_dict(level or self.level)
+        return headings, [[pair.name, *change.row(level)] for pair in self.pairs for change in pair.changes]
 
     def _summary(self) -> str:
         return f"{' with '.join(self.names)}: {self.verdict}"

@@ -1,10 +1,17 @@
-"""The ratio of two coefficients of which only the intervals are at hand."""
+"""Two fits whose records are not at hand: the ratios of coefficients of which only the intervals are known."""
 
 import math
 from dataclasses import dataclass
 
-from allanite.core.errors import UsageError
-from allanite.core.fit import Estimate
+from allanite.core.errors import DataError, UsageError
+from allanite.core.fit import Estimate, Fit
+from allanite.core.limits import Remembered
+from allanite.study.channels import provenance_of
+from allanite.study.recipe import Recipe
+
+from .change import Change, alpha_of, holm
+from .comparison import Comparison, Pair
+from .sources import name_both
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,3 +92,33 @@ def _over(above: float, below: float) -> float:
 
 def _log(above: float, below: float) -> float:
     return math.log(above / below) if below > 0 else math.inf
+
+
+def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
+    """What has changed between two fits, by the intervals of their coefficients.
+
+    Raises
+    ------
+    UsageError
+        One of them is no fit, or has no intervals.
+    DataError
+        They are of different kinds of sensor.
+    """
+    if not (isinstance(before, Fit) and isinstance(after, Fit)):
+        raise UsageError("a fit can be compared with a fit only; give both records, which tell more")
+    if before.signal is not after.signal:
+        raise DataError(
+            f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
+        )
+    common = [e.symbol for e in before if e.symbol in [other.symbol for other in after]]
+    found = [IntervalContrast(before[s], after[s]) for s in common]
+    p = [contrast.p for contrast in found]
+    changes = tuple(
+        Change(
+            s, before.signal, before[s], after[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(recipe.level)
+        )
+        for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
+    )
+    pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
+    notes = ("compared by the intervals of the coefficients only: the records would tell more",)
+    return Comparison((pair,), recipe, (), notes, provenance_of(), ("before", "after"))

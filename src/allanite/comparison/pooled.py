@@ -1,6 +1,6 @@
 """Pool: what several runs of one kind of sensor have in common, how they scatter, and which of them lies apart."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -15,10 +15,12 @@ from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Header, Record
+from allanite.core.residuals import chance
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
-from .change import Homogeneity, words_of_p
+from .change import Homogeneity
+from .together import Together
 
 FloatArray = NDArray[np.float64]
 
@@ -67,6 +69,13 @@ class PooledTerm(Value):
         """Unit of data sheets."""
         return self.signal.sheet[TERMS[self.symbol].power]
 
+    def row(self, level: float = 0.95) -> list[Any]:
+        """Symbol, name, common coefficient and its limits, unit, scatter in percent, chi-square, dof, p, adjusted p."""
+        factor = coefficient_factor(self.symbol, self.sheet_unit, self.signal)
+        values = [v / factor for v in (self.value, *self.interval(level))]
+        return [self.symbol, TERMS[self.symbol].title, *values, self.sheet_unit, 100 * self.between, 100 * self.within,
+                self.statistic, self.dof, self.p, self.adjusted]  # fmt: skip
+
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         low, high = self.interval(level)
@@ -75,7 +84,7 @@ class PooledTerm(Value):
 
     def _summary(self) -> str:
         factor = coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        return f"{self.symbol} {self.value / factor:.4g} {self.sheet_unit}, {len(self.runs)} runs, {words_of_p(self.p)}"
+        return f"{self.symbol} {self.value / factor:.4g} {self.sheet_unit}, {len(self.runs)} runs, {chance(self.p)}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,6 +108,9 @@ class PooledChannel(Value):
     rest : float
         p of one common model for the runs that are left.
     fits : tuple of Fit
+    explained : tuple of bool
+        Whether each fit explains its record.
+    records : tuple of Record
     band : (low, high) or None
         Frequencies that were compared, Hz.
     """
@@ -115,6 +127,7 @@ class PooledChannel(Value):
     apart: dict[str, float] = field(default_factory=dict)
     rest: float = 1.0
     fits: tuple[Fit, ...] = ()
+    explained: tuple[bool, ...] = ()
     records: tuple[Record | Header, ...] = ()
     band: tuple[float, float] | None = None
     alerts: tuple[str, ...] = ()
@@ -139,14 +152,14 @@ class PooledChannel(Value):
             return f"not pooled: {self.refusal}"
         runs = len(self.fits)
         if self.alike and not self.apart:
-            return f"one noise describes all {runs} runs ({words_of_p(self.test.p)})"
-        first = f"the {runs} runs do not have one noise ({words_of_p(self.test.p)})"
-        apart = ", ".join(f"{name} ({words_of_p(p)})" for name, p in self.apart.items())
-        parts = [first if not self.alike else f"one noise describes the {runs} runs ({words_of_p(self.test.p)})"]
+            return f"one noise describes all {runs} runs ({chance(self.test.p)})"
+        first = f"the {runs} runs do not have one noise ({chance(self.test.p)})"
+        apart = ", ".join(f"{name} ({chance(p)})" for name, p in self.apart.items())
+        parts = [first if not self.alike else f"one noise describes the {runs} runs ({chance(self.test.p)})"]
         if apart:
             parts.append(f"apart from the others: {apart}")
             more = "have one noise" if self.rest > self.alpha else "still differ"
-            parts.append(f"the runs that are left {more} ({words_of_p(self.rest)})")
+            parts.append(f"the runs that are left {more} ({chance(self.rest)})")
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
             parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
@@ -157,66 +170,22 @@ class PooledChannel(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Pool(Value):
-    """Every channel of several recordings; ``pool["z"]`` is that of a channel.
+class Pool(Together[PooledChannel]):
+    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as of `Together`."""
 
-    Attributes
-    ----------
-    channels : tuple of PooledChannel
-    names : tuple of str
-        Of the runs.
-    level : float
-        Of all limits.
-    choices, notes, provenance
-        How it was read and pooled.
-    """
-
-    _also = ("verdict",)
-
-    channels: tuple[PooledChannel, ...]
-    names: tuple[str, ...]
-    level: float = 0.95
-    choices: dict[str, Any] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    provenance: dict[str, str] = field(default_factory=dict)
-
-    def __iter__(self) -> Iterator[PooledChannel]:
-        return iter(self.channels)
-
-    def __getitem__(self, name: str) -> PooledChannel:
-        for channel in self.channels:
-            if channel.name == name:
-                return channel
-        raise UsageError(f"no channel {name!r}; there are {', '.join(channel.name for channel in self.channels)}")
+    _channel = PooledChannel
 
     @property
     def terms(self) -> tuple[PooledTerm, ...]:
         """The coefficients, channel after channel."""
         return tuple(term for channel in self.channels for term in channel.terms)
 
-    @property
-    def verdict(self) -> str:
-        """What the runs have in common, a line a channel."""
-        many = len(self.channels) > 1
-        return "\n".join(f"{c.name}: {c.verdict}" if many else c.verdict for c in self.channels)
-
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: the common coefficient, its limits, and how the runs scatter about it, in percent."""
         level = level or self.level
         headings = ["channel", "term", "", "common", f"low {level:.4g}", f"high {level:.4g}", "unit", "between %",
                     "within %", "chi-square", "dof", "p", "p (Holm)"]  # fmt: skip
-        rows: list[list[Any]] = []
-        for channel in self.channels:
-            for t in channel.terms:
-                factor = coefficient_factor(t.symbol, t.sheet_unit, t.signal)
-                values = [v / factor for v in (t.value, *t.interval(level))]
-                rows.append([channel.name, t.symbol, TERMS[t.symbol].title, *values, t.sheet_unit, 100 * t.between,
-                             100 * t.within, t.statistic, t.dof, t.p, t.adjusted])  # fmt: skip
-        return headings, rows
-
-    def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data; the limits are at the pool's own level, if no other is given."""
-        return super().to_dict(level or self.level)
+        return headings, [[channel.name, *term.row(level)] for channel in self.channels for term in channel.terms]
 
     def _summary(self) -> str:
         return f"{len(self.names)} runs: {self.verdict}"

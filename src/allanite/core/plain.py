@@ -22,6 +22,7 @@ TYPES: dict[str, str] = {
     "Channel": "study.analysis",
     "Check": "core.residuals",
     "Comparison": "comparison.comparison",
+    "ComparisonSettings": "comparison.comparison",
     "Curve": "core.curve",
     "Densities": "study.survey",
     "Deviations": "study.survey",

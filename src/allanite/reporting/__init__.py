@@ -1,5 +1,6 @@
 """What people look at: text for the terminal, figures, the page. Heavy libraries are imported when first used."""
 
+import math
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -132,5 +133,9 @@ def to_csv(value: Any, *, level: float | None = None) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(headings)
-    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
+    writer.writerows(["" if _missing(cell) else cell for cell in row] for row in rows)
     return out.getvalue()
+
+
+def _missing(cell: Any) -> bool:
+    return cell is None or (isinstance(cell, float) and math.isnan(cell))

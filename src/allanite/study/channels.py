@@ -50,8 +50,9 @@ class Inspected:
 
     @property
     def alerts(self) -> tuple[str, ...]:
-        """What must stand beside the numbers of the first record."""
-        return tuple(str(finding) for finding in self.quality.warnings)
+        """What must stand beside the numbers, with the number of the record where there are several."""
+        which = [f"record {i}: " for i in range(1, len(self.records) + 1)] if len(self.records) > 1 else [""]
+        return tuple(f"{w}{finding}" for w, q in zip(which, self.qualities, strict=True) for finding in q.warnings)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

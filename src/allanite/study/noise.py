@@ -49,7 +49,14 @@ class Noise(Portable):
         return () if self.explained else (self.verdict,)
 
 
-def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines: bool = True) -> Noise:
+def noise_of(
+    record: Record,
+    recipe: Recipe,
+    *,
+    terms: str | None = None,
+    band: tuple[float, float] | None = None,
+    lines: bool = True,
+) -> Noise:
     """The noise of a channel as the recipe wants it identified.
 
     A method that reads a curve reads that of the recipe's statistic, or the fit says that it cannot.
@@ -60,6 +67,8 @@ def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines:
     recipe : Recipe
     terms : str, optional
         In place of those of the recipe.
+    band : (low, high), optional
+        In place of that of the recipe, Hz.
     lines : bool
         Whether sinusoids are found and taken out first.
 
@@ -71,12 +80,13 @@ def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines:
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
     outliers = recipe.outliers or "mark"
+    band = band or recipe.band
     fit = identify(
         record,
         method=recipe.method,
         terms=terms or recipe.terms,
         statistic=recipe.statistic if readable else None,
-        band=recipe.band,
+        band=band,
         outliers=outliers,
         lines=lines,
     )
@@ -85,7 +95,7 @@ def noise_of(record: Record, recipe: Recipe, *, terms: str | None = None, lines:
             f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
         )
         fit = replace(fit, notes=(*fit.notes, note))
-    known = fit.goodness is not None and recipe.band is None
+    known = fit.goodness is not None and band is None
     return Noise(fit, partial(residuals, record, fit, outliers=outliers) if known else None)
 
 

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import table
+from allanite.core.plain import from_dict
+from allanite.reporting import page, table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
@@ -146,3 +148,77 @@ def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     al.report(found, tmp_path / "page.html")
     assert "<script" not in (tmp_path / "page.html").read_text("utf-8")
     assert "\x1b" not in table(found)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("before.csv", "after.csv", "--channels", "x", "--against", "y", "--terms", "QNK", "--band", "0.1,40"),
+        ("before.csv", "--part", "25", "--until", "40", "--level", "0.9", "--outliers", "keep"),
+        ("before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"),
+    ],
+)
+def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(folder)
+    files = [argument for argument in arguments if argument.endswith(".csv")]
+    first = json.loads(run(*arguments, "--json", "-").stdout)
+    path = tmp_path / "recipe.toml"
+    path.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in first["recipe"].items()))
+    assert json.loads(run(*files, "--recipe", path, "--json", "-").stdout) == first
+
+
+def test_what_travels_is_shown_alike(folder):
+    files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
+    recipe = al.Recipe(taus="octave", channels=("x",))
+    for found in (
+        al.compare(files[0], files[1], recipe),
+        al.pool(files, recipe),
+        al.truncation(files[0], 20.0, recipe),
+    ):
+        stored = from_dict(json.loads(json.dumps(found.to_dict())))
+        for again in (stored, pickle.loads(pickle.dumps(found))):
+            assert again.to_dict() == found.to_dict()
+            assert (table(again), page(again)) == (table(found), page(found))
+        assert max(map(len, table(found, width=120).splitlines())) <= 120
+        prose = [line for line in table(found, width=80).splitlines() if line.startswith(("  !", "made", "assumed"))]
+        assert max(map(len, prose)) <= 80
+        assert all(key in found.provenance for key in ("source", "sha256"))
+    assert [found["N"].outcome, found.settings.part] == ["no change", 20.0]
+    assert al.pool(files, recipe).provenance["source 3"] == str(files[2])
+
+
+def test_every_file_is_read_with_the_options(folder, tmp_path):
+    paths = []
+    for name in ("before", "after"):
+        paths.append(tmp_path / f"{name}.bin")
+        al.read(folder / f"{name}.csv")["x"].values.astype("<f4").tofile(paths[-1])
+    found = run(*paths, "--dtype", "f4", "--rate", "100", "--unit", "rad/s", "--kind", "rate", "--json", "-")
+    assert found.exit_code == 0, found.stderr
+    wanted = json.loads(run(folder / "before.csv", folder / "after.csv", "--channels", "x", "--json", "-").stdout)
+    terms = [data["channels"][0]["terms"][1]["change_percent"] for data in (json.loads(found.stdout), wanted)]
+    assert terms[0] == pytest.approx(terms[1], abs=0.01)
+
+
+def test_a_doubtful_clock_is_said_with_the_name_of_its_file(folder, tmp_path):
+    x = al.read(folder / "before.csv")["x"]
+    time = (np.arange(x.size) + 0.3 * np.random.default_rng(1).standard_normal(x.size)) / 100
+    path = tmp_path / "jittered.csv"
+    path.write_text("t [s],x [rad/s]\n" + "".join(f"{t:.6f},{v:.9g}\n" for t, v in zip(time, x.values, strict=True)))
+    found = run(folder / "after.csv", path, "--channels", "x", "--json", "-")
+    assert found.exit_code == 0, found.stderr
+    (finding,) = json.loads(found.stdout)["findings"]
+    assert finding["what"].startswith("jittered.csv: ")
+    assert run(folder / "after.csv", path, "--channels", "x").stdout.count("jittered.csv: ") == 2
+
+
+def test_a_model_that_does_not_explain_its_record_is_not_passed_over():
+    rng = np.random.default_rng(1)
+    plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name="z") for _ in range(2))
+    rising = al.Record(other.values * np.repeat([1.0, 1.6], 10_000), 100.0, other.unit, name="z")
+    found = al.compare(plain, rising)
+    (pair,) = found.pairs
+    assert pair.explained == (True, False)
+    assert pair.alerts[0].startswith("record 2: ")
+    assert "the noise level changes" in pair.alerts[0]
+    assert "may pass for one of its terms" in pair.alerts[0]
+    assert 'class="doubt"' in page(found)

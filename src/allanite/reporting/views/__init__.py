@@ -42,6 +42,8 @@ VIEWS: dict[str, str] = {
     "Curve": "survey.CURVE",
     "Spectrum": "survey.SPECTRUM",
     "Surface": "survey.SURFACE",
+    "Comparison": "comparison.COMPARISON",
+    "Pool": "comparison.POOL",
     "Fit": "fit.FIT",
     "Residuals": "fit.RESIDUALS",
     "Model": "fit.MODEL",

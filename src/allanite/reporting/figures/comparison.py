@@ -1,26 +1,26 @@
 """Both curves with their bands, and how far apart they are; all runs, and the curve they have in common."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from allanite.comparison.change import alpha_of
 from allanite.comparison.comparison import Comparison, Pair, Ratios
-from allanite.comparison.pooled import PooledChannel
+from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.units import readable_unit
 from allanite.reporting import style, words
-from allanite.reporting.drawing import draw_legend
 from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
-from .sheets import Value
+from .drawing import draw_legend
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 COLORS = (0, 3)
 """Of the series, before and after: neither is the red of what has changed."""
@@ -29,7 +29,7 @@ FEW = 2.0
 """Ratio within which the axis of ratios always reaches."""
 
 
-def plot_comparison(value: Value) -> Figure:
+def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure:
     """Two panels a channel: the curves with their bands, and the ratio of their variances.
 
     Raises
@@ -37,11 +37,7 @@ def plot_comparison(value: Value) -> Figure:
     UsageError
         There are no curves.
     """
-    drawn: list[Callable[[Axes, Axes], None]]
-    if isinstance(value, Comparison):
-        drawn = [_pair(pair, value) for pair in value if pair.ratios is not None]
-    else:
-        drawn = [_pooled(channel, value.names, value.level) for channel in value if channel.curve is not None]
+    drawn = [draw for value in values for draw in _drawers(value, level)]
     if not drawn:
         raise UsageError("there are no curves to draw: only coefficients were compared")
     with style.look():
@@ -53,7 +49,7 @@ def plot_comparison(value: Value) -> Figure:
             else figure.subplots(len(drawn), 2)
         )
         for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
-            draw(above, below)
+            draw((above, below))
             below.set_xlabel("averaging time τ (s)")
             if not alone:
                 above.set_xlabel("averaging time τ (s)")
@@ -61,17 +57,22 @@ def plot_comparison(value: Value) -> Figure:
     return figure
 
 
-def _pair(pair: Pair, whole: Comparison) -> Callable[[Axes, Axes], None]:
+def _drawers(value: Comparison | Pool, level: float) -> list[Callable[[tuple[Axes, Axes]], None]]:
+    """What draws each channel that has curves."""
+    if isinstance(value, Comparison):
+        return [partial(_draw_pair, pair, value.names, level) for pair in value if pair.ratios is not None]
+    return [partial(_draw_pooled, channel, value.names, level) for channel in value if channel.curve is not None]
+
+
+def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:
+    above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
-
-    def draw(above: Axes, below: Axes) -> None:
-        for i, curve, name in zip(COLORS, (ratios.before, ratios.after), whole.names, strict=True):
-            _curve(above, curve, (i, name), whole.level)
-        _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
-        _ratio(below, ratios, whole)
-
-    return draw
+    for i, curve, name in zip(COLORS, (ratios.before, ratios.after), names, strict=True):
+        _curve(above, curve, (i, name), level)
+    _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
+    _ratio(below, ratios, level, ratios.p <= pair.alpha)
+    below.set_ylabel(f"variance of {printable(names[1])}\nover {printable(names[0])}", parse_math=False)
 
 
 def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
@@ -113,9 +114,8 @@ def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     ax.set_ylabel(f"{STATISTICS[curve.statistic].title} ({printed_unit(unit)})")
 
 
-def _ratio(ax: Axes, ratios: Ratios, whole: Comparison) -> None:
-    low, high = ratios.interval(whole.level)
-    apart = ratios.p <= alpha_of(whole.level)
+def _ratio(ax: Axes, ratios: Ratios, level: float, apart: BoolArray) -> None:
+    low, high = ratios.interval(level)
     ratio = ratios.ratio
     ax.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
     for there, color, label in ((~apart, style.OTHER, "no change"), (apart, style.ALARM, "changed")):
@@ -125,43 +125,35 @@ def _ratio(ax: Axes, ratios: Ratios, whole: Comparison) -> None:
                 ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
                 capsize=2.0, zorder=3, label=label,
             )  # fmt: skip
-    _ratio_frame(ax, ratio, f"variance of {printable(whole.names[1])}\nover {printable(whole.names[0])}")
+    _ratio_frame(ax, ratio)
 
 
-def _ratio_frame(ax: Axes, ratio: FloatArray, label: str) -> None:
+def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:
     ax.set(
         xscale="log", yscale="log",
         ylim=(min(1 / FEW, float(ratio.min()) / 1.6), max(FEW, float(ratio.max()) * 1.6)),
     )  # fmt: skip
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
-    ax.set_ylabel(label, parse_math=False)
 
 
-def _pooled(channel: PooledChannel, names: tuple[str, ...], level: float) -> Callable[[Axes, Axes], None]:
+def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:
+    above, below = axes
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked
-    apart = channel.apart or {}
-
-    def draw(above: Axes, below: Axes) -> None:
-        _curve(above, whole, (0, "all runs"), level)
-        for name, curve in zip(names, channel.curves, strict=True):
-            color, label = (style.ALARM, "apart") if name in apart else (style.OTHER, "one run")
-            unit = readable_unit(curve.unit)
-            above.plot(curve.tau, curve.to(unit).deviation, color=color, lw=0.8, zorder=2.5, label=label)
-            below.plot(curve.tau, curve.variance / whole.variance, color=color, lw=0.8, zorder=3)
-        _frame(above, whole, channel.name, channel.curves)
-        low, high = channel.curves[0].interval(level)
-        size = channel.curves[0].variance
-        below.fill_between(
-            whole.tau, size / high**2, size / low**2, color=style.DATA, alpha=0.16, lw=0, zorder=2,
-            label=f"where {words.percent(level)} of equal runs lie",
-        )  # fmt: skip
-        below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-        _ratio_frame(
-            below,
-            np.concatenate([c.variance / whole.variance for c in channel.curves]),
-            "variance of a run\nover that of all",
-        )
-
-    return draw
+    unit = readable_unit(whole.unit)
+    _curve(above, whole, (0, "all runs"), level)
+    for name, curve in zip(names, channel.curves, strict=True):
+        color, label = (style.ALARM, "apart") if name in channel.apart else (style.OTHER, "one run")
+        above.plot(curve.tau, curve.to(unit).deviation, color=color, lw=0.8, zorder=2.5, label=label)
+        below.plot(curve.tau, curve.variance / whole.variance, color=color, lw=0.8, zorder=3)
+    _frame(above, whole, channel.name, channel.curves)
+    low, high = channel.curves[0].interval(level)
+    size = channel.curves[0].variance
+    below.fill_between(
+        whole.tau, size / high**2, size / low**2, color=style.DATA, alpha=0.16, lw=0, zorder=2,
+        label=f"where {words.percent(level)} of equal runs lie",
+    )  # fmt: skip
+    below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
+    _ratio_frame(below, np.concatenate([curve.variance / whole.variance for curve in channel.curves]))
+    below.set_ylabel("variance of a run\nover that of all")

@@ -1,0 +1,118 @@
+"""Records are made ready for a joint likelihood: no outliers, no sinusoids, the same terms and frequencies in each."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.identification import symbols_of
+from allanite.prepare.outliers import marked, outliers
+from allanite.study.noise import Noise, noise_of
+from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
+
+from .joint import Joint, common_band, demand_one_kind, joint
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """The joint likelihood of records, the noise of each, and what was done to them."""
+
+    joint: Joint
+    noises: tuple[Noise, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def fits(self) -> tuple[Fit, ...]:
+        """The fit of each record."""
+        return tuple(noise.fit for noise in self.noises)
+
+    @property
+    def explained(self) -> tuple[bool, ...]:
+        """Whether each fit explains its record."""
+        return tuple(noise.explained for noise in self.noises)
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside the numbers: models that do not explain their records, and what was done."""
+        doubts = (
+            f"record {i}: {doubt}; a difference of what it leaves out may pass for one of its terms"
+            for i, noise in enumerate(self.noises, 1)
+            for doubt in noise.doubts
+        )
+        return (*doubts, *self.notes)
+
+
+def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
+    """The joint likelihood of records of one kind of sensor.
+
+    Outliers are left out, and sinusoids taken out as the fits found them. Where one record has Gauss-Markov noise it is
+    asked of all, and compared at one time constant.
+
+    Raises
+    ------
+    DataError
+        The records are of different kinds, two are the same, or have no band of frequencies in common.
+    """
+    demand_one_kind(records)
+    _demand_different(records)
+    records, notes = _without_outliers(records, recipe)
+    noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
+    fits = [noise.fit for noise in noises]
+    constants = [e.shape[0] for fit in fits for e in fit if e.shape]
+    constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
+    quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
+    notes += [
+        f"record {i}: sinusoids were taken out, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
+        for i, fit in enumerate(fits, 1)
+        if fit.lines
+    ]
+    if constant is not None:
+        notes.append(f"Gauss-Markov noise is compared at one time constant, {constant:.3g} s")
+    return Joined(joint(quiet, shown, recipe.band, constant=constant), noises, tuple(notes))
+
+
+def _demand_different(records: Sequence[Record]) -> None:
+    for j, record in enumerate(records):
+        for i, other in enumerate(records[:j]):
+            if len(other.values) == len(record.values) and np.array_equal(other.values, record.values):
+                raise DataError(f"records {i + 1} and {j + 1} hold the same readings; there is nothing to compare")
+
+
+def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[Noise, ...], tuple[str, ...]]:
+    """The noise of each record, of the same terms, in the common band where that leaves out a part of one."""
+    low, high = common_band(records, recipe.band)
+    cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
+    band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
+    symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
+    noises = tuple(noise_of(record, recipe, band=band) for record in records)
+    shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
+    if len(shown) > len(symbols):
+        noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
+    return noises, shown
+
+
+def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[Record], list[str]]:
+    """The records with their outliers lost, unless the recipe keeps them, and what is said of that."""
+    if recipe.outliers is not None:
+        return list(records), []
+    found = [outliers(record) for record in records]
+    notes = [
+        f"record {i}: {some.words(record.rate)}: left out of the comparison"
+        for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
+        if some.at.size
+    ]
+    return [marked(record, some) for record, some in zip(records, found, strict=True)], notes
+
+
+def _without_lines(record: Record, fit: Fit) -> Record:
+    rates = record.rate_values
+    for line in fit.lines:
+        wave = line.term.sampled(record.rate).waveform
+        assert wave is not None  # noqa: S101 - a sinusoid has one
+        rates = rates - line.amplitude * wave(record.size)
+    return Record(rates, record.rate, record.signal.unit, name=record.name) if fit.lines else record

@@ -1,0 +1,104 @@
+"""Two records of a channel become a pair: the verdict, the change of each coefficient, the ratio of the variances."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, cast
+
+from allanite.core.errors import DataError
+from allanite.core.fit import Fit
+from allanite.core.limits import Remembered
+from allanite.core.model import Model
+from allanite.core.record import Record
+from allanite.statistics import deviation
+from allanite.study.channels import Inspected
+from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
+
+from .change import Change, alpha_of, holm
+from .comparison import Pair, Ratios
+from .contrast import Contrast, homogeneity, partly_common
+from .joining import join_records
+from .joint import Joint
+from .ramps import RampContrast, ramp_law
+from .ratio import ratio_law, shared_factors
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
+    """What has changed between two records.
+
+    Raises
+    ------
+    DataError
+        They cannot be compared.
+    """
+    records = cast(tuple[Record, Record], seen.records)
+    joined = join_records(records, recipe)
+    both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
+    changes = _changes(both, (first, second), recipe.level)
+    ratios = None
+    try:
+        ratios = ratios_of(records, (first, second), law_models(both, (first, second), changes), recipe)
+    except DataError as error:
+        alerts = (*alerts, str(error))
+    return Pair(
+        seen.name,
+        test=homogeneity(both, rng),
+        changes=changes,
+        ratios=ratios,
+        band=both.band,
+        fits=(first, second),
+        explained=joined.explained,
+        records=records,
+        alerts=alerts,
+        alpha=alpha_of(recipe.level),
+    )
+
+
+def refuse_pair(seen: Inspected, why: str) -> Pair:
+    """A pair without a result."""
+    return Pair(seen.name, records=cast(tuple[Record, Record], seen.records), alerts=seen.alerts, refusal=why)
+
+
+def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
+    found: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
+    first, second = fits
+    ramps = ramp_law(both, 0), ramp_law(both, 1)
+    if ramps[0] is not None and ramps[1] is not None:
+        found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in first if TERMS[e.symbol].waveform is not None}
+    kept = {e.symbol: found[e.symbol] for e in first if e.symbol in found}
+    p = [contrast.p for contrast in kept.values()]
+    return tuple(
+        Change(s, both.signal, first[s], second[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(level))
+        for (s, c), q, adjusted in zip(kept.items(), p, holm(p), strict=True)
+    )
+
+
+def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
+    """What is supposed of each record for the law of the ratio: coefficients that are not told apart are common.
+
+    What scatters at the longest averaging times is hardly seen by one record alone.
+    """
+    apart = [change.symbol for change in changes if change.significant]
+    found = []
+    for fit, values in zip(fits, partly_common(both, apart), strict=True):
+        noise = [both.term(symbol, value) for symbol, value in values.items() if value > 0]
+        ramps = [term for term in fit.model if term.row.waveform is not None and not term.row.periodic]
+        found.append(Model((*noise, *ramps)))
+    return found
+
+
+def ratios_of(
+    records: tuple[Record, Record], fits: tuple[Fit, Fit], supposed: Sequence[Model], recipe: Recipe
+) -> Ratios:
+    """The curves of both at the same averaging times, and the law of their ratio."""
+    m = shared_factors(records, recipe.statistic, recipe.taus)
+    before, after = (
+        deviation(record, recipe.statistic, m=factors.tolist(), noise=fit.model)
+        for record, factors, fit in zip(records, m, fits, strict=True)
+    )
+    law = ratio_law(records, recipe.statistic, m, supposed)
+    ratio = after.variance / before.variance
+    return Ratios(before, after, law.p(ratio), Remembered(partial(law.limits, ratio)))

@@ -1,0 +1,142 @@
+"""Several sources: opened, named, and their channels paired."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
+from allanite.core.record import Record, Recording
+from allanite.study.analysis import Study
+from allanite.study.channels import (
+    Inspected,
+    Progress,
+    Source,
+    demand_result,
+    each_channel,
+    open_recording,
+    provenance_of,
+)
+from allanite.study.recipe import Recipe
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """Recordings that are taken together.
+
+    `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
+    """
+
+    recordings: tuple[Recording, ...]
+    names: tuple[str, ...]
+    channels: Sequence[tuple[str, tuple[Record, ...]]]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """About each recording as a whole, with its name where there are several."""
+        if len(self.recordings) == 1:
+            return self.recordings[0].findings
+        named = zip(self.names, self.recordings, strict=True)
+        return tuple(replace(found, what=f"{name}: {found.what}") for name, one in named for found in one.findings)
+
+
+def run_together(
+    kind: Callable[..., Result],
+    sources: Sources,
+    recipe: Recipe,
+    work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any],
+    *,
+    doing: str = "comparing",
+    progress: Progress | None = None,
+) -> Result:
+    """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
+
+    `kind` makes the result of the fields of `Together`.
+
+    Raises
+    ------
+    DataError
+        No channel supports the job.
+    """
+    findings = sources.findings
+    results = each_channel(sources.channels, work, refused, findings=findings, doing=doing, progress=progress)
+    demand_result([name for name, _ in sources.channels], results)
+    notes = dict.fromkeys((*(note for one in sources.recordings for note in one.notes), *sources.notes))
+    return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
+
+
+def open_sources(sources: Sequence[Source | Study], recipe: Recipe, *, against: Sequence[str] | None = None) -> Sources:
+    """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
+
+    Raises
+    ------
+    DataError
+        A file cannot be read.
+    UsageError
+        Something is no source, the channels do not pair, or an option is wrong.
+    """
+    last = recipe if against is None else replace(recipe, channels=tuple(against))
+    recipes = [*[recipe] * (len(sources) - 1), last]
+    recordings = tuple(open_source(source, r) for source, r in zip(sources, recipes, strict=True))
+    channels, notes = pair_channels(recordings, ordered=against is not None)
+    return Sources(recordings, name_sources(*sources), channels, notes)
+
+
+def open_source(source: Source | Study, recipe: Recipe) -> Recording:
+    """The recording of whatever holds one, as far as the recipe selects it."""
+    if isinstance(source, Study):
+        made = source.provenance.get("source", ""), source.provenance.get("sha256", "")
+        records = tuple(c.record for c in source.channels if isinstance(c.record, Record))
+        if len(records) < len(source.channels):
+            raise UsageError("a study that was stored has no readings; compare its file instead")
+        source = Recording(records, *made, source.notes, source.findings)
+    if not isinstance(source, (Recording, Record, str, os.PathLike)):
+        raise UsageError(f"a {type(source).__name__} cannot be compared; give records, recordings, studies or paths")
+    return open_recording(source, recipe)
+
+
+def name_sources(*sources: Source | Study) -> tuple[str, ...]:
+    """The names of files or records where these differ; otherwise "before" and "after", or numbers."""
+    names = [_own_name(source) for source in sources]
+    if all(names) and len(set(names)) == len(names):
+        return tuple(names)
+    return ("before", "after") if len(sources) == 2 else tuple(f"run {i + 1}" for i in range(len(sources)))
+
+
+def _own_name(source: Source | Study) -> str:
+    if isinstance(source, (str, os.PathLike)):
+        return os.path.basename(source)
+    if isinstance(source, Recording):
+        return source[0].name if len(source) == 1 else ""
+    return str(getattr(source, "name", ""))
+
+
+def pair_channels(
+    recordings: Sequence[Recording], *, ordered: bool = False
+) -> tuple[list[tuple[str, tuple[Record, ...]]], tuple[str, ...]]:
+    """The records of each channel, by name or in order, and what is said of that."""
+    names = [recording.channels for recording in recordings]
+    common = [name for name in names[0] if all(name in others for others in names)]
+    if common and not ordered:
+        alone = ", ".join(sorted({name for some in names for name in some} - set(common)))
+        which = "both" if len(recordings) == 2 else "all"
+        notes = (f"not in {which} recordings, and not compared: {alone}",) if alone else ()
+        return [(name, tuple(recording[name] for recording in recordings)) for name in common], notes
+    if len({len(some) for some in names}) > 1 or (len(recordings) > 2 and len(names[0]) > 1):
+        shown = "; ".join(", ".join(some) for some in names)
+        why = "they differ in number" if ordered else "the recordings have no channel in common"
+        raise UsageError(f"the channels do not pair ({shown}): {why}; name as many of each (--channels, --against)")
+    matched = list(zip(*recordings, strict=True))
+    unlike = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
+    said = tuple(f"channel {first} is compared with {', '.join(rest)}" for first, *rest in filter(None, unlike) if rest)
+    return [(name_both(*records), records) for records in matched], said
+
+
+def name_both(*records: Any) -> str:
+    """One name for records or fits that are compared."""
+    return " / ".join(dict.fromkeys(record.name for record in records if record.name))

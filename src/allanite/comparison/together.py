@@ -1,0 +1,53 @@
+"""What a comparison and a pool have in common: a job on the channels of several recordings."""
+
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from allanite.core.errors import UsageError
+from allanite.study.channels import Job
+
+Compared = TypeVar("Compared", bound=Any)
+"""The result of one channel: it has a name, a verdict and a refusal."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Together(Job[Compared]):
+    """A result for each channel of several recordings.
+
+    Attributes
+    ----------
+    channels : tuple
+    names : tuple of str
+        Of the recordings.
+    recipe, findings, notes, provenance
+        As of `Job`; ``source 2`` and so on are the other recordings.
+    """
+
+    names: tuple[str, ...]
+
+    def __getitem__(self, key: str | int) -> Compared:
+        if isinstance(key, int):
+            return self.channels[key]
+        for channel in self.channels:
+            if channel.name == key:
+                return channel
+        raise UsageError(f"no channel {key!r}; there are {', '.join(channel.name for channel in self.channels)}")
+
+    @property
+    def level(self) -> float:
+        """Confidence level of all limits."""
+        return self.recipe.level
+
+    @property
+    def verdict(self) -> str:
+        """The verdicts, a line a channel."""
+        many = len(self.channels) > 1
+        return "\n".join(f"{c.name}: {c.verdict}" if many else c.verdict for c in self.channels)
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data."""
+        return self.recipe.to_dict()
+
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`; at the recipe's by default."""
+        return super().to_dict(level) | {"verdict": self.verdict}

@@ -1,1 +1,0 @@
-"""Comparisons and pools for people and machines: text, figure, page, CSV, JSON."""

@@ -1,0 +1,299 @@
+"""How comparisons and pools are shown."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from allanite.comparison.change import OUTCOMES, Change
+from allanite.comparison.comparison import Comparison, Pair, Ratios
+from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
+from allanite.core.curve import Curve
+from allanite.core.fit import Estimate, Fit
+from allanite.core.residuals import chance
+from allanite.core.units import convert, readable_unit
+from allanite.reporting import words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, toml
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
+
+from . import Rows, View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Value = Comparison | Pool
+
+MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable": "quiet"}
+"""Mark of a row by the outcome of its coefficient."""
+
+COMPARED = (
+    "The two records are assumed to be independent. The verdict is the likelihood ratio of one common noise model "
+    "against a separate model for each record, with the terms that the common model holds (binned powers of the cosine "
+    "transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, the "
+    "distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where p is "
+    "clearly large); nothing is simulated where chi-square gives p below 1e-4.",
+    "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records together "
+    "are consistent with, whatever their other coefficients are. Its p is adjusted for the number of coefficients by "
+    "Holm's method. Ramps keep their sign; their limits are Fieller's.",
+    "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
+    "with both equivalent degrees of freedom where these are many. All terms are included for it, and coefficients "
+    "that cannot be told apart are assumed equal. Neighbouring averaging times share data: of twenty equal ones about "
+    "one differs by chance, and its neighbours tend to differ with it.",
+)
+POOLED = (
+    "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
+    "separate model for each run, with the distribution simulated from the common model. The common coefficient is the "
+    "one that all runs together make most likely, with profile limits.",
+    "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
+    "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
+    "homogeneity, adjusted by Holm's method.",
+    "A run lies apart if it differs from all others together (likelihood ratio, adjusted by Holm's method); the worst "
+    "one is removed and the others are tested again. Variances are averaged with their degrees of freedom as weights; "
+    "that they are equal is tested at each averaging time by Bartlett's test.",
+)
+CAPTION = (
+    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with {level} limits at "
+    "each averaging time."
+)
+PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_percent", "low_percent", "high_percent",
+        "p", "p_holm", "outcome", "edf_before", "edf_after")  # fmt: skip
+"""Of a deviation the change and its limits are those of the deviation, whose square is the ratio of the variances."""
+
+RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
+        "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip
+"""The runs have columns of their own, after these."""
+
+
+def _compared_face(value: Comparison, level: float) -> Face:
+    met = {change.outcome for change in value.terms}
+    outcomes = Table((Column("outcome", "name"), Column("meaning", "text")), list(map(list, OUTCOMES.items())))
+    face = _face(value, any(pair.ratios is not None for pair in value), level)
+    return replace(
+        face,
+        title=f"Comparison of {' and '.join(value.names)}",
+        sheets=[_pair_sheet(pair, value, level) for pair in value],
+        close=[Note(f"{word}: {OUTCOMES[word]}", "quiet", where="text") for word in OUTCOMES if word in met],
+        how=[*map(Note, COMPARED), outcomes],
+    )
+
+
+def _pooled_face(value: Pool, level: float) -> Face:
+    face = _face(value, any(channel.curve is not None for channel in value), level)
+    sheets = [_pooled_sheet(channel, value, level) for channel in value]
+    return replace(face, brand="what runs have in common", sheets=sheets, how=[*map(Note, POOLED)])
+
+
+def _face(value: Value, drawn: bool, level: float) -> Face:
+    """What both have."""
+    source = value.provenance.get("source", "")
+    header = [("file", source)] if source and "source 2" not in value.provenance else []
+    header += [("with" if i else "compared", name) for i, name in enumerate(value.names)]
+    header += [("" if i else "assumed", note) for i, note in enumerate(value.notes)]
+    return Face(
+        f"Comparison of {len(value.names)} runs",
+        "what has changed",
+        header=[*header, ("made by", f"allanite {value.provenance['allanite']}")],
+        parts=_parts(value, drawn, level),
+        choices=toml(value.choices()),
+        provenance=value.provenance,
+        notes=value.notes,
+    )
+
+
+def _parts(value: Value, drawn: bool, level: float) -> list[Part]:
+    label, caption = "curves with bands, and the ratio of their variances", CAPTION.format(level=words.percent(level))
+    drawings = [Drawing(lambda: _plot([value], None, level), label, caption)] if drawn else []
+    return [*(Note(str(finding), "alert") for finding in value.findings), *drawings]
+
+
+def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
+    records = zip(names, result.records or (), strict=False)
+    about = [f"{name}: {'; '.join((words.about(record), *record.history))}" for name, record in records]
+    if result.band is not None:
+        low, high = result.band
+        about.append(f"compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have")
+    verdict = Note(result.verdict, "alert" if result.refusal else "strong")
+    parts: list[Part] = [*(Note(alert, "alert") for alert in result.alerts), verdict, *tables]
+    said = f"{result.name}: {result.verdict}" if result.name else result.verdict
+    return Sheet(result.name, about, parts, (said,), doubt or bool(result.refusal))
+
+
+def _pair_sheet(pair: Pair, whole: Comparison, level: float) -> Sheet:
+    tables = [_changes_table(pair, whole, level)] if pair.changes else []
+    tables += [_ratios_table(pair.ratios, whole, (level, pair.alpha))] if pair.ratios is not None else []
+    return _sheet(pair, whole.names, not all(pair.explained), tables)
+
+
+def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
+    values = [*whole.names, *(["whole"] * (pair.whole is not None))]
+    heads = (
+        Column("", "symbol"), Column("term", "name"), *map(Column, values), Column("unit", "unit"), Column("change"),
+        Column(_interval(level), "interval"), Column("p", aside=True), Column("p (Holm)", aside=True),
+        Column("outcome", "name"),
+    )  # fmt: skip
+    rows = []
+    for c in pair.changes:
+        estimates = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None else [])]
+        rows.append([
+            c.symbol, words.title(c.symbol, c.signal), *(value_of(e, level) for e in estimates), c.before.sheet_unit,
+            *change_of(c, level), p_cell(c.p), p_cell(c.adjusted), c.outcome,
+        ])  # fmt: skip
+    return Table(heads, rows, "coefficients", marks=[MARKS.get(c.outcome, "") for c in pair.changes])
+
+
+def value_of(estimate: Estimate, level: float) -> str:
+    """A coefficient to its significant digits, or its upper limit."""
+    number, most = words.shown(estimate, estimate.sheet_unit, level), words.limit(estimate, estimate.sheet_unit)
+    if number is not None:
+        return number.plain()[0]
+    return f"< {most.plain()[0]}" if most else "-"
+
+
+def change_of(change: Change, level: float) -> tuple[str, str]:
+    """The change and its interval in percent."""
+    low, high = change.interval(level)
+    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
+    if low > least and math.isfinite(high) and math.isfinite(change.ratio):
+        number = digits(change.percent, low, high, signed=True)
+        return f"{number.plain()[0]} %", f"{number.low} .. {number.high} %"
+    size = f"{change.percent:+.3g} %" if math.isfinite(change.ratio) and math.isfinite(high) else "-"
+    if math.isfinite(high):
+        return size, f"below {high:+.3g} %"
+    return "-", f"above {low:+.3g} %" if low > least else "any"
+
+
+def p_cell(p: float) -> str:
+    """A probability as a cell: ``0.03``, ``< 1e-12``."""
+    return chance(p).removeprefix("p ").removeprefix("= ")
+
+
+def _interval(level: float) -> str:
+    return f"{words.percent(level)} interval"
+
+
+def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]) -> Table:
+    level, alpha = levels
+    unit = readable_unit(ratios.before.unit)
+    heads = (
+        Column("tau [s]"), *(Column(f"{name} [{unit}]") for name in whole.names), Column("edf before", aside=True),
+        Column("edf after", aside=True), Column("variance ratio"), Column(_interval(level), "interval"), Column("p"),
+    )  # fmt: skip
+    factor = convert(1.0, ratios.before.unit, unit)
+    rows, marks = [], []
+    for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
+        cells = [f"{tau:.6g}", f"{before * factor:.5g}", f"{after * factor:.5g}", f"{nu:.4g}", f"{mu:.4g}"]
+        rows.append([*cells, *digits(ratio, low, high).plain(), p_cell(p)])
+        marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
+    return Table(heads, rows, f"{STATISTICS[ratios.before.statistic].title} and ratio of the variances", marks=marks)
+
+
+def _pooled_sheet(channel: PooledChannel, whole: Pool, level: float) -> Sheet:
+    tables = [_terms_table(channel, level), _runs_table(channel, whole, level)] if channel.terms else []
+    tables += [_curve_table(channel.curve, channel, level)] if channel.curve is not None else []
+    doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
+    return _sheet(channel, whole.names, doubt, tables)
+
+
+def _terms_table(channel: PooledChannel, level: float) -> Table:
+    heads = (
+        Column("", "symbol"), Column("term", "name"), Column("common"), Column(_interval(level), "interval"),
+        Column("unit", "unit"), Column("between runs"), Column("within runs"), Column("chi-square", aside=True),
+        Column("dof", aside=True), Column("p", aside=True), Column("p (Holm)"),
+    )  # fmt: skip
+    rows = [_term_cells(term, level) for term in channel.terms]
+    marks: list[Mark] = ["alarm" if term.adjusted <= channel.alpha else "" for term in channel.terms]
+    return Table(heads, rows, "what the runs have in common", marks=marks)
+
+
+def _term_cells(term: PooledTerm, level: float) -> list[str]:
+    _, _, value, low, high, unit, between, within, statistic, dof, p, adjusted = term.row(level)
+    shown = digits(value, low, high).plain() if value > 0 else ("-", f"below {digits(high, figures=2).plain()[0]}")
+    scatter = [f"{v:.3g} %" if math.isfinite(v) else "-" for v in (between, within)]
+    return [term.symbol, words.title(term.symbol, term.signal), *shown, unit, *scatter, f"{statistic:.3g}", f"{dof:g}",
+            p_cell(p), p_cell(adjusted)]  # fmt: skip
+
+
+def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
+    heads = (
+        Column("run", "name"),
+        *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
+        Column("apart, p"),
+    )
+    rows = []
+    for name, fit in zip(whole.names, channel.fits, strict=True):
+        p = p_cell(channel.apart[name]) if name in channel.apart else ""
+        rows.append([name, *(value_of(fit[term.symbol], level) for term in channel.terms), p])
+    return Table(heads, rows, "run by run", marks=["alarm" if name in channel.apart else "" for name in whole.names])
+
+
+def _curve_table(curve: Curve, channel: PooledChannel, level: float) -> Table:
+    shown = curve.to(readable_unit(curve.unit))
+    assert channel.p is not None  # noqa: S101 - comes with the curve
+    heads = (
+        Column("tau [s]"), Column(f"all runs [{shown.unit}]"), Column(_interval(level), "interval"), Column("edf"),
+        Column("p of one variance"),
+    )  # fmt: skip
+    columns = (shown.tau, shown.deviation, *shown.interval(level), shown.edf, channel.p)
+    rows = [
+        [f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", p_cell(p)]
+        for tau, value, low, high, edf, p in zip(*(c.tolist() for c in columns), strict=True)
+    ]
+    marks: list[Mark] = ["alarm" if p <= channel.alpha else "" for p in channel.p]
+    return Table(heads, rows, f"{STATISTICS[curve.statistic].title} of all runs", marks=marks)
+
+
+def _plot(values: Sequence[Value], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.comparison import plot_comparison
+
+    return plot_comparison(values, level)
+
+
+def _compared_rows(value: Comparison, level: float) -> Rows:
+    return PAIRS, [*_change_lines(value, level), *_ratio_lines(value, level)]
+
+
+def _change_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
+    for pair in value:
+        for change in pair.changes:
+            symbol, _, before, after, unit, *rest = change.row(level)
+            yield [pair.name, symbol, None, before, after, unit, *rest, None, None]
+
+
+def _ratio_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
+    for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
+        unit = readable_unit(ratios.before.unit)
+        factor = convert(1.0, ratios.before.unit, unit)
+        for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
+            percent = [100 * (math.sqrt(v) - 1) for v in (ratio, low, high)]
+            yield [name, ratios.before.statistic, tau, before * factor, after * factor, unit, *percent, p, None, None,
+                   nu, mu]  # fmt: skip
+
+
+def _pooled_rows(value: Pool, level: float) -> Rows:
+    return (*RUNS, *value.names), [*_term_lines(value, level), *_curve_lines(value, level)]
+
+
+def _term_lines(value: Pool, level: float) -> Iterator[list[Any]]:
+    for channel in value:
+        for term in channel.terms:
+            symbol, _, *numbers = term.row(level)
+            runs = [None if e.value is None else e.to(term.sheet_unit) for e in term.runs]
+            yield [channel.name, symbol, None, *numbers, None, *runs]
+
+
+def _curve_lines(value: Pool, level: float) -> Iterator[list[Any]]:
+    for channel in value:
+        if channel.curve is None or channel.p is None:
+            continue
+        unit = readable_unit(channel.curve.unit)
+        whole, runs = channel.curve.to(unit), [curve.to(unit).deviation for curve in channel.curves]
+        columns = (whole.tau, whole.deviation, *whole.interval(level), channel.p, whole.edf, *runs)
+        for tau, size, low, high, p, edf, *each in zip(*(c.tolist() for c in columns), strict=True):
+            yield [channel.name, whole.statistic, tau, size, low, high, unit, None, None, None, None, p, None, edf,
+                   *each]  # fmt: skip
+
+
+COMPARISON = View(_compared_face, _plot, _compared_rows)
+POOL = View(_pooled_face, _plot, _pooled_rows)
