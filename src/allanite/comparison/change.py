@@ -3,10 +3,12 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
-from allanite.core.errors import UsageError
+from allanite.core.encoding import finite, plain
 from allanite.core.fit import Estimate
+from allanite.core.limits import demand_level
+from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -27,8 +29,8 @@ OUTCOMES = {
 """What each outcome means."""
 
 
-@dataclass(frozen=True)
-class Homogeneity:
+@dataclass(frozen=True, repr=False)
+class Homogeneity(Value):
     """Whether the noise of several records is one and the same.
 
     Attributes
@@ -48,13 +50,9 @@ class Homogeneity:
     p: float
     draws: int
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"statistic": self.statistic, "dof": self.dof, "p": self.p, "draws": self.draws}
 
-
-@dataclass(frozen=True, eq=False)
-class Change:
+@dataclass(frozen=True, eq=False, repr=False)
+class Change(Value):
     """One coefficient before and after.
 
     Attributes
@@ -71,6 +69,9 @@ class Change:
     alpha : float
         Adjusted p up to which the change is called one.
     """
+
+    _keys: ClassVar = {"adjusted": "p_holm"}
+    _also = ("outcome",)
 
     symbol: str
     signal: Signal
@@ -89,8 +90,7 @@ class Change:
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence limits (low, high) of the change in percent; -100 and infinity where there are none."""
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         low, high = self.limits(level)
         return 100 * (low - 1), 100 * (high - 1)
 
@@ -110,18 +110,14 @@ class Change:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         low, high = self.interval(level)
-        return {
-            "symbol": self.symbol,
-            "before": self.before.to_dict(level),
-            "after": self.after.to_dict(level),
-            "change_percent": self.percent,
-            "low_percent": low,
-            "high_percent": high,
-            "level": level,
-            "p": self.p,
-            "p_holm": self.adjusted,
-            "outcome": self.outcome,
-        }
+        change = {"change_percent": self.percent, "low_percent": low, "high_percent": high}
+        data = super().to_dict(level) | {key: finite(value) for key, value in change.items()} | {"level": level}
+        if not math.isclose(level, 1 - self.alpha):  # the outcome is read off the limits at this level
+            data["limits"]["also"] = {"level": 1 - self.alpha, "values": plain(self.limits(1 - self.alpha))}
+        return data
+
+    def _summary(self) -> str:
+        return told(self) if self.significant else f"{self.symbol}: {self.outcome}, {words_of_p(self.p)}"
 
 
 def alpha_of(level: float) -> float:

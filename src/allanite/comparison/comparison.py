@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.curve import Curve
+from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.record import Record
+from allanite.core.limits import demand_level
+from allanite.core.plain import Value
+from allanite.core.record import Header, Record
 from allanite.terms import TERMS
 
 from .change import Change, Homogeneity, told, words_of_p
@@ -19,8 +22,8 @@ from .change import Change, Homogeneity, told, words_of_p
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Ratios:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ratios(Value):
     """Ratio of two curves' variances, after over before, at the averaging times that both have.
 
     Attributes
@@ -33,6 +36,8 @@ class Ratios:
         Of the ratio of the variances: the law of a ratio of two weighted sums of chi-squares, which is Fisher's F with
         both equivalent degrees of freedom where these are many.
     """
+
+    _also = ("ratio",)
 
     before: Curve
     after: Curve
@@ -51,8 +56,7 @@ class Ratios:
 
     def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Confidence limits (low, high) of the ratio of the variances."""
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         return self.limits(level)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
@@ -67,19 +71,14 @@ class Ratios:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         low, high = self.interval(level)
-        return {
-            "before": self.before.to_dict(level),
-            "after": self.after.to_dict(level),
-            "ratio": self.ratio.tolist(),
-            "low": low.tolist(),
-            "high": high.tolist(),
-            "p": self.p.tolist(),
-            "level": level,
-        }
+        return super().to_dict(level) | {"low": plain(low), "high": plain(high), "level": level}
+
+    def _summary(self) -> str:
+        return f"after over before, {self.tau.size} averaging times, {self.ratio.min():.3g} to {self.ratio.max():.3g}"
 
 
-@dataclass(frozen=True, eq=False)
-class Pair:
+@dataclass(frozen=True, eq=False, repr=False)
+class Pair(Value):
     """One channel before and after; `refusal` says why it could not be compared.
 
     Attributes
@@ -95,11 +94,15 @@ class Pair:
         Frequencies that were compared, Hz.
     fits : (Fit, Fit) or None
     records : (Record, Record) or None
+        Only the header of each where the comparison was stored.
     alerts : tuple of str
         What must stand beside the numbers.
     whole : Fit or None
         Of the record of which both are parts, in a study of truncation.
     """
+
+    _keys: ClassVar = {"changes": "terms"}
+    _also = ("verdict", "changed")
 
     name: str
     test: Homogeneity | None = None
@@ -107,7 +110,7 @@ class Pair:
     ratios: Ratios | None = None
     band: tuple[float, float] | None = None
     fits: tuple[Fit, Fit] | None = None
-    records: tuple[Record, Record] | None = None
+    records: tuple[Record | Header, Record | Header] | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
     alpha: float = 0.05
@@ -152,27 +155,18 @@ class Pair:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "name": self.name,
-            "verdict": self.verdict,
-            "changed": self.changed,
-            "p": self.p,
-            "test": None if self.test is None else self.test.to_dict(),
-            "terms": [change.to_dict(level) for change in self.changes],
-            "whole": None if self.whole is None else self.whole.to_dict(level),
-            "ratios": None if self.ratios is None else self.ratios.to_dict(level),
-            "band": None if self.band is None else list(self.band),
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
+        return super().to_dict(level) | {"p": finite(self.p)}
+
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.verdict}"
 
 
 def _coefficients(count: int) -> str:
     return f"{count} coefficient{'' if count == 1 else 's'}"
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
     """Every channel of two recordings, compared.
 
     ``comparison["z"]`` is the `Pair` of a channel; of a single channel ``comparison["N"]`` is the `Change` of a term.
@@ -190,12 +184,15 @@ class Comparison:
     provenance : dict
     """
 
+    _keys: ClassVar = {"pairs": "channels"}
+    _also = ("verdict",)
+
     pairs: tuple[Pair, ...]
     names: tuple[str, str] = ("before", "after")
     level: float = 0.95
-    choices: dict[str, Any] | None = None
+    choices: dict[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    provenance: dict[str, str] | None = None
+    provenance: dict[str, str] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Pair]:
         return iter(self.pairs)
@@ -234,14 +231,8 @@ class Comparison:
         return headings, rows
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "Comparison",
-            "names": list(self.names),
-            "verdict": self.verdict,
-            "channels": [pair.to_dict(level or self.level) for pair in self.pairs],
-            "choices": self.choices or {},
-            "notes": list(self.notes),
-            "provenance": self.provenance or {},
-        }
+        """Plain data; the limits are at the comparison's own level, if no other is given."""
+        return super().to_dict(level or self.level)
+
+    def _summary(self) -> str:
+        return f"{' with '.join(self.names)}: {self.verdict}"

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
 
 from .change import Homogeneity
@@ -68,7 +69,7 @@ def chi_square(value: float, dof: int) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Contrast:
+class Contrast(Portable):
     """One coefficient of two records, the other terms of each being free.
 
     Their ratio is tan(phi): 0 where the second record has none of it, infinite where the first has none.

@@ -65,7 +65,7 @@ class IntervalContrast:
             return low * v2 / v1, high * v2 / v1
         if v1 > 0:  # the second one was not found
             return 0.0, u2 / l1 if l1 > 0 else math.inf
-        return (l2 / u1 if v2 > 0 else 0.0), math.inf
+        return _over(l2, u1), math.inf
 
 
 def _sizes(estimate: Estimate, level: float) -> tuple[float, float, float]:
@@ -76,6 +76,11 @@ def _sizes(estimate: Estimate, level: float) -> tuple[float, float, float]:
     if low <= 0 <= high:
         return 0.0, abs(estimate.value), max(abs(low), abs(high))
     return min(abs(low), abs(high)), abs(estimate.value), max(abs(low), abs(high))
+
+
+def _over(above: float, below: float) -> float:
+    """Their ratio; infinite over nothing, and 0 of nothing."""
+    return 0.0 if above <= 0 else math.inf if below <= 0 else above / below
 
 
 def _log(above: float, below: float) -> float:

@@ -19,6 +19,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.model import Term
+from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import Signal
 from allanite.identification.likelihood.families import MARKOV
@@ -32,7 +33,7 @@ RANK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(Portable):
     """The likelihoods of several records of one kind of sensor, for squared coefficients in SI.
 
     Attributes

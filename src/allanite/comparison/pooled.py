@@ -1,17 +1,20 @@
 """Pool: what several runs of one kind of sensor have in common, how they scatter, and which of them lies apart."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.curve import Curve
+from allanite.core.encoding import finite
 from allanite.core.errors import UsageError
 from allanite.core.fit import Estimate, Fit
+from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
-from allanite.core.record import Record
+from allanite.core.plain import Value
+from allanite.core.record import Header, Record
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -20,8 +23,8 @@ from .change import Homogeneity, words_of_p
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class PooledTerm:
+@dataclass(frozen=True, eq=False, repr=False)
+class PooledTerm(Value):
     """One coefficient of all runs.
 
     Attributes
@@ -40,6 +43,8 @@ class PooledTerm:
         Chi-square of the coefficient being the same in all runs, and its p, also after Holm's correction.
     """
 
+    _keys: ClassVar = {"statistic": "chi_square", "adjusted": "p_holm"}
+
     symbol: str
     signal: Signal
     value: float
@@ -54,8 +59,7 @@ class PooledTerm:
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence limits (low, high) of the common coefficient, SI."""
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         return self.limits(level)
 
     @property
@@ -66,25 +70,16 @@ class PooledTerm:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         low, high = self.interval(level)
-        return {
-            "symbol": self.symbol,
-            "unit": self.signal.si[TERMS[self.symbol].power],
-            "value": self.value,
-            "low": low,
-            "high": high,
-            "level": level,
-            "runs": [estimate.to_dict(level) for estimate in self.runs],
-            "between": self.between,
-            "within": self.within,
-            "chi_square": self.statistic,
-            "dof": self.dof,
-            "p": self.p,
-            "p_holm": self.adjusted,
-        }
+        unit = self.signal.si[TERMS[self.symbol].power]
+        return super().to_dict(level) | {"unit": unit, "low": finite(low), "high": finite(high), "level": level}
+
+    def _summary(self) -> str:
+        factor = coefficient_factor(self.symbol, self.sheet_unit, self.signal)
+        return f"{self.symbol} {self.value / factor:.4g} {self.sheet_unit}, {len(self.runs)} runs, {words_of_p(self.p)}"
 
 
-@dataclass(frozen=True, eq=False)
-class PooledChannel:
+@dataclass(frozen=True, eq=False, repr=False)
+class PooledChannel(Value):
     """One channel of all runs; `refusal` says why it could not be pooled.
 
     Attributes
@@ -108,16 +103,19 @@ class PooledChannel:
         Frequencies that were compared, Hz.
     """
 
+    _keys: ClassVar = {"rest": "p_rest"}
+    _also = ("verdict",)
+
     name: str
     test: Homogeneity | None = None
     terms: tuple[PooledTerm, ...] = ()
     curve: Curve | None = None
     curves: tuple[Curve, ...] = ()
     p: FloatArray | None = None
-    apart: dict[str, float] | None = None
+    apart: dict[str, float] = field(default_factory=dict)
     rest: float = 1.0
     fits: tuple[Fit, ...] = ()
-    records: tuple[Record, ...] = ()
+    records: tuple[Record | Header, ...] = ()
     band: tuple[float, float] | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
@@ -143,7 +141,7 @@ class PooledChannel:
         if self.alike and not self.apart:
             return f"one noise describes all {runs} runs ({words_of_p(self.test.p)})"
         first = f"the {runs} runs do not have one noise ({words_of_p(self.test.p)})"
-        apart = ", ".join(f"{name} ({words_of_p(p)})" for name, p in (self.apart or {}).items())
+        apart = ", ".join(f"{name} ({words_of_p(p)})" for name, p in self.apart.items())
         parts = [first if not self.alike else f"one noise describes the {runs} runs ({words_of_p(self.test.p)})"]
         if apart:
             parts.append(f"apart from the others: {apart}")
@@ -154,26 +152,12 @@ class PooledChannel:
             parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
         return "; ".join(parts)
 
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "name": self.name,
-            "verdict": self.verdict,
-            "test": None if self.test is None else self.test.to_dict(),
-            "terms": [term.to_dict(level) for term in self.terms],
-            "curve": None if self.curve is None else self.curve.to_dict(level),
-            "curves": [curve.to_dict(level) for curve in self.curves],
-            "p": None if self.p is None else self.p.tolist(),
-            "apart": self.apart or {},
-            "p_rest": self.rest,
-            "band": None if self.band is None else list(self.band),
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.verdict}"
 
 
-@dataclass(frozen=True, eq=False)
-class Pool:
+@dataclass(frozen=True, eq=False, repr=False)
+class Pool(Value):
     """Every channel of several recordings; ``pool["z"]`` is that of a channel.
 
     Attributes
@@ -187,12 +171,14 @@ class Pool:
         How it was read and pooled.
     """
 
+    _also = ("verdict",)
+
     channels: tuple[PooledChannel, ...]
     names: tuple[str, ...]
     level: float = 0.95
-    choices: dict[str, Any] | None = None
+    choices: dict[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    provenance: dict[str, str] | None = None
+    provenance: dict[str, str] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[PooledChannel]:
         return iter(self.channels)
@@ -229,14 +215,8 @@ class Pool:
         return headings, rows
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "Pool",
-            "names": list(self.names),
-            "verdict": self.verdict,
-            "channels": [channel.to_dict(level or self.level) for channel in self.channels],
-            "choices": self.choices or {},
-            "notes": list(self.notes),
-            "provenance": self.provenance or {},
-        }
+        """Plain data; the limits are at the pool's own level, if no other is given."""
+        return super().to_dict(level or self.level)
+
+    def _summary(self) -> str:
+        return f"{len(self.names)} runs: {self.verdict}"

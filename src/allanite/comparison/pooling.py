@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.limits import Remembered
 from allanite.core.record import Record, Recording
 from allanite.identification import identify
 from allanite.identification.likelihood.selection import standard_error
@@ -18,7 +19,7 @@ from allanite.prepare import trim
 from allanite.statistics import deviation
 from allanite.study.analysis import Recipe
 
-from .change import Limits, alpha_of, holm
+from .change import alpha_of, holm
 from .comparison import Comparison, Pair
 from .contrast import homogeneity, outlying, spread
 from .joint import Joint, least
@@ -205,7 +206,7 @@ def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
                 symbol,
                 together.signal,
                 value=math.sqrt(theta),
-                limits=_limits(together, i),
+                limits=Remembered(partial(together.limits, i)),
                 runs=runs,
                 between=between,
                 within=within,
@@ -216,10 +217,6 @@ def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
             )
         )
     return tuple(terms)
-
-
-def _limits(together: Joint, which: int) -> Limits:
-    return cache(lambda level: together.limits(which, level))
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
@@ -239,6 +236,20 @@ def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[st
     return apart, rest
 
 
+@dataclass(frozen=True, eq=False)
+class PooledLaw:
+    """Chi-square limits of variances averaged by their degrees of freedom, whose sum is `edf`, shape (k,)."""
+
+    edf: FloatArray
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        from scipy.special import chdtri
+
+        low, high = (self.edf / chdtri(self.edf, p) for p in ((1 - level) / 2, (1 + level) / 2))
+        return self.edf, low, high
+
+
 def _curves(
     records: tuple[Record, ...], fits: Sequence[Fit], recipe: Recipe
 ) -> tuple[tuple[Curve, ...], Curve, FloatArray]:
@@ -253,14 +264,10 @@ def _curves(
     whole = edf.sum(axis=0)
     mean = (edf * variance).sum(axis=0) / whole
 
-    def law(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        from scipy.special import chdtri
-
-        low, high = (whole / chdtri(whole, p) for p in ((1 - level) / 2, (1 + level) / 2))
-        return whole, low, high
-
     count = np.sum([curve.count for curve in curves], axis=0)
-    curve = replace(curves[0], variance=mean, count=count, name="all runs", law=law, noise=None, history=())
+    curve = replace(
+        curves[0], variance=mean, count=count, name="all runs", law=PooledLaw(whole), noise=None, history=()
+    )
     return curves, curve, bartlett(variance, edf)
 
 

@@ -4,13 +4,14 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.limits import Remembered
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
 from allanite.identification import identify, symbols_of
@@ -307,7 +308,15 @@ def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, 
     p = [found[s].p for s in kept]
     return tuple(
         Change(
-            s, both.signal, first[s], second[s], found[s].ratio, q, adjusted, cache(found[s].limits), alpha_of(level)
+            s,
+            both.signal,
+            first[s],
+            second[s],
+            found[s].ratio,
+            q,
+            adjusted,
+            Remembered(found[s].limits),
+            alpha_of(level),
         )
         for s, q, adjusted in zip(kept, p, holm(p), strict=True)
     )
@@ -338,7 +347,7 @@ def ratios_of(
     )
     law = ratio_law(records, recipe.statistic, m, supposed)
     ratio = after.variance / before.variance
-    return Ratios(before, after, law.p(ratio), cache(lambda level: law.limits(ratio, level)))
+    return Ratios(before, after, law.p(ratio), Remembered(partial(law.limits, ratio)))
 
 
 def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
@@ -352,7 +361,9 @@ def _of_fits(before: Any, after: Any, recipe: Recipe) -> Comparison:
     found = [IntervalContrast(before[s], after[s]) for s in common]
     p = [contrast.p for contrast in found]
     changes = tuple(
-        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, cache(c.limits), alpha_of(recipe.level))
+        Change(
+            s, before.signal, before[s], after[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(recipe.level)
+        )
         for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
     )
     pair = Pair(name_of(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .plain import Value
 from .record import Record, Recording
 
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Correction(ABC):
+@dataclass(frozen=True, eq=False, repr=False)
+class Correction(Value, ABC):
     """A known error of a sensor's readings, to be taken off them.
 
     A child is a frozen value that holds what was estimated (amplitudes of harmonics, coefficients of a regression) and
@@ -21,7 +22,7 @@ class Correction(ABC):
 
     Examples
     --------
-    >>> @dataclass(frozen=True, eq=False)
+    >>> @dataclass(frozen=True, eq=False, repr=False)
     ... class Offset(Correction):
     ...     size: float
     ...     what = "a constant offset"
@@ -53,6 +54,9 @@ class Correction(ABC):
         UsageError
             The correction is not meant for such a record, or a channel that it needs is not in `along`.
         """
+
+    def _summary(self) -> str:
+        return self.what
 
     def apply(self, record: Record, along: Recording | None = None) -> Record:
         """The record without this error; parameters and errors are those of `error`. NaN stays NaN.

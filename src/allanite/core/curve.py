@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .encoding import plain
 from .errors import UsageError
+from .limits import demand_level
 from .model import Model
+from .plain import Value
 from .units import convert
 
 FloatArray = NDArray[np.float64]
@@ -18,8 +21,8 @@ Law = Callable[[float], tuple[FloatArray, FloatArray, FloatArray]]
 """level -> (equivalent degrees of freedom, lower limit / variance, upper limit / variance)"""
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
+@dataclass(frozen=True, eq=False, repr=False)
+class Curve(Value):
     """Values of one statistic, by averaging time.
 
     Attributes
@@ -60,8 +63,7 @@ class Curve:
         return np.sqrt(self.variance)
 
     def _limits(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         if self.law is None:
             raise UsageError(
                 "confidence needs the noise that is there: deviation(record, ..., "
@@ -110,56 +112,12 @@ class Curve:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, with the limits as numbers."""
-        data: dict[str, Any] = {
-            "allanite": 1,
-            "type": "Curve",
-            "statistic": self.statistic,
-            "unit": self.unit,
-            "rate": self.rate,
-            "size": self.size,
-            "name": self.name,
-            "history": list(self.history),
-            "m": self.m.tolist(),
-            "tau": self.tau.tolist(),
-            "deviation": self.deviation.tolist(),
-            "count": self.count.tolist(),
-            "factor": self.factor.tolist(),
-        }
-        if self.noise is not None:
-            data["noise"] = self.noise.to_dict()
+        data = super().to_dict(level) | {"deviation": plain(self.deviation)}
         if self.law is not None:
             low, high = self.interval(level)
-            data |= {"level": level, "edf": self.edf.tolist(), "low": low.tolist(), "high": high.tolist()}
+            data |= {"level": level, "edf": plain(self._limits(level)[0]), "low": plain(low), "high": plain(high)}
         return data
 
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Curve":
-        """The curve that `to_dict` has written; its limits are known for the stored level only."""
-        variance = np.array(data["deviation"], dtype=np.float64) ** 2
-        return cls(
-            statistic=data["statistic"],
-            m=np.array(data["m"], dtype=np.int64),
-            tau=np.array(data["tau"], dtype=np.float64),
-            variance=variance,
-            count=np.array(data["count"], dtype=np.int64),
-            factor=np.array(data["factor"], dtype=np.float64),
-            unit=data["unit"],
-            rate=data["rate"],
-            size=data["size"],
-            name=data["name"],
-            history=tuple(data["history"]),
-            noise=Model.from_dict(data["noise"]) if "noise" in data else None,
-            law=_stored_law(data, variance) if "edf" in data else None,
-        )
-
-
-def _stored_law(data: dict[str, Any], variance: FloatArray) -> Law:
-    edf = np.array(data["edf"], dtype=np.float64)
-    low, high = (np.array(data[key], dtype=np.float64) ** 2 / variance for key in ("low", "high"))
-
-    def law(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        if abs(level - data["level"]) > 1e-12:
-            raise UsageError(f"this curve was stored with limits for {data['level']}, not {level}; compute it again")
-        return edf, low, high
-
-    return law
+    def _summary(self) -> str:
+        span = f", {self.tau.min():.4g} to {self.tau.max():.4g} s" if self.tau.size else ""
+        return f"{self.statistic} of {self.name!r}: {self.tau.size} averaging times{span}, {self.unit}"

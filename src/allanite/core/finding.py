@@ -1,11 +1,12 @@
 """Finding: what the reader of a record's numbers must know before them. Quality: all of it, for one channel."""
 
 from dataclasses import dataclass
-from typing import Any
+
+from .plain import Value
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(Value):
     """Something about a record.
 
     Attributes
@@ -32,21 +33,9 @@ class Finding:
     def __str__(self) -> str:
         return "; ".join(part for part in (self.what, self.consequence, self.remedy) if part)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        place = None if self.place is None else list(self.place)
-        return {
-            "name": self.name,
-            "what": self.what,
-            "consequence": self.consequence,
-            "remedy": self.remedy,
-            "place": place,
-            "fatal": self.fatal,
-        }
 
-
-@dataclass(frozen=True)
-class Quality:
+@dataclass(frozen=True, repr=False)
+class Quality(Value):
     """What was found about a record before anything was computed."""
 
     findings: tuple[Finding, ...] = ()
@@ -66,6 +55,5 @@ class Quality:
         """Names of the findings."""
         return tuple(f.name for f in self.findings)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"findings": [f.to_dict() for f in self.findings]}
+    def _summary(self) -> str:
+        return ", ".join(self.names) or "no findings"

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from allanite.terms import TERMS
 
 from .curve import Curve
+from .encoding import finite
 from .errors import UsageError
+from .limits import demand_level
 from .model import Model, Term, coefficient_factor
+from .plain import Value
 from .units import Signal
 
 FloatArray = NDArray[np.float64]
@@ -24,8 +27,8 @@ EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate(Value):
     """One coefficient, SI.
 
     Attributes
@@ -77,8 +80,7 @@ class Estimate:
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence limits (low, high) in SI; from 0 to `upper` for an absent term."""
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         if self.limits is None:
             return (math.nan, math.nan)
         return self.limits(level)
@@ -106,36 +108,29 @@ class Estimate:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""
-        low, high = (_finite(v) for v in self.interval(level))
+        low, high = (finite(v) for v in self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
         shown = {k: None if v is None else v * scale for k, v in (("value", self.value), ("low", low), ("high", high))}
-        return {
-            "symbol": self.symbol,
-            "value": self.value,
-            "low": low,
-            "high": high,
-            "upper": self.upper,
-            "unit": self.unit,
-            "status": self.status,
-            "standard_error": self.standard_error,
-            "level": level,
-            "shown": {**shown, "unit": self.sheet_unit},
-        } | self._shape_dict(level)
+        extra = {"low": low, "high": high, "unit": self.unit, "level": level}
+        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
+
+    def _summary(self) -> str:
+        return (
+            f"{self.symbol} {self.words()}, {self.status}"
+            if self.value is not None
+            else f"{self.symbol} {self.words()}"
+        )
 
     def _shape_dict(self, level: float) -> dict[str, Any]:
         limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
         return {
-            p.name: {"value": value, "low": _finite(low), "high": _finite(high), "unit": p.unit}
+            p.name: {"value": value, "low": finite(low), "high": finite(high), "unit": p.unit}
             for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
         }
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-@dataclass(frozen=True, eq=False)
-class Goodness:
+@dataclass(frozen=True, eq=False, repr=False)
+class Goodness(Value):
     """Does the model explain the data? By cells of frequency.
 
     `frequency` (Hz, shape (cells + 1,)) bounds the cells, `ratio` is observed over expected power in each, `z` the same
@@ -166,8 +161,8 @@ class Goodness:
         return f"no model of these terms explains the record (goodness of fit {p}){why}{also}"
 
 
-@dataclass(frozen=True)
-class Line:
+@dataclass(frozen=True, repr=False)
+class Line(Value):
     """A sinusoid that was found in a record and taken out before its noise was identified.
 
     Attributes
@@ -176,6 +171,8 @@ class Line:
         Hz; SI, of the rate itself and not of its mean over a sample interval; the amplitude's; rad at the start.
     signal : Signal
     """
+
+    _also = ("unit",)
 
     frequency: float
     amplitude: float
@@ -196,31 +193,28 @@ class Line:
             f"{self.frequency:.6g} Hz (amplitude {self.amplitude / size:.3g} ± {self.standard_error / size:.2g} {unit})"
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI."""
-        return {
-            "frequency": self.frequency,
-            "amplitude": self.amplitude,
-            "standard_error": self.standard_error,
-            "phase": self.phase,
-            "unit": self.signal.si[0],
-        }
+    @property
+    def unit(self) -> str:
+        """SI unit of the amplitude."""
+        return self.signal.si[0]
+
+    def _summary(self) -> str:
+        return self.words()
 
 
-@dataclass(frozen=True)
-class Alternative:
+@dataclass(frozen=True, repr=False)
+class Alternative(Value):
     """Another model of the same record: `aic` is its Akaike criterion less that of the fit's own model."""
 
     model: Model
     aic: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"model": self.model.to_dict(), "aic": self.aic}
+    def _summary(self) -> str:
+        return f"AIC {self.aic:+.1f}: {self.model}"
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Value):
     """Coefficients of a record or curve.
 
     `lines` are sinusoids that were taken out first; they stand in the model. `alternatives` are other families of terms
@@ -228,6 +222,8 @@ class Fit:
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
     """
+
+    _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
 
     estimates: tuple[Estimate, ...]
     method: str
@@ -271,18 +267,17 @@ class Fit:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         good = self.goodness
-        return {
-            "allanite": 1,
-            "type": "Fit",
-            "method": self.method,
-            "signal": self.signal.name,
-            "name": self.name,
-            "model": self.model.to_dict(),
-            "terms": [e.to_dict(level) for e in self.estimates],
+        return super().to_dict(level) | {
+            "alternatives": [other.to_dict() for other in self.alternatives],
             "gof_p": None if good is None else good.p,
             "gof_reasons": [] if good is None else list(good.reasons),
             "gof_remarks": [] if good is None else list(good.remarks),
-            "lines": [line.to_dict() for line in self.lines],
-            "alternatives": [other.to_dict() for other in self.alternatives],
-            "notes": list(self.notes),
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Fit":
+        """The fit that `to_dict` has written; its limits are known for the stored level only."""
+        return super().from_dict(data | {"alternatives": {"values": data.get("alternatives", [])}})
+
+    def _summary(self) -> str:
+        return f"of {self.name!r} by {self.method}: {self.model}"

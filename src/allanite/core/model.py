@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from allanite.terms import TERMS, NoiseTerm
 
 from .errors import UnitError, UsageError
+from .plain import Value, demand_type
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Term:
+@dataclass(frozen=True, repr=False)
+class Term(Value):
     """One noise term with its coefficient in SI.
 
     Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
@@ -59,6 +60,26 @@ class Term:
 
     def __add__(self, other: "Term | Model") -> "Model":
         return Model((self,)) + other
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """Plain data, SI, as they stand in a model: without the kind of sensor."""
+        shape = {p.name: value for p, value in zip(self.row.parameters, self.shape, strict=True)}
+        return {"symbol": self.symbol, "value": self.value, "unit": self.unit, **shape}
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI; `level` changes nothing."""
+        return {"allanite": 1, "type": "Term", "signal": self.signal.name, **self.plain}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Term":
+        """The term that `to_dict` has written."""
+        demand_type(data, "Term")
+        shape = tuple(float(data[p.name]) for p in TERMS[data["symbol"]].parameters)
+        return cls(data["symbol"], float(data["value"]), signal_named(data["signal"]), shape)
+
+    def _summary(self) -> str:
+        return str(self)
 
     def __str__(self) -> str:
         sheet = self.signal.sheet[self.row.power]
@@ -149,8 +170,8 @@ def Sine(value: float, unit: str, *, frequency: float, phase: float = 0.0) -> Te
     return term("Sine", value, unit, (frequency, phase))
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False)
+class Model(Value):
     """A sum of terms of one signal; their structure functions and spectra add.
 
     A symbol stands in it once, or, if its term has a shape, several times with different ones.
@@ -209,22 +230,16 @@ class Model:
     def __str__(self) -> str:
         return ", ".join(map(str, self.terms))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        terms = [
-            {"symbol": t.symbol, "value": t.value, "unit": t.unit}
-            | {p.name: value for p, value in zip(t.row.parameters, t.shape, strict=True)}
-            for t in self.terms
-        ]
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data; a model has no limits, so that `level` changes nothing."""
+        terms = [t.plain for t in self.terms]
         return {"allanite": 1, "type": "Model", "signal": self.signal.name, "terms": terms}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Model":
         """The model that `to_dict` has written."""
-        signal = signal_named(data["signal"])
-        return cls(tuple(_term_of(t, signal) for t in data["terms"]))
+        demand_type(data, "Model")
+        return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
 
-
-def _term_of(data: dict[str, Any], signal: Signal) -> Term:
-    parameters = TERMS[data["symbol"]].parameters
-    return Term(data["symbol"], float(data["value"]), signal, tuple(float(data[p.name]) for p in parameters))
+    def _summary(self) -> str:
+        return str(self)

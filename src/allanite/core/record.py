@@ -1,7 +1,7 @@
 """Record: one evenly sampled channel. Recording: channels on one clock."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .errors import DataError, UsageError
 from .finding import Finding
+from .plain import Value
 from .units import Signal, signal_with, unit_of
 
 FloatArray = NDArray[np.float64]
@@ -35,8 +36,31 @@ def explain_kinds() -> str:
     return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, repr=False)
+class Header(Value):
+    """What is known of a record beside its readings; the attributes are those of `Record`.
+
+    Results that were stored and read again have it in the place of their records.
+    """
+
+    name: str
+    rate: float
+    size: int
+    unit: str
+    kind: str
+    scale: float | None
+    start: float | None
+    history: tuple[str, ...]
+    signal: Signal
+
+    @property
+    def duration(self) -> float:
+        """Length, s."""
+        return self.size / self.rate
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Value):
     """One evenly sampled channel of an inertial sensor.
 
     Parameters
@@ -144,6 +168,21 @@ class Record:
             return np.asarray((self.values - self.values[0]) * self.factor, dtype=np.float64)
         steps = self.rate_values * self.interval
         return np.concatenate(([0.0], np.cumsum(steps)))
+
+    @property
+    def header(self) -> Header:
+        """All but the readings."""
+        own = {f.name: getattr(self, f.name) for f in fields(Header)}
+        return Header(**own)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data of the `header`: readings are not stored."""
+        return self.header.to_dict(level)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Any:
+        """The `Header` of the record: readings are not stored."""
+        return Header.from_dict(data)
 
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
         """Another record of the same channel, with `what` added to its history."""

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .finding import Finding
 from .fit import Goodness
+from .plain import Value
 
 FloatArray = NDArray[np.float64]
 
@@ -15,8 +16,8 @@ SURE = 1e-3
 """p value of a check below which it says that the model does not explain the record."""
 
 
-@dataclass(frozen=True)
-class Check:
+@dataclass(frozen=True, repr=False)
+class Check(Value):
     """One question asked of the residuals.
 
     `value` is the size of what would be wrong, `p` the probability of more by chance.
@@ -34,8 +35,8 @@ class Check:
         return self.p >= SURE
 
 
-@dataclass(frozen=True, eq=False)
-class Residuals:
+@dataclass(frozen=True, eq=False, repr=False)
+class Residuals(Value):
     """What a model leaves of a record, as `allanite.residuals` gives it; the series itself: `allanite.whitened`.
 
     Attributes
@@ -107,19 +108,13 @@ class Residuals:
         rows = [[check.name, check.title, check.value, check.p, check.meaning] for check in self.checks]
         return ["check", "", "value", "p", "meaning"], rows
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "Residuals",
-            "name": self.name,
-            "explained": self.explained,
-            "gof_p": None if self.goodness is None else self.goodness.p,
-            "checks": [{"name": c.name, "value": c.value, "p": c.p, "title": c.title} for c in self.checks],
-            "findings": [finding.to_dict() for finding in self.findings],
-            "correlation": self.correlation.tolist(),
-            "level": self.level.tolist(),
-        }
+        p = None if self.goodness is None else self.goodness.p
+        return super().to_dict(level) | {"explained": self.explained, "gof_p": p}
+
+    def _summary(self) -> str:
+        return f"of {self.name!r}: {self.verdict}"
 
 
 def chance(p: float) -> str:
@@ -127,8 +122,8 @@ def chance(p: float) -> str:
     return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
 
 
-@dataclass(frozen=True, eq=False)
-class Shared:
+@dataclass(frozen=True, eq=False, repr=False)
+class Shared(Value):
     """What channels have in common: correlations of their residuals, as `allanite.shared` gives them.
 
     Attributes
@@ -151,14 +146,3 @@ class Shared:
         pairs = [(i, j) for i in range(len(self.names)) for j in range(i + 1, len(self.names))]
         rows = [[self.names[i], self.names[j], float(self.fast[i, j]), float(self.slow[i, j])] for i, j in pairs]
         return ["channel", "and", "fast", "slow"], rows
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "Shared",
-            "names": list(self.names),
-            "fast": self.fast.tolist(),
-            "slow": self.slow.tolist(),
-            "findings": [finding.to_dict() for finding in self.findings],
-        }

@@ -6,8 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .encoding import plain
 from .errors import UsageError
+from .limits import demand_level
 from .model import Model, Term
+from .plain import Value
 from .units import convert
 
 FloatArray = NDArray[np.float64]
@@ -16,8 +19,8 @@ SIDES: dict[str, float] = {"one": 2.0, "two": 1.0}
 """Name of the convention: what the two-sided density is multiplied with. The frequencies are positive in both."""
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Value):
     """Power spectral density of a channel.
 
     A one-sided density is twice a two-sided one at the same frequency. The coefficient N of IEEE 952 is the square root
@@ -76,8 +79,7 @@ class Spectrum:
         """Two-sided chi-square limits (low, high) of the density."""
         from scipy.special import gammaincinv
 
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         half = self.dof / 2
         low, high = (self.density * half / gammaincinv(half, p) for p in ((1 + level) / 2, (1 - level) / 2))
         return low, high
@@ -114,21 +116,11 @@ class Spectrum:
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, with the limits as numbers."""
         low, high = self.interval(level)
-        arrays = {name: getattr(self, name).tolist() for name in _ARRAYS}
-        words = {name: getattr(self, name) for name in _WORDS}
-        limits = {"level": level, "low": low.tolist(), "high": high.tolist()}
-        return {"allanite": 1, "type": "Spectrum", **words, "history": list(self.history), **arrays, **limits}
+        return super().to_dict(level) | {"level": level, "low": plain(low), "high": plain(high)}
 
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Spectrum":
-        """The spectrum that `to_dict` has written."""
-        fields: dict[str, Any] = {name: np.array(data[name], dtype=np.float64) for name in _ARRAYS}
-        fields |= {name: data[name] for name in _WORDS}
-        return cls(**fields, history=tuple(data["history"]))
-
-
-_ARRAYS = ("frequency", "width", "density", "dof")
-_WORDS = ("unit", "sides", "method", "resolution", "rate", "name")
+    def _summary(self) -> str:
+        band = f"{self.frequency.min():.4g} to {self.frequency.max():.4g} Hz"
+        return f"of {self.name!r}: {self.frequency.size} values, {band}, {self.sides}-sided, {self.density_unit}"
 
 
 def side_factor(sides: str) -> float:

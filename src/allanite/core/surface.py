@@ -1,6 +1,5 @@
 """Surface: a statistic over time and averaging time."""
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,16 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .curve import Curve, Law
+from .encoding import plain
 from .errors import UsageError
 from .model import Model
+from .plain import Value
 from .units import convert
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(Value):
     """A statistic in windows that slide along a record.
 
     Attributes
@@ -102,45 +103,12 @@ class Surface:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; a value that is not there is None. `low` and `high` are limits over the deviation."""
-        data: dict[str, Any] = {
-            "allanite": 1,
-            "type": "Surface",
-            **{name: getattr(self, name) for name in _WORDS},
-            "history": list(self.history),
-            "time": self.time.tolist(),
-            "m": self.m.tolist(),
-            "tau": self.tau.tolist(),
-            "deviation": _without_nan(self.deviation),
-            "count": self.count.tolist(),
-            "factor": _without_nan(self.factor),
-        }
-        if self.noise is not None:
-            data["noise"] = self.noise.to_dict()
+        data = super().to_dict(level) | {"deviation": plain(self.deviation)}
         if self.law is not None:
             edf, low, high = self.law(level)
-            data |= {"level": level, "edf": edf.tolist()}
-            data |= {"low": np.sqrt(low).tolist(), "high": np.sqrt(high).tolist()}
+            data |= {"level": level, "edf": plain(edf), "low": plain(np.sqrt(low)), "high": plain(np.sqrt(high))}
         return data
 
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Surface":
-        """The surface that `to_dict` has written, without its law."""
-        fields: dict[str, Any] = {name: data[name] for name in _WORDS}
-        return cls(
-            **fields,
-            history=tuple(data["history"]),
-            time=np.array(data["time"], dtype=np.float64),
-            m=np.array(data["m"], dtype=np.int64),
-            tau=np.array(data["tau"], dtype=np.float64),
-            variance=np.array(data["deviation"], dtype=np.float64) ** 2,
-            count=np.array(data["count"], dtype=np.int64),
-            factor=np.array(data["factor"], dtype=np.float64),
-            noise=Model.from_dict(data["noise"]) if "noise" in data else None,
-        )
-
-
-def _without_nan(values: FloatArray) -> list[list[float | None]]:
-    return [[None if math.isnan(value) else value for value in row] for row in values.tolist()]
-
-
-_WORDS = ("statistic", "window", "step", "unit", "rate", "name")
+    def _summary(self) -> str:
+        windows = f"{self.time.size} windows of {self.window:g} s"
+        return f"{self.statistic} of {self.name!r}: {windows}, {self.tau.size} averaging times, {self.unit}"

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 
 from .information import Grid, Information, Part, shape_parts
 
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Bound:
+@dataclass(frozen=True, eq=False, repr=False)
+class Bound(Value):
     """Least relative standard errors of a model's parameters from a record of `size` readings at `rate` Hz.
 
     Attributes
@@ -49,6 +50,10 @@ class Bound:
         if name not in self.names:
             raise UsageError(f"there is no bound of {name!r}; there are {', '.join(self.names)}")
         return float(self.errors[self.names.index(name)])
+
+    def _summary(self) -> str:
+        errors = (f"{name} {100 * error:.2g} %" for name, error in zip(self.names, self.errors, strict=True))
+        return f"of {self.size} readings at {self.rate:g} Hz: {', '.join(errors)}"
 
 
 def bound(model: Model | Term, n: int, rate: float, *, ramp: bool | None = None) -> Bound:

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 from allanite.core.record import SHORTEST
 
 from .bound import bound
@@ -24,8 +26,8 @@ LONGEST = 1e14
 """Readings beyond which no length is given."""
 
 
-@dataclass(frozen=True, eq=False)
-class RecordingPlan:
+@dataclass(frozen=True, eq=False, repr=False)
+class RecordingPlan(Value):
     """Accuracy of a model's coefficients by the length of the record.
 
     Attributes
@@ -62,21 +64,16 @@ class RecordingPlan:
         rows = zip(self.names, errors, self.needed.tolist(), strict=True)
         return headings, [[name, *row, needed] for name, row, needed in rows]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "RecordingPlan",
-            "model": self.model.to_dict(),
-            "rate": self.rate,
-            "ramp": self.ramp,
-            "accuracy": self.accuracy,
-            "durations": list(self.durations),
-            "parameters": [
-                {"name": name, "errors": errors, "needed": needed}
-                for name, errors, needed in zip(self.names, self.errors.tolist(), self.needed.tolist(), strict=True)
-            ],
-        }
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data; a plan has no limits, so that `level` changes nothing."""
+        errors, needed = plain(self.errors), map(finite, self.needed.tolist())
+        rows = zip(self.names, errors, needed, strict=True)
+        parameters = [{"name": name, "errors": row, "needed": least} for name, row, least in rows]
+        return super().to_dict(level) | {"parameters": parameters}
+
+    def _summary(self) -> str:
+        needed = (f"{name} {least:.3g} s" for name, least in zip(self.names, self.needed, strict=True))
+        return f"at {self.rate:g} Hz for {100 * self.accuracy:g} %: {', '.join(needed)}"
 
 
 def plan(

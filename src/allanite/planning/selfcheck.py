@@ -3,14 +3,16 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Estimate, Fit
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.identification import identify
 from allanite.identification.likelihood.selection import quantile
@@ -24,13 +26,15 @@ FloatArray = NDArray[np.float64]
 Measured = tuple[float, float]
 """A number and its Monte-Carlo standard error."""
 
+MEASURED = ("bias", "spread", "coverage", "found")
+
 Interval = Callable[[float], tuple[float, float]]
 
 LINE = next(symbol for symbol, row in TERMS.items() if row.periodic)
 
 
-@dataclass(frozen=True, eq=False)
-class TermCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class TermCheck(Value):
     """What became of one term in all records.
 
     Attributes
@@ -49,6 +53,8 @@ class TermCheck:
     claimed : bool array, shape (records,)
         Whether the term was said to be there.
     """
+
+    _keys: ClassVar = {"symbol": "term"}
 
     symbol: str
     signal: Signal
@@ -83,6 +89,13 @@ class TermCheck:
         """Share of the records in which the term was said to be there: of an absent term, falsely."""
         return _share(self.claimed)
 
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with what was measured and its Monte-Carlo standard errors."""
+        data = super().to_dict(level)
+        for name in MEASURED:
+            data[name], data[f"{name}_error"] = map(plain, getattr(self, name))
+        return data
+
     @property
     def _relative(self) -> FloatArray:
         given = self.value[np.isfinite(self.value)]
@@ -97,8 +110,8 @@ def _share(hit: NDArray[np.bool_]) -> Measured:
     return float(hit.mean()), math.sqrt(smooth * (1 - smooth) / hit.size)
 
 
-@dataclass(frozen=True, eq=False)
-class SelfCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class SelfCheck(Value):
     """What the identification makes of simulated records of a known model.
 
     Attributes
@@ -133,28 +146,22 @@ class SelfCheck:
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: each measured number is followed by its Monte-Carlo standard error."""
-        names = ("bias", "spread", "coverage", "found")
-        headings = ["term", "truth", "bound", *(part for name in names for part in (name, "+-"))]
-        measured = [[part for name in names for part in getattr(check, name)] for check in self.terms]
+        headings = ["term", "truth", "bound", *(part for name in MEASURED for part in (name, "+-"))]
+        measured = [[part for name in MEASURED for part in getattr(check, name)] for check in self.terms]
         return headings, [[c.symbol, c.truth, c.bound, *m] for c, m in zip(self.terms, measured, strict=True)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        headings, rows = self.rows()
-        keys = [f"{headings[i - 1]}_error" if heading == "+-" else heading for i, heading in enumerate(headings)]
-        return {
-            "allanite": 1,
-            "type": "SelfCheck",
-            "model": self.model.to_dict(),
-            "size": self.size,
-            "rate": self.rate,
-            "records": self.records,
-            "level": self.level,
-            "terms": [dict(zip(keys, row, strict=True)) for row in rows],
-            "unexplained": self.unexplained[0],
-            "unexplained_error": self.unexplained[1],
-            "notes": list(self.notes),
-        }
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data; the intervals are at the check's own level, whatever `level` says."""
+        share, error = self.unexplained
+        return super().to_dict(level) | {"unexplained": plain(share), "unexplained_error": plain(error)}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "SelfCheck":
+        """The check that `to_dict` has written."""
+        return super().from_dict(data | {"unexplained": [data["unexplained"], data["unexplained_error"]]})
+
+    def _summary(self) -> str:
+        return f"{self.records} records of {self.size} readings at {self.rate:g} Hz: {self.model}"
 
     def exceeded(
         self,

@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.fit import Estimate
 from allanite.core.model import coefficient_factor
-from allanite.core.record import Record
+from allanite.core.record import Header, Record
 from allanite.core.units import Signal, convert
 from allanite.study.analysis import Channel
 from allanite.terms import TERMS
@@ -104,7 +104,7 @@ def duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def about(record: Record) -> str:
+def about(record: Record | Header) -> str:
     """What a channel holds: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "

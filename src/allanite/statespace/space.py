@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 from allanite.statistics import expected
 
 from .blocks import Block
@@ -27,8 +28,8 @@ PER_OCTAVE = 4
 """Averaging times at which a state space is compared with the model."""
 
 
-@dataclass(frozen=True, eq=False)
-class StateSpace:
+@dataclass(frozen=True, eq=False, repr=False)
+class StateSpace(Value):
     """Errors of a sensor as states: x' = Phi x + w, reading = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
 
     Attributes
@@ -88,25 +89,22 @@ class StateSpace:
         columns = (self.states, self.units, *(d.tolist() for d in diagonals))
         return headings, [list(row) for row in zip(*columns, strict=True)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI."""
-        matrices = {name: getattr(self, name).tolist() for name in ("Phi", "Qd", "H", "R", "P0", "F", "Qc")}
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI, with the Allan variance of the readings; `level` changes nothing."""
         m = self.factors
-        return {
-            "allanite": 1,
-            "type": "StateSpace",
-            **matrices,
-            "states": list(self.states),
-            "units": list(self.units),
-            "rate": self.rate,
-            "measurement": self.measurement,
-            "model": self.model.to_dict(),
-            "equivalent": self.equivalent.to_dict(),
-            "tau": list(self.tau),
-            "ripple": self.ripple,
-            "notes": list(self.notes),
-            "allan": {"m": m.tolist(), "tau": (m / self.rate).tolist(), "variance": self.allan(m).tolist()},
-        }
+        allan = {"m": m.tolist(), "tau": (m / self.rate).tolist(), "variance": self.allan(m).tolist()}
+        return super().to_dict(level) | {"allan": allan}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "StateSpace":
+        """The state space that `to_dict` has written."""
+        found = super().from_dict(data)
+        # a list of no rows does not say that it has no columns either
+        square = {n: getattr(found, n).reshape((len(data[n]),) * 2) for n in ("Phi", "Qd", "P0", "F", "Qc")}
+        return replace(found, H=found.H.reshape(1, -1), **square)
+
+    def _summary(self) -> str:
+        return f"{', '.join(self.states) or 'no states'} at {self.rate:g} Hz: {self.model}"
 
 
 def state_space(

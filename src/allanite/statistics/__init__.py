@@ -10,7 +10,7 @@ from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.bias import correction, demand_bias
-from allanite.statistics.confidence.limits import Points, automatic, law, power_laws, unit_term
+from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, Points, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
@@ -149,8 +149,8 @@ def _law(points: Points, noise: Model | str | None, angle: Angle, signal: Signal
     if noise is None or points.row.order < 2:
         return None
     if isinstance(noise, Model):
-        return sparse_law(points, lambda few: law(few, [noise]))
-    return sparse_law(points, lambda few: automatic(few, angle, signal))
+        return sparse_law(points, lambda few: ModelLaw(few, (noise,)))
+    return sparse_law(points, lambda few: AutomaticLaw(few, angle, signal))
 
 
 def _corrected(points: Points, bias: str, noise: Model | str | None, angle: Angle, signal: Signal) -> FloatArray:

@@ -1,8 +1,8 @@
 """Generalised least squares: what can be had from a curve if it is read as it scatters."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import inf, isfinite, sqrt
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Estimate, Fit
+from allanite.core.limits import Below
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.identification.likelihood.selection import quantile
@@ -216,21 +217,29 @@ def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray)
     return error
 
 
+@dataclass(frozen=True)
+class SquareLimits:
+    """Limits of a coefficient whose square is normal, with its standard error."""
+
+    square: float
+    error: float
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        half = quantile((1 + level) / 2) * self.error
+        return sqrt(max(self.square - half, 0.0)), sqrt(self.square + half)
+
+    def upper(self, level: float) -> float:
+        """One-sided upper limit."""
+        return sqrt(self.square + quantile(level) * self.error)
+
+
 def _estimate(symbol: str, signal: Signal, square: tuple[float, float], *, claimed: bool) -> Estimate:
     theta, error = square
-
-    def limits(level: float) -> tuple[float, float]:
-        half = quantile((1 + level) / 2) * error
-        return sqrt(max(theta - half, 0.0)), sqrt(theta + half)
-
-    @cache
-    def upper(level: float) -> float:
-        return sqrt(theta + quantile(level) * error)
-
-    highest = upper(0.95) if isfinite(error) else None
+    limits = SquareLimits(theta, error)
+    highest = limits.upper(0.95) if isfinite(error) else None
     if not claimed:
-        below: Callable[[float], tuple[float, float]] = lambda level: (0.0, upper(level))  # noqa: E731
-        return Estimate(symbol, signal, None, None, "absent", highest, "gls", below, limits)
+        return Estimate(symbol, signal, None, None, "absent", highest, "gls", Below(limits.upper), limits)
     value = sqrt(theta)
     status = "identified" if error <= 2 * theta * WEAK else "weak"
     return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", limits, limits)

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from allanite.core.fit import EXPLAINED
+from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
@@ -50,7 +51,7 @@ NEAR = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class Search(Portable):
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
     `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant.
@@ -176,7 +177,7 @@ class Search:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Found(Portable):
     """What describes the spectrum of a record.
 
     Attributes

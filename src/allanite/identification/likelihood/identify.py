@@ -2,24 +2,25 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
+from allanite.core.limits import Below, Remembered, Stored
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
-from .families import MARKOV, Found, look
+from .families import MARKOV, Found, Search, look
 from .likelihood import FloatArray
 from .removal import without_lines
-from .selection import Subset, quantile, standard_error
-from .whittle import Spectrum
+from .selection import Profiles, Subset, quantile, standard_error
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -62,7 +63,7 @@ def whittle(
     if lines:
         taken, left = without_lines(record, found, band)
         found = look(left, terms, band, rival=rival) if taken else found
-    scale = _Scale(record, found.seen)
+    scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = terms if not found.chosen.constants or MARKOV in terms else [*terms, MARKOV]
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
@@ -76,15 +77,18 @@ def whittle(
         goodness=goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken),
         notes=(*_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
-        rivals=cache(lambda: _alternatives(found, scale)),
+        rivals=Remembered(partial(_alternatives, found, scale)),
     )
 
 
-class _Scale:
+@dataclass(frozen=True)
+class Scale:
     """From theta, in the record's unit and per sample, to coefficients in SI."""
 
-    def __init__(self, record: Record, seen: Spectrum) -> None:
-        self.signal, self.rate, self.factor, self.slope = record.signal, seen.rate, seen.unit_factor, seen.slope
+    signal: Signal
+    rate: float
+    factor: float
+    slope: float
 
     def terms(self, noise: Sequence[str], subset: Subset) -> tuple[Term, ...]:
         """The terms of a subset; what it has beyond `noise` is one more Gauss-Markov term."""
@@ -97,24 +101,37 @@ class _Scale:
         return tuple(found)
 
     def coefficient(self, symbol: str, theta: float) -> float:
+        """Of a theta."""
         return self.coefficient_of(symbol, math.sqrt(max(theta, 0.0)))
 
     def coefficient_of(self, symbol: str, eta: float) -> float:
+        """Of the root of a theta, with its sign."""
         return eta * self.factor * math.pow(self.rate, -TERMS[symbol].power)
 
 
-def _noise_estimate(symbol: str, which: int, found: Found, scale: _Scale) -> Estimate:
+@dataclass(frozen=True, eq=False)
+class ProfileLimits:
+    """Limits of a noise term, in SI, from the profiles of the likelihood."""
+
+    symbol: str
+    which: int
+    profiles: Profiles
+    scale: Scale
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        low, high = self.profiles.limits(self.which, level)
+        return self.scale.coefficient(self.symbol, low), self.scale.coefficient(self.symbol, high)
+
+    def upper(self, level: float) -> float:
+        """One-sided upper limit."""
+        return self.scale.coefficient(self.symbol, self.profiles.upper(self.which, level))
+
+
+def _noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
     profiles, chosen = found.profiles, found.chosen
-
-    @cache
-    def limits(level: float) -> tuple[float, float]:
-        low, high = profiles.limits(which, level)
-        return scale.coefficient(symbol, low), scale.coefficient(symbol, high)
-
-    @cache
-    def upper(level: float) -> float:
-        return scale.coefficient(symbol, profiles.upper(which, level))
-
+    profile = ProfileLimits(symbol, which, profiles, scale)
+    limits, upper = Remembered(profile), Remembered(profile.upper)
     if not (chosen.free[which] and profiles.excludes_zero(which) and limits(0.95)[0] > 0):
         return _absent(symbol, scale, upper, limits)
     theta = float(chosen.theta[which])
@@ -125,28 +142,55 @@ def _noise_estimate(symbol: str, which: int, found: Found, scale: _Scale) -> Est
     return _with_constant(plain, found) if symbol == MARKOV else plain
 
 
+@dataclass(frozen=True, eq=False)
+class ConstantLimits:
+    """Limits of a time constant, s, whose best value is known in samples."""
+
+    search: Search
+    constant: float
+    rate: float
+
+    def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
+        """Two-sided limits."""
+        # with every other term free: one that was not selected could make another time constant possible
+        low, high = self.search.limits(self.search.refined(self.constant), quantile((1 + level) / 2) ** 2)
+        return ((low / self.rate, high / self.rate),)
+
+
 def _with_constant(estimate: Estimate, found: Found) -> Estimate:
     """The estimate with its time constant, s, and that one's profile interval."""
     search, chosen, rate = found.search, found.chosen, found.seen.rate
     assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
-
-    @cache
-    def limits(level: float) -> tuple[tuple[float, float], ...]:
-        # with every other term free: one that was not selected could make another time constant possible
-        low, high = search.limits(search.refined(chosen.constants[0]), quantile((1 + level) / 2) ** 2)
-        return ((low / rate, high / rate),)
-
+    limits = Remembered(ConstantLimits(search, chosen.constants[0], rate))
     return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)
 
 
-def _absent(symbol: str, scale: _Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
+def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
-    return Estimate(
-        symbol, scale.signal, None, None, "absent", highest, "whittle", lambda level: (0.0, upper(level)), profile
-    )
+    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", Below(upper), profile)
 
 
-def _ramp_estimate(symbol: str, found: Found, scale: _Scale) -> Estimate:
+@dataclass(frozen=True, eq=False)
+class RampLimits:
+    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
+
+    centre: FloatArray
+    spread: FloatArray
+    weight: FloatArray
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        low, high = (
+            _mixture_quantile(p, self.centre, self.spread, self.weight) for p in ((1 - level) / 2, (1 + level) / 2)
+        )
+        return low, high
+
+    def upper(self, level: float) -> float:
+        """One-sided limit of the size."""
+        return max(abs(limit) for limit in self(2 * level - 1))
+
+
+def _ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
     """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
@@ -155,26 +199,17 @@ def _ramp_estimate(symbol: str, found: Found, scale: _Scale) -> Estimate:
     profiles = found.profiles
     part = profiles.everything.likelihood
     if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
-        return _absent(symbol, scale, lambda level: math.inf, lambda level: (-math.inf, math.inf))
+        return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     slowest = max(range(len(found.noise)), key=lambda i: np.nan_to_num(TERMS[found.noise[i]].slope, nan=-math.inf))
     thetas, weight = profiles.weighted(slowest)
     along = [part.directions(theta)[:2] for theta in thetas]
-    centre = np.array([eta[-1] for eta, _ in along]) + scale.slope
-    spread = np.sqrt([V[-1, -1] for _, V in along])
-    mean = float(weight @ centre)
-    error = scale.coefficient_of(symbol, math.sqrt(float(weight @ (spread**2 + (centre - mean) ** 2))))
-    value = scale.coefficient_of(symbol, mean)
-
-    @cache
-    def quantile(p: float) -> float:
-        return scale.coefficient_of(symbol, _mixture_quantile(p, centre, spread, weight))
-
-    def limits(level: float) -> tuple[float, float]:
-        return quantile((1 - level) / 2), quantile((1 + level) / 2)
-
-    def upper(level: float) -> float:
-        return max(abs(v) for v in limits(2 * level - 1))
-
+    size = scale.coefficient_of(symbol, 1.0)
+    centre = size * (np.array([eta[-1] for eta, _ in along]) + scale.slope)
+    spread = size * np.sqrt([V[-1, -1] for _, V in along])
+    value = float(weight @ centre)
+    error = math.sqrt(float(weight @ (spread**2 + (centre - value) ** 2)))
+    ramp = RampLimits(centre, spread, weight)
+    limits, upper = Remembered(ramp), Remembered(ramp.upper)
     low, high = limits(0.95)
     if low <= 0 <= high:
         return _absent(symbol, scale, upper, limits)
@@ -194,7 +229,7 @@ def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: 
     return (low + high) / 2
 
 
-def _model(estimates: dict[str, Estimate], found: Found, scale: _Scale) -> Model:
+def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
     """What describes the record best: the selected noise terms, claimed or not, and the ramp if it is claimed."""
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
@@ -234,7 +269,7 @@ def _ambiguous(found: Found) -> list[str]:
     return []
 
 
-def _alternatives(found: Found, scale: _Scale) -> tuple[Alternative, ...]:
+def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:
     """The other families, the best first."""
     others = [s for s in found.rivals() if s is not found.chosen]
     described = [(s.aic - found.chosen.aic, Model(scale.terms(found.noise, s))) for s in others]

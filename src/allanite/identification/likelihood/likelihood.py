@@ -19,12 +19,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.plain import Portable
+
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class Likelihood:
+class Likelihood(Portable):
     """Power in bins, the columns that may explain it, and the loose directions.
 
     Attributes

@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.plain import Portable
+
 from .likelihood import BoolArray, FloatArray, Likelihood
 
 PENALTY = 4.0
@@ -63,7 +65,7 @@ def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subse
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class Profile(Portable):
     """The likelihood of one theta, the other terms of a subset following it.
 
     `excess` is 2 (L - L at the subset's minimum).
@@ -127,7 +129,7 @@ class Profile:
 
 
 @dataclass(frozen=True, eq=False)
-class Profiles:
+class Profiles(Portable):
     """Limits of each theta that hold whichever of the other terms are there.
 
     The profile of 2 L + sum of `doubt`, over every subset that has the term. Limits that trust the selection cover too

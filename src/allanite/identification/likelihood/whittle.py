@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.prepare.gaps import Gaps, joined
 from allanite.statistics.moments.lags import sum_nodes
@@ -34,7 +35,7 @@ FEWEST = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(Portable):
     """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit.
 
     Attributes

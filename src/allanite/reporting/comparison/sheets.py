@@ -9,7 +9,7 @@ from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
 from allanite.core.fit import Estimate
-from allanite.core.record import Record
+from allanite.core.record import Header, Record
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits
@@ -57,7 +57,7 @@ def _of_pair(pair: Pair, whole: Comparison) -> Sheet:
     return Sheet(pair.name, pair.verdict, bool(pair.refusal), about, pair.alerts, pair.refusal, tables)
 
 
-def _about(record: Record) -> str:
+def _about(record: Record | Header) -> str:
     return "; ".join((words.about(record), *record.history))
 
 

@@ -6,19 +6,21 @@ and its upper limit is up to several times too wide. There the three largest eig
 for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
 """
 
-from collections.abc import Sequence
-from functools import cache
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from allanite.core.curve import Law
 from allanite.core.model import Model, Term
+from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.statistics.angle import Angle
 from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.moments import Runs, grouped, noise_of, shares
 from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.table import statistic_named
 from allanite.terms import TERMS
 
 from .chisquares import Mixture, quantiles
@@ -39,6 +41,15 @@ class Points(NamedTuple):
     rate: float
     join: float
     scattered: bool = True
+
+    def __reduce__(self) -> tuple[Callable[..., "Points"], tuple[Any, ...]]:
+        """With the name of the row: what comes back from another process has the row of `STATISTICS` itself."""
+        return points_of, (self.row.name, *self[1:])
+
+
+def points_of(name: str, *rest: Any) -> Points:
+    """The points of the statistic called `name`."""
+    return Points(statistic_named(name), *rest)
 
 
 MANY = 60.0
@@ -66,22 +77,26 @@ SCATTER = {
 benchmarks/hybrids.py)."""
 
 
-def law(points: Points, models: Sequence[Model]) -> Law:
+@dataclass(frozen=True, eq=False)
+class ModelLaw(Portable):
     """The law under a model at every point, or one for all; a sinusoid of a model adds nothing to the scatter.
 
     It does not scatter by itself, and what it adds beside noise is less than the share that it takes: limits of the
     noise alone are wide enough.
     """
 
-    @cache
-    def found() -> tuple[FloatArray, Mixture]:
-        return mixtures(points, models)
+    points: Points
+    models: tuple[Model, ...]
 
-    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        edf, mixture = found()
+    @cached_property
+    def found(self) -> tuple[FloatArray, Mixture]:
+        """Degrees of freedom and laws of V / E[V]."""
+        return mixtures(self.points, self.models)
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        edf, mixture = self.found
         return edf, 1 / quantiles(mixture, (1 + level) / 2), 1 / quantiles(mixture, (1 - level) / 2)
-
-    return limits
 
 
 def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
@@ -165,17 +180,29 @@ def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> floa
     return f if STRETCH[0] <= f <= STRETCH[1] else None
 
 
-def automatic(points: Points, angle: Angle, signal: Signal) -> Law:
-    """The law under the power law that is found at each averaging time; nothing is computed before it is asked."""
+@dataclass(frozen=True, eq=False)
+class AutomaticLaw:
+    """The law under the power law that is found at each averaging time; nothing is computed before it is asked.
 
-    @cache
-    def found() -> Law:
-        return law(points, [Model((unit_term(law.symbol, signal),)) for law in power_laws(points, angle)])
+    It is pickled as the law that was found: the angle of the record is left behind.
+    """
 
-    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return found()(level)
+    points: Points
+    angle: Angle
+    signal: Signal
 
-    return limits
+    @cached_property
+    def found(self) -> ModelLaw:
+        """The law under the power laws."""
+        laws = power_laws(self.points, self.angle)
+        return ModelLaw(self.points, tuple(Model((unit_term(law.symbol, self.signal),)) for law in laws))
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        return self.found(level)
+
+    def __reduce__(self) -> tuple[type[ModelLaw], tuple[Points, tuple[Model, ...]]]:
+        return ModelLaw, (self.points, self.found.models)
 
 
 def power_laws(points: Points, angle: Angle) -> tuple[PowerLaw, ...]:

@@ -1,7 +1,7 @@
 """What is smooth in the averaging time, worked out at some points of a long curve and interpolated between them."""
 
 from collections.abc import Callable
-from functools import cache
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,21 +33,27 @@ def _few(m: IntArray, places: IntArray) -> IntArray:
     return np.asarray(places[np.unique(kept)])
 
 
+@dataclass(frozen=True, eq=False)
+class SparseLaw:
+    """The law of many points, from that of a few."""
+
+    points: Points
+    pairs: list[tuple[IntArray, IntArray]]
+    few: Law
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        edf, low, high = self.few(level)
+        inverse, low, high = (_between(self.points, self.pairs, values) for values in (1 / edf, low, high))
+        return 1 / inverse, low, high
+
+
 def sparse_law(points: Points, law: Callable[[Points], Law]) -> Law:
     """A law of many points, from that of a few."""
     if points.m.size <= MOST:
         return law(points)
     pairs = nodes(points)
-
-    @cache
-    def few() -> Law:
-        return law(points._replace(m=points.m[np.concatenate([few for few, _ in pairs])]))
-
-    def limits(level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        edf, low, high = few()(level)
-        return 1 / _between(points, pairs, 1 / edf), _between(points, pairs, low), _between(points, pairs, high)
-
-    return limits
+    return SparseLaw(points, pairs, law(_at_nodes(points, pairs)))
 
 
 def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArray:
@@ -55,7 +61,11 @@ def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArr
     if points.m.size <= MOST:
         return function(points)
     pairs = nodes(points)
-    return _between(points, pairs, function(points._replace(m=points.m[np.concatenate([few for few, _ in pairs])])))
+    return _between(points, pairs, function(_at_nodes(points, pairs)))
+
+
+def _at_nodes(points: Points, pairs: list[tuple[IntArray, IntArray]]) -> Points:
+    return points._replace(m=points.m[np.concatenate([few for few, _ in pairs])])
 
 
 def _between(points: Points, pairs: list[tuple[IntArray, IntArray]], values: FloatArray) -> FloatArray:

@@ -1,0 +1,206 @@
+"""Plain data of a field and back, by the field's type: what JSON can hold, and nothing lost.
+
+A number that is not finite is not JSON: NaN becomes null, infinities the words "inf" and "-inf"; NaN where the field
+may be None as well becomes the word "nan".
+"""
+
+import math
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
+
+import numpy as np
+
+from .limits import Stored
+from .units import Signal, signal_named
+
+NOT_FINITE = ("nan", "inf", "-inf")
+
+
+class Form(NamedTuple):
+    """How one kind of type is written and read.
+
+    `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the arguments;
+    `holds` says whether a value, `written` whether plain data can be of this type: members of a union are told apart.
+    """
+
+    write: Callable[[Any, tuple[Any, ...], float], Any]
+    read: Callable[[Any, tuple[Any, ...]], Any]
+    holds: Callable[[Any], bool]
+    written: Callable[[Any], bool]
+
+
+def write(value: Any, hint: Any, level: float) -> Any:
+    """Plain data of a value whose type is `hint`; limits at `level`."""
+    return _form(hint).write(value, get_args(hint), level)
+
+
+def read(data: Any, hint: Any) -> Any:
+    """The value of type `hint` that `write` has written."""
+    return _form(hint).read(data, get_args(hint))
+
+
+def _form(hint: Any) -> Form:
+    origin = get_origin(hint) or hint
+    if origin in FORMS:
+        return FORMS[origin]
+    if isinstance(origin, type) and hasattr(origin, "to_dict"):
+        return _value_form(origin)
+    raise TypeError(f"a field of type {hint} cannot be written as plain data")
+
+
+def _value_form(kind: Any) -> Form:
+    """Of a value that writes itself; its own class, or a child of it, reads it."""
+    return Form(
+        lambda value, _, level: value.to_dict(level),
+        lambda data, _: kind.from_dict(data),
+        lambda value: isinstance(value, kind),
+        lambda data: isinstance(data, dict) and data.get("type") == kind.__name__,
+    )
+
+
+def plain(value: Any, level: float = 0.95) -> Any:
+    """Plain data of a value of any type, by what it is."""
+    if hasattr(value, "to_dict"):
+        return value.to_dict(level)
+    if isinstance(value, dict):
+        return {str(key): plain(item, level) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item, level) for item in value]
+    if isinstance(value, np.ndarray):
+        return _numbers(value)
+    return str(value) if isinstance(value, Path) else _scalar(value)
+
+
+def _scalar(value: Any) -> Any:
+    value = value.item() if isinstance(value, np.generic) else value
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else str(value)
+
+
+def finite(value: float) -> float | None:
+    """The number, or None where it is not finite: for what is written for readers only."""
+    return value if math.isfinite(value) else None
+
+
+def _numbers(array: Any) -> Any:
+    """Nested lists of an array."""
+    if array.dtype.kind == "c":
+        return {"real": _numbers(array.real), "imag": _numbers(array.imag)}
+    if array.dtype.kind != "f" or np.isfinite(array).all():
+        return array.tolist()
+    return _scalar(array.item()) if array.ndim == 0 else [_numbers(np.asarray(part)) for part in array]
+
+
+def _array(data: Any, args: tuple[Any, ...]) -> Any:
+    """The array of nested lists, of the type of number that the annotation names."""
+    if isinstance(data, dict):
+        return _array(data["real"], ()) + 1j * _array(data["imag"], ())
+    named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
+    if isinstance(named, type):
+        return np.array(data, dtype=named)
+    array = np.array(data)
+    return array if array.dtype.kind in "biufU" else np.array(data, dtype=np.float64)
+
+
+def _write_tuple(value: Any, args: tuple[Any, ...], level: float) -> list[Any]:
+    if not args:
+        return [plain(item, level) for item in value]
+    many = len(args) == 1 or args[-1] is Ellipsis
+    hints = (args[0],) * len(value) if many else args
+    return [write(item, hint, level) for item, hint in zip(value, hints, strict=True)]
+
+
+def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
+    many = len(args) == 1 or args[-1:] == (Ellipsis,)
+    hints = ((args[0],) * len(data) if many else args) or (Any,) * len(data)
+    return tuple(read(item, hint) for item, hint in zip(data, hints, strict=True))
+
+
+def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
+    hint = args[1] if args else Any
+    return {str(key): write(item, hint, level) for key, item in value.items()}
+
+
+def _read_dict(data: Any, args: tuple[Any, ...]) -> dict[Any, Any]:
+    key_of, hint = args or (str, Any)
+    return {key if key_of is Any else key_of(key): read(item, hint) for key, item in data.items()}
+
+
+def _write_union(value: Any, args: tuple[Any, ...], level: float) -> Any:
+    if value is None:
+        return None
+    for hint in args:
+        if hint is not types.NoneType and _form(hint).holds(value):
+            data = write(value, hint, level)
+            return "nan" if data is None and types.NoneType in args else data
+    raise TypeError(f"{type(value).__name__} is none of {', '.join(map(str, args))}")
+
+
+def _read_union(data: Any, args: tuple[Any, ...]) -> Any:
+    if data is None and types.NoneType in args:
+        return None
+    members = [hint for hint in args if hint is not types.NoneType]
+    fitting = [hint for hint in members if _form(hint).written(data)]
+    return read(data, fitting[0] if fitting else members[0])
+
+
+def _write_call(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
+    """Limits are stored as numbers, at one level; what takes no level, as what it gives."""
+    if args[0]:
+        return {"level": level, "values": write(value(level), args[1], level)}
+    return {"values": write(value(), args[1], level)}
+
+
+def _read_call(data: Any, args: tuple[Any, ...]) -> Any:
+    also = _read_call(data["also"], args) if "also" in data else None
+    return Stored(read(data["values"], args[1]), data.get("level"), also)
+
+
+def _no_type(_: Any) -> bool:
+    return True
+
+
+def _is(*kinds: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, kinds)
+
+
+def _is_number(data: Any) -> bool:
+    return data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE
+
+
+def _is_call(data: Any) -> bool:
+    return isinstance(data, dict) and "values" in data
+
+
+_itself = Form(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
+_float_form = Form(
+    lambda value, _, level: _scalar(value),
+    lambda data, _: math.nan if data is None else float(data) if isinstance(data, str) else data,
+    _is(int, float, np.floating, np.integer),
+    _is_number,
+)
+_union = Form(_write_union, _read_union, _no_type, _no_type)
+_tuple = Form(_write_tuple, _read_tuple, _is(tuple, list), _is(list, tuple))
+
+FORMS: dict[Any, Form] = {
+    Any: _itself,
+    object: _itself,
+    Literal: _itself,
+    bool: _itself._replace(holds=_is(bool, np.bool_), written=_is(bool)),
+    str: _itself._replace(holds=_is(str), written=_is(str)),
+    int: _itself._replace(holds=_is(int, np.integer), written=_is(int)),
+    float: _float_form,
+    Path: Form(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str)),
+    Signal: Form(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str)),
+    np.ndarray: Form(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict)),
+    tuple: _tuple,
+    list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
+    dict: Form(_write_dict, _read_dict, _is(dict), _is(dict)),
+    Union: _union,
+    types.UnionType: _union,
+    Callable: Form(_write_call, _read_call, callable, _is_call),
+}
+"""By the type, or what it is made from."""

@@ -1,0 +1,78 @@
+"""Functions of a confidence level that are values: they can be pickled, remembered and stored."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+from .errors import UsageError
+
+T = TypeVar("T")
+
+
+def demand_level(level: float) -> None:
+    """Make sure that a confidence level is one.
+
+    Raises
+    ------
+    UsageError
+        It does not lie between 0 and 1.
+    """
+    if not 0 < level < 1:
+        raise UsageError(f"a confidence level lies between 0 and 1, not {level:g}")
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """Limits that were stored: `values` for one `level`; without a level, what is given whenever it is asked for.
+
+    `also` are those for another level, where a verdict needs them.
+
+    Examples
+    --------
+    >>> Stored((0.1, 0.3), 0.95)(0.95)
+    (0.1, 0.3)
+    """
+
+    values: Any
+    level: float | None = None
+    also: "Stored | None" = None
+
+    def __call__(self, level: float | None = None) -> Any:
+        """The values; another level is refused."""
+        if level is None or self.level is None or math.isclose(level, self.level, rel_tol=1e-12):
+            return self.values
+        if self.also is not None:
+            return self.also(level)
+        raise UsageError(f"stored with limits for {self.level:g}, not {level:g}: compute it again for another level")
+
+
+@dataclass(frozen=True, eq=False)
+class Below:
+    """From zero to an upper limit: what is known of a coefficient that is not there."""
+
+    upper: Callable[[float], float]
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """(0, upper limit)."""
+        return 0.0, self.upper(level)
+
+
+@dataclass(frozen=True, eq=False)
+class Remembered(Generic[T]):
+    """A function of numbers, or of nothing, that is called once for each.
+
+    Examples
+    --------
+    >>> Remembered(math.sqrt)(4.0)
+    2.0
+    """
+
+    function: Callable[..., T]
+    known: dict[tuple[float, ...], T] = field(default_factory=dict, init=False, repr=False)
+
+    def __call__(self, *at: float) -> T:
+        """What the function gives."""
+        if at not in self.known:
+            self.known[at] = self.function(*at)
+        return self.known[at]

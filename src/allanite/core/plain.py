@@ -1,0 +1,196 @@
+"""Values that travel: every result can be pickled, written as plain data and read again, and printed in one line."""
+
+import importlib
+from dataclasses import MISSING, fields
+from functools import cache
+from html import escape
+from typing import Any, ClassVar, Self, cast, get_type_hints
+
+from .encoding import plain, read, write
+from .errors import UsageError
+
+VERSION = 1
+"""Of the plain data; stands under "allanite"."""
+
+LONGEST = 120
+"""Characters of a `repr`, at most."""
+
+TYPES: dict[str, str] = {
+    "Alternative": "core.fit",
+    "Bound": "planning.bound",
+    "Change": "comparison.change",
+    "Check": "core.residuals",
+    "Comparison": "comparison.comparison",
+    "Curve": "core.curve",
+    "Estimate": "core.fit",
+    "Finding": "core.finding",
+    "Fit": "core.fit",
+    "Goodness": "core.fit",
+    "Harmonics": "angle.harmonics",
+    "Header": "core.record",
+    "Homogeneity": "comparison.change",
+    "Line": "core.fit",
+    "Model": "core.model",
+    "Pair": "comparison.comparison",
+    "Pool": "comparison.pooled",
+    "PooledChannel": "comparison.pooled",
+    "PooledTerm": "comparison.pooled",
+    "Quality": "core.finding",
+    "Ratios": "comparison.comparison",
+    "RecordingPlan": "planning.plan",
+    "Regression": "compensation.regression",
+    "Residuals": "core.residuals",
+    "SelfCheck": "planning.selfcheck",
+    "Shared": "core.residuals",
+    "Spectrum": "core.spectrum",
+    "StateSpace": "statespace.space",
+    "Surface": "core.surface",
+    "Term": "core.model",
+    "TermCheck": "planning.selfcheck",
+}
+"""The module, within the package, of every value that `from_dict` reads, by its "type"."""
+
+
+class Portable:
+    """What is pickled by its fields alone: what was worked out and kept is worked out again."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # a dataclass inherits it
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+
+class Value(Portable):
+    """A frozen dataclass that can be stored and read again; declared with ``repr=False``, to keep the short one.
+
+    The form of the plain data follows from the types of the fields. `_keys` names fields that stand under another key,
+    `_also` properties that are written for the reader and not read again.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True, repr=False)
+    ... class Offset(Value):
+    ...     size: float
+    ...     unit: str = "deg/h"
+    >>> Offset(0.5).to_dict(), Offset.from_dict({"size": 0.5})
+    ({'allanite': 1, 'type': 'Offset', 'size': 0.5, 'unit': 'deg/h'}, <Offset size=0.5 unit='deg/h'>)
+    """
+
+    _keys: ClassVar[dict[str, str]] = {}
+    _also: ClassVar[tuple[str, ...]] = ()
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data that JSON can hold, with confidence limits at `level`."""
+        data: dict[str, Any] = {"allanite": VERSION, "type": type(self).__name__}
+        data |= {self._keys.get(n, n): write(getattr(self, n), hint, level) for n, hint in stored_fields(type(self))}
+        return data | {name: plain(getattr(self, name), level) for name in self._also}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The value that `to_dict` has written; its limits are known for the stored level only.
+
+        Raises
+        ------
+        UsageError
+            The data are of another type or version, or lack a field.
+        """
+        if data.get("type", cls.__name__) != cls.__name__ and issubclass(class_of(data), cls):
+            return cast(Self, class_of(data).from_dict(data))
+        demand_type(data, cls.__name__)
+        missing = {f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING}  # type: ignore[arg-type]
+        found = {}
+        for name, hint in stored_fields(cls):
+            key = cls._keys.get(name, name)
+            if key in data:
+                found[name] = read(data[key], hint)
+            elif name in missing:
+                raise UsageError(f"the stored {cls.__name__} has no {key!r}: it is not complete; store it again")
+        return cls(**found)
+
+    def __repr__(self) -> str:
+        text = f"<{type(self).__name__} {self._summary()}".rstrip().replace("\n", "; ")
+        return (text if len(text) < LONGEST else text[: LONGEST - 5] + " ...") + ">"
+
+    def _summary(self) -> str:
+        """What `repr` says: the fields that are words or numbers."""
+        shown = ((f.name, getattr(self, f.name)) for f in fields(self) if f.repr)  # type: ignore[arg-type]
+        named = sorted(((n, short(item)) for n, item in shown if short(item)), key=lambda pair: pair[0] != "name")
+        return " ".join(f"{name}={text}" for name, text in named)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows; only then is the renderer imported."""
+        render = getattr(importlib.import_module("allanite.reporting"), "html_of", None)
+        return f"<pre>{escape(repr(self))}</pre>" if render is None else str(render(self))
+
+
+def short(item: object) -> str:
+    """A word or number for a `repr`; empty for whatever is larger, or not there."""
+    if isinstance(item, bool):
+        return str(item)
+    if isinstance(item, (int, float)):
+        return f"{item:g}" if isinstance(item, float) else str(item)
+    return repr(item) if isinstance(item, str) and item else ""
+
+
+def stored_fields(cls: type[Value]) -> tuple[tuple[str, Any], ...]:
+    """Name and type of each field that makes a value."""
+    return _fields(cast(Any, cls))
+
+
+@cache
+def _fields(cls: Any) -> tuple[tuple[str, Any], ...]:
+    hints = get_type_hints(cls)
+    return tuple((f.name, hints[f.name]) for f in fields(cls) if f.init)
+
+
+def demand_type(data: dict[str, Any], name: str) -> None:
+    """Make sure that plain data are of this version and, where they say it, of this type.
+
+    Raises
+    ------
+    UsageError
+        They are not.
+    """
+    if data.get("type", name) != name:
+        raise UsageError(f"these data are a {data['type']}, not a {name}; allanite.from_dict reads both")
+    if data.get("allanite", VERSION) != VERSION:
+        raise UsageError(f"these data are of version {data['allanite']!r}; this program reads version {VERSION}")
+
+
+def from_dict(data: dict[str, Any]) -> Any:
+    """Any result, from what its `to_dict` has written.
+
+    Parameters
+    ----------
+    data : dict
+        Its "type" says what it is.
+
+    Raises
+    ------
+    UsageError
+        The type is unknown, or the data are not complete.
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> from_dict(al.N(0.01, "deg/sqrt(h)").to_dict()) == al.N(0.01, "deg/sqrt(h)")
+    True
+    """
+    return class_of(data).from_dict(data)
+
+
+def class_of(data: dict[str, Any]) -> type[Value]:
+    """The class of what was stored, by its "type".
+
+    Raises
+    ------
+    UsageError
+        There is none of that name.
+    """
+    name = data.get("type") if isinstance(data, dict) else None
+    if name not in TYPES:
+        raise UsageError(f"stored data of type {name!r} cannot be read; the types are {', '.join(TYPES)}")
+    found: type[Value] = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
+    return found
