@@ -42,11 +42,12 @@ TYPES: dict[str, str] = {
     "Residuals": "core.residuals",
     "SelfCheck": "planning.selfcheck",
     "Shared": "core.residuals",
+    "Simulation": "simulation.recording",
     "Spectrum": "core.spectrum",
     "StateSpace": "statespace.space",
     "Surface": "core.surface",
     "Term": "core.model",
-    "TermCheck": "planning.selfcheck",
+    "TermCheck": "planning.termcheck",
 }
 """The module, within the package, of every value that `from_dict` reads, by its "type"."""
 

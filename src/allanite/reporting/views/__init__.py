@@ -45,6 +45,14 @@ VIEWS: dict[str, str] = {
     "Fit": "fit.FIT",
     "Residuals": "fit.RESIDUALS",
     "Model": "fit.MODEL",
+    "RecordingPlan": "planning.PLAN",
+    "RecordingPlans": "planning.PLANS",
+    "SelfCheck": "planning.CHECK",
+    "SelfChecks": "planning.CHECKS",
+    "Bound": "planning.BOUND",
+    "StateSpace": "statespace.SPACE",
+    "StateSpaces": "statespace.SPACES",
+    "Simulation": "simulation.SIMULATION",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
