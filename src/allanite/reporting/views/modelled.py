@@ -12,9 +12,10 @@ from . import Rows
 
 
 class Form(NamedTuple):
-    """How one kind of result is shown: what a nameless one is called, the brand of the page, and its parts."""
+    """How one kind of result is shown: the name of a nameless one, title and brand of the page, parts, and a key."""
 
     name: str
+    title: str
     brand: str
     about: Callable[[Any], str]
     parts: Callable[[Any, Modelled | None], Iterable[Part]]
@@ -26,7 +27,7 @@ def one_face(form: Form) -> Callable[[Any, float], Face]:
 
     def face(result: Any, _: float) -> Face:
         sheet = Sheet(form.name, (form.about(result),), tuple(form.parts(result, None)))
-        return Face(str(result.model), form.brand, (sheet,), close=_legend(form), how=(Note(form.key),))
+        return Face(f"{form.title} {result.model}", form.brand, (sheet,), close=_legend(form), how=(Note(form.key),))
 
     return face
 
@@ -37,9 +38,9 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
     def face(job: ModelJob, _: float) -> Face:
         given = job.settings.given()
         about = [("noise", str(given)), *header_of(job.provenance, ())[1:]] if given else None
-        name = job.settings.sensor or PurePath(job.provenance.get("source", "")).name
+        name = job.settings.sensor or given or PurePath(job.provenance.get("source", "")).name or "data in memory"
         return Face(
-            name or ("data in memory" if given is None else str(given)),
+            f"{form.title} {name}",
             form.brand,
             [_sheet(channel, form) for channel in job.channels],
             about or header_of(job.provenance, job.notes, f", method {job.recipe.method}"),
@@ -64,8 +65,7 @@ def _legend(form: Form) -> list[Part]:
 def _sheet(channel: Modelled, form: Form) -> Sheet:
     about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
     about += [] if channel.result is None else [form.about(channel.result)]
-    doubt = bool(channel.refusal) or (channel.noise is not None and not channel.noise.explained)
-    return Sheet(channel.name or form.name, about, tuple(_parts(channel, form)), doubt=doubt)
+    return Sheet(channel.name or form.name, about, tuple(_parts(channel, form)))
 
 
 def _parts(channel: Modelled, form: Form) -> Iterator[Part]:

@@ -134,8 +134,10 @@ def _bound_rows(bound: Bound, _: float) -> Rows:
     return ["parameter", "relative_error"], [list(pair) for pair in pairs]
 
 
-_PLAN = Form("plan", "how long to record", _plan_about, _plan_parts, PLANNED)
-_CHECK = Form("check", "check of the identification", _check_about, _check_parts, CHECKED)
+_PLAN = Form("plan", "Plan for", "how long to record", _plan_about, _plan_parts, PLANNED)
+_CHECK = Form(
+    "check", "Check of the identification:", "simulated records, identified", _check_about, _check_parts, CHECKED
+)
 
 PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())
 PLANS = View(job_face(_PLAN), _plot_plans, job_rows)

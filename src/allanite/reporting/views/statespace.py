@@ -18,7 +18,7 @@ from .modelled import Form, job_face, job_rows, one_face
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-EQUATIONS = "x' = Phi x + w, reading = H x + v, SI units"
+EQUATIONS = "matrices in SI units: x' = Phi x + w, reading = H x + v"
 KEY = (
     "Phi is the transition over one interval, Qd the covariance of w, R the variance of v, P0 the covariance of the "
     "states at the start. The table shows the diagonals."
@@ -74,7 +74,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
     return plot_state_spaces(spaces, level=level)
 
 
-_FORM = Form("model", "state space of an inertial sensor's noise", _about, _parts, KEY)
+_FORM = Form("model", "State space of", "state space of an inertial sensor's noise", _about, _parts, KEY)
 
 SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
 SPACES = View(job_face(_FORM), _plot, job_rows)
