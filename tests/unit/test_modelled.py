@@ -14,6 +14,7 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.plain import from_dict
 from allanite.reporting import page, table, to_csv
+from allanite.reporting.json import to_json
 from allanite.simulation.recording import Simulation
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
@@ -158,3 +159,11 @@ def test_the_truth_of_a_simulation_is_read_again(recording):
     assert again.channels[2].history[1].startswith("low-pass")
     assert "Simulation of N" in page(truth)
     assert "low-pass" in table(truth)
+
+
+def test_a_channel_is_read_again_without_its_readings(job):
+    for channel in job.channels:
+        data = json.loads(to_json(channel))
+        again = type(channel).from_dict(data)
+        assert str(again.to_dict()) == str(channel.to_dict())
+        assert again.noise.explained == channel.noise.explained

@@ -10,7 +10,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, Duration, options
 
 if TYPE_CHECKING:
     from allanite.study.modelled import ModelJob
-    from allanite.study.modelling import NoiseSettings
+    from allanite.study.modelling import Use
 
 EXCEEDED = 4
 """Exit code where a limit is exceeded."""
@@ -87,7 +87,7 @@ def statespace(file: str | None, **choices: Any) -> None:
     _run(StateSpaceSettings, file, choices)
 
 
-def _run(settings: "type[NoiseSettings]", file: str | None, choices: dict[str, Any]) -> "ModelJob":
+def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> "ModelJob":
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.modelled import run_model_job
 

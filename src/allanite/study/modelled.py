@@ -1,26 +1,28 @@
 """What follows from the noise of every channel, or from a model that is given: plans, checks, state spaces."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, ClassVar
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.record import Record
+from allanite.core.plain import Value, from_dict
+from allanite.core.record import Header, Record
+from allanite.core.residuals import Residuals
 from allanite.planning.selfcheck import SelfCheck
 from allanite.statistics import deviation
 
 from .channels import Inspected, Job, Progress, Source, provenance_of, run
-from .modelling import NoiseSettings, PlanSettings, Result, SelfCheckSettings, StateSpaceSettings, Supposed
+from .modelling import NoiseSettings, PlanSettings, Result, SelfCheckSettings, StateSpaceSettings, Supposed, Use
 from .noise import Noise, noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 
-@dataclass(frozen=True, eq=False)
-class Modelled:
+@dataclass(frozen=True, eq=False, repr=False)
+class Modelled(Value):
     """What follows from the noise of one channel, or the reason (`refusal`) why nothing does.
 
     `record`, `quality` and `noise` are None of a model that was given.
@@ -28,7 +30,7 @@ class Modelled:
 
     name: str
     rate: float
-    record: Record | None = None
+    record: Record | Header | None = None
     quality: Quality | None = None
     noise: Noise | None = None
     result: Result | None = None
@@ -49,25 +51,47 @@ class Modelled:
     @cached_property
     def curve(self) -> Curve | None:
         """The measured Allan deviation."""
-        if self.record is None or self.noise is None:
+        if self.noise is None or not isinstance(self.record, Record):
             return None
         return deviation(self.record, "oadev", taus="log", noise=self.noise.fit.model)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data: the name, then what the result has."""
-        own = {} if self.result is None else self.result.to_dict()
-        seen: dict[str, Any] = {"name": self.name, **own, "alerts": list(self.alerts), "refusal": self.refusal}
-        if self.quality is None:
-            return seen
-        fit = None if self.fit is None else self.fit.to_dict(level)
-        return seen | {"quality": self.quality.to_dict(), "fit": fit, "explained": self.noise and self.noise.explained}
+        """Plain data: the name, what the result has, and the noise that it follows from."""
+        own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
+        left = None if self.noise is None else self.noise.residuals
+        parts = {"record": self.record, "quality": self.quality, "fit": self.fit, "residuals": left}
+        return {
+            "name": self.name,
+            **own,
+            **{key: None if part is None else part.to_dict(level) for key, part in parts.items()},
+            "explained": None if self.noise is None else self.noise.explained,
+            "alerts": list(self.alerts),
+            "refusal": self.refusal,
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Modelled":
+        """What `to_dict` has written; the record without its readings."""
+        left = data["residuals"] and partial(Residuals.from_dict, data["residuals"])
+        return cls(
+            data["name"],
+            data["rate"],
+            data["record"] and Header.from_dict(data["record"]),
+            data["quality"] and Quality.from_dict(data["quality"]),
+            data["fit"] and Noise(Fit.from_dict(data["fit"]), left),
+            from_dict(data) if "type" in data else None,
+            tuple(data["alerts"]),
+            data["refusal"],
+        )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ModelJob(Job[Modelled]):
     """What follows from each noise, and the settings; `channels` has one item where a model was given."""
 
-    settings: Any = None
+    _channel: ClassVar = Modelled
+
+    settings: Use = field(default_factory=PlanSettings)
 
     def __getitem__(self, key: str | int) -> Modelled:
         if isinstance(key, int):
@@ -75,7 +99,10 @@ class ModelJob(Job[Modelled]):
         for channel in self.channels:
             if channel.name == key:
                 return channel
-        raise KeyError(key)
+        raise UsageError(f"no channel {key!r}; there are {', '.join(channel.name for channel in self.channels)}")
+
+    def _summary(self) -> str:
+        return ", ".join(channel.name or "model" for channel in self.channels)
 
     @property
     def recorded(self) -> bool:
@@ -103,13 +130,13 @@ class SelfChecks(ModelJob):
     @property
     def exceeded(self) -> list[str]:
         """Which limits of the settings are exceeded beyond chance, in sentences."""
-        limits = self.settings.limits
+        limits = self.settings.limits if isinstance(self.settings, SelfCheckSettings) else {}
         found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
         return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {**super().to_dict(), "exceeded": self.exceeded}
+    def to_dict(self, *level: float) -> dict[str, Any]:
+        """Plain data, and which limits are exceeded."""
+        return {**super().to_dict(*level), "exceeded": self.exceeded}
 
 
 class StateSpaces(ModelJob):
@@ -132,7 +159,7 @@ def _counting(settings: NoiseSettings, *, recorded: bool) -> tuple[str, ...]:
 
 
 def run_model_job(
-    source: Source | None, settings: NoiseSettings, recipe: Recipe | None = None, *, progress: Progress | None = None
+    source: Source | None, settings: Use, recipe: Recipe | None = None, *, progress: Progress | None = None
 ) -> ModelJob:
     """What follows from the noise of each channel of a recording, or from the model that the settings give.
 

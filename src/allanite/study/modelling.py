@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
 from allanite.core.notation import parse_model, split_quantities
+from allanite.core.plain import Value
 from allanite.core.units import convert
 from allanite.planning.plan import DURATIONS, RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
@@ -36,8 +37,8 @@ class Supposed:
 Work = Callable[[Supposed, Recipe, Progress], Result]
 
 
-@dataclass(frozen=True)
-class NoiseSettings:
+@dataclass(frozen=True, repr=False)
+class NoiseSettings(Value):
     """Where the noise comes from if there is no recording.
 
     Attributes
@@ -73,7 +74,7 @@ class NoiseSettings:
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PlanSettings(NoiseSettings):
     """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as of `plan`."""
 
@@ -90,7 +91,7 @@ class PlanSettings(NoiseSettings):
         return plan(noise.model, noise.rate, durations=self.durations, accuracy=share, ramp=self.ramp)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SelfCheckSettings(NoiseSettings):
     """Choices of a check.
 
@@ -137,7 +138,7 @@ class SelfCheckSettings(NoiseSettings):
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StateSpaceSettings(NoiseSettings):
     """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as of `state_space`."""
 
@@ -174,3 +175,7 @@ class StateSpaceSettings(NoiseSettings):
         if len(found) != 1 or not found[0][1]:
             raise UsageError(f"a bias is given as '3 deg/h', not {self.turn_on!r}")
         return convert(*found[0], si)
+
+
+Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
+"""What is done with a noise."""
