@@ -134,10 +134,6 @@ class SelfChecks(ModelJob):
         found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
         return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
 
-    def to_dict(self, *level: float) -> dict[str, Any]:
-        """Plain data, and which limits are exceeded."""
-        return {**super().to_dict(*level), "exceeded": self.exceeded}
-
 
 class StateSpaces(ModelJob):
     """A state space of each channel's noise."""
