@@ -194,7 +194,7 @@ def test_the_plan_on_the_page_is_that_of_the_command(desk):
         [str(Path(sys.executable).with_name("allanite")), "plan", "--sensor", "fog", "--rate", "100"],
         cwd=desk, capture_output=True, text=True, check=True,
     )  # fmt: skip
-    assert done.stdout.startswith(shown)
+    assert shown in done.stdout
 
 
 def test_make_builds_it():

@@ -17,8 +17,8 @@ VERBS: dict[str, str] = {
     "angle": "angle.angle",
     "simulate": "simulate.simulate",
     "plan": "plan.plan",
-    "selfcheck": "selfcheck.selfcheck",
-    "statespace": "statespace.statespace",
+    "selfcheck": "plan.selfcheck",
+    "statespace": "plan.statespace",
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
 }

@@ -1,52 +1,98 @@
-"""``allanite plan``: how long to record for a wanted accuracy."""
+"""What follows from a noise model, written out, of a typical sensor, or of a recording: plans, checks, state spaces."""
 
-import shutil
-import sys
-from typing import Any
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.reporting.outputs import STDOUT, demand_outputs
+from .deliver import deliver, outputs, progress, recipe_of
+from .options import IDENTIFYING, RECORDING, RESULTS, Duration, options
 
-from .models import MODEL, OPTIONAL_READING, Several, durations, options, supposed
-from .output import WIDTH, put
+if TYPE_CHECKING:
+    from allanite.study.modelled import ModelJob
+    from allanite.study.modelling import Use
+
+EXCEEDED = 4
+"""Exit code where a limit is exceeded."""
+
+NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
+"""A recording, or a model of its noise."""
 
 
 @click.command()
-@options(OPTIONAL_READING, MODEL)
-@click.option("--durations", callback=durations, metavar="A,B,...", help="Lengths.  [10 min,1 h,6 h,24 h]")
-@click.option("--accuracy", type=float, default=10.0, metavar="PERCENT", help="Wanted relative standard error.  [10]")
-@click.option("--ramp/--no-ramp", default=None, help="Reckon with a ramp of unknown size.  [if the model has one]")
-@click.option("--json", metavar="PATH", type=click.Path(), help="Write everything as JSON; - is standard output.")
-@click.option("--force", is_flag=True, help="Overwrite files that exist.")
-def plan(file: str | None, *, json: str | None, force: bool, **choices: Any) -> None:
-    """Say how accurately each coefficient can be known from a record of some length.
+@options(
+    *NOISE,
+    click.option("--durations", type=Duration(several=True), metavar="A,B,...", help="Lengths.  [10 min,1 h,6 h,24 h]"),
+    click.option("--accuracy", type=float, metavar="PERCENT", help="Wanted relative standard error.  [10]"),
+    click.option("--ramp/--no-ramp", default=None, help="Allow for a ramp of unknown size.  [if the model has one]"),
+    *RESULTS,
+)
+def plan(file: str | None, **choices: Any) -> None:
+    """Say how long to record for a wanted accuracy.
 
     The noise is that of --model or --sensor, or what a first recording FILE shows. Nothing is simulated.
     """
-    demand_outputs({} if json is None else {"json": json}, inputs=[file] if file else [], force=force)
-    from allanite.planning.plan import DURATIONS
-    from allanite.planning.plan import plan as planned
-    from allanite.reporting.plain import to_json
-    from allanite.reporting.planning import LEGEND, notes_of, plan_text, wrapped
-    from allanite.reporting.progress import bar
+    from allanite.study.modelling import PlanSettings
 
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
-    found, texts = {}, []
-    with bar(shown=sys.stderr.isatty()) as progress:
-        for item in supposed(file, choices["model"], choices["sensor"], choices, progress):
-            progress(f"planning {item.name}", 0.9)
-            result = planned(
-                item.model,
-                item.rate,
-                durations=choices["durations"] or DURATIONS,
-                accuracy=choices["accuracy"] / 100,
-                ramp=choices["ramp"],
-            )
-            found[item.name] = result
-            notes = notes_of(item.channel) if item.channel else []
-            texts.append(plan_text(result, item.name, notes=notes, width=width))
-    if json is not None:
-        put(json, to_json(Several("RecordingPlans", found)).encode(), force=force)
-    if json != STDOUT:
-        click.echo("\n".join([*texts, *wrapped(LEGEND, width)]))
+    _run(PlanSettings, file, choices)
+
+
+@click.command()
+@options(
+    *NOISE,
+    "duration",
+    "samples",
+    click.option("--records", type=int, metavar="N", help="Records that are simulated.  [100]"),
+    "seed",
+    click.option("--max-bias", type=float, metavar="PERCENT", help="Limit: bias of the coefficients."),
+    click.option("--min-coverage", type=float, metavar="PERCENT", help="Limit: coverage of the intervals."),
+    click.option("--max-false", type=float, metavar="PERCENT", help="Limit: records with absent terms reported."),
+    click.option("--max-missed", type=float, metavar="PERCENT", help="Limit: records with terms not found."),
+    *(option for option in RESULTS if option != "plot"),
+)
+def selfcheck(file: str | None, **choices: Any) -> None:
+    """Check the identification on simulated records.
+
+    Prints bias, spread, coverage and errors beside the Cramer-Rao bound. The noise is that of --model or --sensor, or
+    what a recording FILE shows, whose length is then taken. If a limit is given and exceeded by more than two
+    Monte-Carlo standard errors, the exit code is 4.
+    """
+    from allanite.study.modelling import SelfCheckSettings
+
+    found = _run(SelfCheckSettings, file, choices)
+    for sentence in found.exceeded:
+        click.echo(f"limit exceeded: {sentence}", err=True)
+    if found.exceeded:
+        raise click.exceptions.Exit(EXCEEDED)
+
+
+@click.command()
+@options(
+    *NOISE,
+    click.option("--tau", type=Duration(several=True), metavar="LO,HI", help="Where flicker is matched.  [1,1000]"),
+    click.option("--ripple", type=float, metavar="PERCENT", help="Wanted deviation from flicker.  [2]"),
+    click.option("--order", type=int, metavar="N", help="Gauss-Markov processes for flicker, instead."),
+    click.option("--turn-on", metavar="RATE", help="Standard deviation of the bias at switch-on, as '3 deg/h'."),
+    click.option("--measurement", metavar="NAME", help="auto, mean (exact) or sample.  [auto]"),
+    *RESULTS,
+)
+def statespace(file: str | None, **choices: Any) -> None:
+    """Print the noise as states for a Kalman filter.
+
+    Transition, covariances, measurement. The noise is that of --model or --sensor, or what a recording FILE shows.
+    Flicker becomes a sum of Gauss-Markov processes that is right between two averaging times.
+    """
+    from allanite.study.modelling import StateSpaceSettings
+
+    _run(StateSpaceSettings, file, choices)
+
+
+def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> "ModelJob":
+    out = outputs(choices, [file, choices["recipe"]])
+    from allanite.study.modelled import run_model_job
+
+    own = {f.name: value for f in fields(settings) if (value := choices.pop(f.name)) is not None}
+    with progress(out) as tell:
+        found = run_model_job(file, settings(**own), recipe_of(choices), progress=tell)
+    deliver(found, out)
+    return found

@@ -1,113 +1,23 @@
 """Does the identification keep its word on this sensor, rate and length: simulate, identify, count."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
-from allanite.core.fit import Estimate, Fit
-from allanite.core.model import Model, ModelLike, Term, model_of
+from allanite.core.fit import Fit
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
-from allanite.core.units import Signal
 from allanite.identification import identify
-from allanite.identification.likelihood.selection import quantile
 from allanite.simulation.record import simulate
 from allanite.terms import TERMS
 
-from .bound import Bound, bound
-
-FloatArray = NDArray[np.float64]
-
-Measured = tuple[float, float]
-"""A number and its Monte-Carlo standard error."""
-
-MEASURED = ("bias", "spread", "coverage", "found")
-
-Interval = Callable[[float], tuple[float, float]]
-
-LINE = next(symbol for symbol, row in TERMS.items() if row.periodic)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class TermCheck(Value):
-    """What became of one term in all records.
-
-    Attributes
-    ----------
-    symbol, signal
-        The term; for a time constant with its name behind it.
-    truth : float
-        Its coefficient, SI; 0 where it is absent. Or the time constant, s.
-    bound : float
-        Least relative standard error (Cramer-Rao); NaN where it is absent.
-    value : array, shape (records,)
-        The coefficient in the model that describes each record best, SI; 0 where it is not in it. Or the time constant,
-        NaN where there is none.
-    low, high : arrays, shape (records,)
-        The interval as printed; NaN where there is none.
-    claimed : bool array, shape (records,)
-        Whether the term was said to be there.
-    """
-
-    _keys: ClassVar = {"symbol": "term"}
-
-    symbol: str
-    signal: Signal
-    truth: float
-    bound: float
-    value: FloatArray
-    low: FloatArray
-    high: FloatArray
-    claimed: NDArray[np.bool_]
-
-    @property
-    def bias(self) -> Measured:
-        """Mean error, relative to the truth; NaN where the term is absent."""
-        error = self._relative
-        return float(error.mean()), float(error.std(ddof=1) / math.sqrt(error.size))
-
-    @property
-    def spread(self) -> Measured:
-        """Standard deviation, relative to the truth; NaN where the term is absent."""
-        error = self._relative
-        deviation = float(error.std(ddof=1))
-        return deviation, deviation / math.sqrt(2 * (error.size - 1))
-
-    @property
-    def coverage(self) -> Measured:
-        """Share of the intervals that hold the truth; NaN where none was given."""
-        given = np.isfinite(self.low)
-        return _share(((self.low <= self.truth) & (self.truth <= self.high))[given])
-
-    @property
-    def found(self) -> Measured:
-        """Share of the records in which the term was said to be there: of an absent term, falsely."""
-        return _share(self.claimed)
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, with what was measured and its Monte-Carlo standard errors."""
-        data = super().to_dict(level)
-        for name in MEASURED:
-            data[name], data[f"{name}_error"] = map(plain, getattr(self, name))
-        return data
-
-    @property
-    def _relative(self) -> FloatArray:
-        given = self.value[np.isfinite(self.value)]
-        return np.asarray(given / self.truth - 1) if self.truth and given.size > 1 else np.full(2, math.nan)
-
-
-def _share(hit: NDArray[np.bool_]) -> Measured:
-    if not hit.size:
-        return math.nan, math.nan
-    # the error is that of one more hit and one more miss, so that it is not zero where all or none hit
-    smooth = (hit.sum() + 1) / (hit.size + 2)
-    return float(hit.mean()), math.sqrt(smooth * (1 - smooth) / hit.size)
+from .bound import bound
+from .termcheck import MEASURED, Measured, TermCheck, compared, share, sought, term_checks
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -202,7 +112,7 @@ def _judged(
     return [*judged, ("bias", (abs(size), its), bias, 1), ("missed in", (1 - found, error), wrong[1], 1)]
 
 
-def selfcheck(
+def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
     model: ModelLike,
     n: int,
     rate: float,
@@ -210,6 +120,8 @@ def selfcheck(
     records: int = 100,
     rng: "np.random.Generator",
     terms: str = "auto",
+    method: str | None = None,
+    band: tuple[float, float] | None = None,
     level: float = 0.95,
     progress: Callable[[str, float], None] | None = None,
 ) -> SelfCheck:
@@ -227,8 +139,8 @@ def selfcheck(
         How many are simulated, at least 2.
     rng : numpy.random.Generator
         The source of randomness.
-    terms : str
-        As for `identify`.
+    terms, method, band
+        As for `identify`. The bound is that of the whole record, whatever the method and the band.
     level : float
         Confidence level of the intervals.
     progress : callable, optional
@@ -259,83 +171,22 @@ def selfcheck(
     fits = []
     for i, child in enumerate(rng.spawn(records)):
         tell(f"record {i + 1} of {records}", i / records)
-        fits.append(identify(simulate(truth, n, rate, rng=child), terms=terms))
-    least = bound(truth, n, rate)
-    present = {t.symbol: t for t in truth if sum(other.symbol == t.symbol for other in truth) == 1}
-    sought = dict.fromkeys(
-        [*(e.symbol for fit in fits for e in fit), *([LINE] if any(fit.lines for fit in fits) else [])]
-    )
-    seen = {symbol: [_seen(symbol, fit, present.get(symbol), n / rate) for fit in fits] for symbol in sought}
-    checks = tuple(
-        _checked(present.get(symbol) or Term(symbol, 0.0, truth.signal), rows, level, least)
-        for symbol, rows in seen.items()
-    )
-    doubted = np.array([fit.goodness is not None and not fit.goodness.explained for fit in fits])
-    checks += tuple(_shape_check(t, i, fits, level, least) for t in present.values() for i in _found_shapes(t, fits))
-    notes = tuple(
-        f"{TERMS[s].title} ({s}) is in the model, but "
-        + ("stands in it several times" if s in sought else "was not found in any record")
-        for s in dict.fromkeys(t.symbol for t in truth)
-        if s not in sought or s not in present
-    )
-    return SelfCheck(truth, n, rate, records, level, checks, _share(doubted), notes)
+        fits.append(identify(simulate(truth, n, rate, rng=child), method, terms=terms, band=band))
+    checks = tuple(term_checks(truth, fits, bound(truth, n, rate), level))
+    judged = [fit.goodness for fit in fits if fit.goodness is not None]
+    # a record whose fit is not judged is not doubted, unless none is
+    doubted = np.array([not good.explained for good in judged] + [False] * (len(fits) - len(judged)))
+    unexplained = share(doubted if judged else doubted[:0])
+    return SelfCheck(truth, n, rate, records, level, checks, unexplained, tuple(_notes(truth, fits)))
 
 
-def _found_shapes(true: Term, fits: list[Fit]) -> range:
-    """Which parameters of a term's shape are estimated."""
-    return range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, true)), default=0))
-
-
-def _shaped(e: Estimate, true: Term) -> bool:
-    return e.symbol == true.symbol and e.value is not None and e.shape_limits is not None
-
-
-def _shape_check(true: Term, which: int, fits: list[Fit], level: float, least: Bound) -> TermCheck:
-    """A time constant: of the records in which its term was found."""
-    name = f"{true.symbol} {true.row.parameters[which].name.replace('_', ' ')}"
-    found = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
-    nothing = (math.nan, math.nan)
-    limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in found])
-    value = np.array([e.shape[which] if e else math.nan for e in found])
-    claimed = np.array([e is not None for e in found])
-    return TermCheck(name, true.signal, true.shape[which], least[name], value, limits[:, 0], limits[:, 1], claimed)
-
-
-def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
-    """The coefficient in the model, its interval if one was given, and whether the term was said to be there."""
-    if symbol == LINE:
-        return _line_seen(fit, true, duration)
-    estimate = next((e for e in fit if e.symbol == symbol), None)
-    value = next((t.value for t in fit.model if t.symbol == symbol), 0.0)
-    return (value, None, False) if estimate is None else (value, estimate.interval, estimate.claimed)
-
-
-def _line_seen(fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
-    """The sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one any."""
-    if not fit.lines:
-        return 0.0, None, False
-    if true is None:
-        return fit.lines[0].amplitude, None, True
-    line = min(fit.lines, key=lambda line: abs(line.frequency - true.shape[0]))
-    if abs(line.frequency - true.shape[0]) > 2 / duration:
-        return 0.0, None, False
-
-    def interval(level: float) -> tuple[float, float]:
-        half = quantile((1 + level) / 2) * line.standard_error
-        return line.amplitude - half, line.amplitude + half
-
-    return line.amplitude, interval, True
-
-
-def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:
-    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for _, interval, _ in seen])
-    return TermCheck(
-        true.symbol,
-        true.signal,
-        true.value,
-        least[true.symbol] if true.value else math.nan,
-        np.array([value for value, _, _ in seen]),
-        limits[:, 0],
-        limits[:, 1],
-        np.array([claimed for _, _, claimed in seen]),
-    )
+def _notes(truth: Model, fits: list[Fit]) -> Iterator[str]:
+    looked, known = sought(fits), compared(truth)
+    for symbol in dict.fromkeys(t.symbol for t in truth):
+        named = f"{TERMS[symbol].title} ({symbol}) is in the model, but"
+        if symbol not in looked:
+            yield f"{named} was not found in any record"
+        elif symbol not in known:
+            yield f"{named} stands in it several times"
+    if any(e.status == "reported" for fit in fits for e in fit):
+        yield f"method {fits[0].method!r} gives no evidence for a term: none is counted as found"

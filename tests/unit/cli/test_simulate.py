@@ -20,7 +20,7 @@ def test_every_format_is_written_and_read_again(tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
     result = run(path, "--sensor", "fog", "--rate", 100, "--duration", "10 s", "--channels", 2, "--seed", 3)
     assert result.exit_code == 0, result.stderr
-    assert f"written: {path}" in result.stdout
+    assert f"out: {path}" in result.stdout
     recording = al.read(path)
     assert recording.channels == ("gx", "gy")
     rng = np.random.default_rng(3)

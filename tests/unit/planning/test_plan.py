@@ -136,9 +136,9 @@ def test_the_verb_plans_for_a_sensor():
     result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5)
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
-    assert lines[0] == "mems  100 Hz, no ramp"
-    assert lines[1].split()[-5:] == ["24", "h", "for", "5", "%"]
-    assert lines[3].split() == ["B", "7.2", "deg/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
+    at = lines.index("mems  100 Hz, no ramp")
+    assert lines[at + 1].split()[-5:] == ["24", "h", "for", "5", "%"]
+    assert lines[at + 3].split() == ["B", "7.2", "deg/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
 
 
 def test_the_verb_plans_from_a_first_recording(tmp_path):
@@ -162,6 +162,8 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
         (("--sensor", "fog"), "--rate HZ"),
         (("--sensor", "hrg", "--rate", 1), "known are mems, fog, rlg"),
         (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
+        (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band is for a recording"),
+        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from is for a recording"),
     ],
 )
 def test_what_the_verb_refuses(arguments, words):

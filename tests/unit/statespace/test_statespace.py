@@ -187,7 +187,7 @@ def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
     result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
     assert result.exit_code == 0, result.stderr
     pasted = {}
-    block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  - ")]
+    block = result.stdout[result.stdout.index("  Phi = ") : result.stdout.index("\n\n  Phi is the transition")]
     exec("\n".join(line[2:] if line[2] != " " else line for line in block.splitlines()), {}, pasted)  # noqa: S102
     space = al.state_space(al.sensor("mems"), 50.0, turn_on=30 * np.pi / 180 / 3600)
     for name, matrix in pasted.items():

@@ -52,6 +52,14 @@ VIEWS: dict[str, str] = {
     "CompensationStudy": "compensation.STUDY",
     "Compensated": "compensation.CHANNEL",
     "Regression": "compensation.REGRESSION",
+    "RecordingPlan": "planning.PLAN",
+    "RecordingPlans": "planning.PLANS",
+    "SelfCheck": "planning.CHECK",
+    "SelfChecks": "planning.CHECKS",
+    "Bound": "planning.BOUND",
+    "StateSpace": "statespace.SPACE",
+    "StateSpaces": "statespace.SPACES",
+    "Simulation": "simulation.SIMULATION",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 

@@ -7,7 +7,7 @@ from allanite.core.fit import Estimate, Fit
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, chance
 from allanite.reporting import words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS
 
 from . import View
@@ -143,18 +143,15 @@ def _plot_residuals(values: Sequence[Residuals], fit: Fit | None, level: float) 
     return plot_residuals(values[0])
 
 
-def _model_face(model: Model, level: float) -> Face:
+def model_table(model: Model) -> Table:
+    """The terms of a model, in the units of data sheets."""
     heads = columns("", "term", "value", "unit", left=2)
-    rows = [
-        [
-            t.symbol,
-            words.title(t.symbol, t.signal),
-            f"{t.to(t.signal.sheet[t.row.power]):.6g}",
-            t.signal.sheet[t.row.power],
-        ]
-        for t in model
-    ]
-    return Face(str(model), "a noise model", (Sheet("model", parts=(Table(heads, rows),)),), header_of({}, ())[:0])
+    sheets = [(t, t.signal.sheet[t.row.power]) for t in model]
+    return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), f"{t.to(u):.6g}", u] for t, u in sheets])
+
+
+def _model_face(model: Model, level: float) -> Face:
+    return Face(str(model), "a noise model", (Sheet("model", parts=(model_table(model),)),))
 
 
 FIT = View(_face, _plot, _rows)

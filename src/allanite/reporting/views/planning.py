@@ -1,0 +1,146 @@
+"""How plans of recordings, checks of the identification and bounds are shown."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from allanite.core.fit import Fit
+from allanite.core.model import Model
+from allanite.planning.bound import Bound, name_of
+from allanite.planning.plan import RecordingPlan
+from allanite.planning.selfcheck import SelfCheck
+from allanite.reporting import words
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table
+from allanite.study.modelled import Modelled, RecordingPlans
+
+from . import Rows, View
+from .modelled import Form, job_face, job_rows, one_face
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PLANNED = (
+    "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
+    "is called identified up to 25 %; above 40 % it is hardly seen. The default method reaches the bound where it is "
+    "below about 12 %."
+)
+CHECKED = (
+    "bound: least relative standard error (Cramer-Rao); bias and spread of the coefficient, relative to the truth; "
+    "coverage: share of the printed intervals that contain the truth; found: share of records in which the term is "
+    "reported as present. +- is the Monte-Carlo standard error."
+)
+DRAWN = "Relative standard error by the length of the record. The horizontal line is the accuracy that is wanted."
+BOUNDED = "Least relative standard errors (1 sigma, Cramer-Rao bound) of the parameters."
+
+
+def _heads(*numbers: str) -> tuple[Column, ...]:
+    return (Column("", "symbol"), *(Column(h, "unit" if h == "unit" else "number") for h in numbers))
+
+
+def expected_values(model: Model) -> dict[str, tuple[str, str]]:
+    """Each parameter's value, and the unit of data sheets that it is in."""
+    found = {}
+    for t in model:
+        name, unit = name_of(t, model), t.signal.sheet[t.row.power]
+        found[name] = (f"{t.to(unit):.4g}", unit)
+        for parameter, value in zip(t.row.parameters, t.shape, strict=True):
+            found[f"{name} {parameter.name.replace('_', ' ')}"] = (f"{value:.4g}", parameter.unit)
+    return found
+
+
+def percent(error: float) -> str:
+    """A relative standard error."""
+    if math.isnan(error):
+        return "-"
+    return f"{100 * error:.2g} %" if error < 1 else "> 100 %"
+
+
+def _length(seconds: float) -> str:
+    if not math.isfinite(seconds):
+        return "never"
+    return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else "> 100 years"
+
+
+def _plan_about(plan: RecordingPlan) -> str:
+    return f"{plan.rate:.8g} Hz, {'a ramp of unknown size is allowed for' if plan.ramp else 'no ramp'}"
+
+
+def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
+    heads = _heads("expected", "unit", *map(words.duration, plan.durations), f"for {percent(plan.accuracy)}")
+    values = expected_values(plan.model)
+    rows = [
+        [name, *values.get(name, ("", "")), *map(percent, errors), _length(needed)]
+        for name, errors, needed in zip(plan.names, plan.errors.tolist(), plan.needed.tolist(), strict=True)
+    ]
+    yield Table(heads, rows)
+    yield Drawing(lambda: _plot_plans([plan], None, 0.95), "relative standard errors by length of the record", DRAWN)
+
+
+def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Figure":
+    from allanite.reporting.figures.planning import plot_plans
+
+    return plot_plans([pair for value in values for pair in _named(value)])
+
+
+def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPlan]]:
+    if isinstance(value, RecordingPlan):
+        return [("", value)]
+    return [(c.name, c.result) for c in value.channels if isinstance(c.result, RecordingPlan)]
+
+
+def _check_about(check: SelfCheck) -> str:
+    length = words.duration(check.size / check.rate)
+    return (
+        f"{check.records} records of {check.size} readings at {check.rate:.8g} Hz ({length}), "
+        f"intervals at {words.percent(check.level)}"
+    )
+
+
+def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
+    values = expected_values(check.model)
+    rows = [
+        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else ("absent", "")), percent(c.bound)]
+        + [_with_error(measured) for measured in (c.bias, c.spread, c.coverage, c.found)]
+        for c in check.terms
+    ]
+    yield Table(_heads("truth", "unit", "bound", "bias", "spread", "coverage", "found"), rows)
+    yield Note(f"records whose model is reported not to explain them: {_with_error(check.unexplained)}")
+    yield from (Note(note) for note in check.notes)
+
+
+def _with_error(measured: tuple[float, float]) -> str:
+    """A share with its error in percent, to the digits that the error leaves."""
+    value, error = measured
+    if math.isnan(value):
+        return "-"
+    places = max(0, min(3, 1 - math.floor(math.log10(100 * error)))) if error > 0 else 1
+    return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
+
+
+def _bound_face(bound: Bound, _: float) -> Face:
+    values = expected_values(bound.model)
+    rows = [[name, *values.get(name, ("", "")), percent(bound[name])] for name in bound.names]
+    about = f"{bound.size} readings at {bound.rate:.8g} Hz ({words.duration(bound.size / bound.rate)})"
+    parts: list[Part] = [Table(_heads("value", "unit", "error"), rows)]
+    if bound.ramp is not None:
+        unit = bound.model.signal.si[1]
+        parts.append(Note(f"a ramp of unknown size is allowed for; its standard error is {bound.ramp:.3g} {unit}"))
+    sheet = Sheet("bound", (about,), parts)
+    return Face(f"Bound: {bound.model}", "Cramer-Rao bound of noise coefficients", (sheet,), how=(Note(BOUNDED),))
+
+
+def _bound_rows(bound: Bound, _: float) -> Rows:
+    pairs = zip(bound.names, bound.errors.tolist(), strict=True)
+    return ["parameter", "relative_error"], [list(pair) for pair in pairs]
+
+
+_PLAN = Form("plan", "Plan for", "how long to record", _plan_about, _plan_parts, PLANNED)
+_CHECK = Form(
+    "check", "Check of the identification:", "simulated records, identified", _check_about, _check_parts, CHECKED
+)
+
+PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())
+PLANS = View(job_face(_PLAN), _plot_plans, job_rows)
+CHECK = View(one_face(_CHECK), None, lambda check, _: check.rows())
+CHECKS = View(job_face(_CHECK), None, job_rows)
+BOUND = View(_bound_face, None, _bound_rows)

@@ -1,0 +1,80 @@
+"""How state spaces are shown: their states, matrices that can be pasted into a program, and what they leave out."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.fit import Fit
+from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Table
+from allanite.statespace import StateSpace
+from allanite.statespace.build import MEASUREMENTS
+from allanite.study.modelled import Modelled, StateSpaces
+
+from . import View
+from .modelled import Form, job_face, job_rows, one_face
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+EQUATIONS = "matrices in SI units: x' = Phi x + w, reading = H x + v"
+KEY = (
+    "Phi is the transition over one interval, Qd the covariance of w, R the variance of v, P0 the covariance of the "
+    "states at the start. The table shows the diagonals."
+)
+DRAWN = "Allan deviation of the state space, of the model, and as measured; below, the state space over the model."
+
+
+def _about(space: StateSpace) -> str:
+    return f"{space.rate:.8g} Hz; {space.model}"
+
+
+def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
+    low, high = space.tau
+    yield Note(
+        f"Allan deviation within {100 * space.ripple:.2g} % of the model's from {low:g} to {high:g} s; "
+        f"{MEASUREMENTS[space.measurement].meaning}"
+    )
+    yield from (Note(note) for note in space.notes)
+    headings, rows = space.rows()
+    heads = (Column(""), Column(headings[0], "name"), Column("unit", "unit"), *map(Column, headings[2:]))
+    yield Table(heads, [[str(i), *row[:2], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows, 1)])
+    yield Drawing(
+        lambda: _plot([channel or space], None, 0.95), "Allan deviation of the state space and of the model", DRAWN
+    )
+    lines = [line for label in ("Phi", "Qd", "H", "R", "P0") for line in _matrix(label, getattr(space, label))]
+    yield Code("\n".join(lines), EQUATIONS)
+
+
+def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
+    """As Python, JSON and MATLAB-like programs read it, to the last digit."""
+    rows = [[repr(float(v)) if v else "0" for v in row] for row in matrix]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for i, row in enumerate(rows):
+        cells = ", ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))
+        opening = f"{label} = [[" if i == 0 else " " * (len(label) + 4) + "["
+        yield f"{opening}{cells}]" + ("]" if i == len(rows) - 1 else ",")
+
+
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+    """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
+    from allanite.reporting.figures.statespace import plot_state_spaces
+
+    spaces: list[tuple[str, StateSpace, list[Curve]]] = []
+    for value in values:
+        if isinstance(value, Curve):
+            spaces[-1][2].append(value)
+        elif isinstance(value, StateSpaces | Modelled):
+            channels = value.channels if isinstance(value, StateSpaces) else (value,)
+            known = [(c.name, c.result, [c.curve] if c.curve else []) for c in channels]
+            spaces += [(name, space, curves) for name, space, curves in known if isinstance(space, StateSpace)]
+        else:
+            spaces.append(("", value, []))
+    return plot_state_spaces(spaces, level=level)
+
+
+_FORM = Form("model", "State space of", "state space of an inertial sensor's noise", _about, _parts, KEY)
+
+SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
+SPACES = View(job_face(_FORM), _plot, job_rows)

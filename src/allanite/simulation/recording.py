@@ -1,0 +1,57 @@
+"""A simulated recording as a value: what was put into it."""
+
+from dataclasses import dataclass
+
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.core.plain import Value
+from allanite.core.record import Header, Recording
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Value):
+    """The truth of a simulated recording.
+
+    Attributes
+    ----------
+    model : Model
+        The noise of every channel.
+    seed : int
+        Of the random numbers.
+    rate, size : float, int
+        Sampling rate, Hz, and number of readings.
+    channels : tuple of Header
+        What the channels hold; their histories say which faults were put in.
+    """
+
+    model: Model
+    seed: int
+    rate: float
+    size: int
+    channels: tuple[Header, ...]
+
+    @classmethod
+    def of(cls, model: Model, seed: int, recording: Recording) -> "Simulation":
+        """The truth of this recording."""
+        first = recording[0]
+        return cls(model, seed, first.rate, first.size, tuple(record.header for record in recording))
+
+
+def readings(rate: float, duration: float | None, samples: int | None) -> int:
+    """Number of readings of a length that is given by one of the two, s or a number.
+
+    Raises
+    ------
+    UsageError
+        Both are given, or neither; the rate is not above 0.
+
+    Examples
+    --------
+    >>> readings(100.0, 60.0, None)
+    6000
+    """
+    if (duration is None) == (samples is None):
+        raise UsageError("give the length either by --duration or by --samples")
+    if not 0 < rate < float("inf"):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
+    return samples if samples is not None else round((duration or 0.0) * rate)

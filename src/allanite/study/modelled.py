@@ -1,0 +1,230 @@
+"""What follows from the noise of every channel, or from a model that is given: plans, checks, state spaces."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from functools import cached_property, partial
+from typing import Any, ClassVar
+
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError, UsageError
+from allanite.core.finding import Quality
+from allanite.core.fit import Fit
+from allanite.core.plain import Value, from_dict
+from allanite.core.record import Header, Record
+from allanite.core.residuals import Residuals
+from allanite.planning.selfcheck import SelfCheck
+from allanite.statistics import deviation
+
+from .channels import Inspected, Job, Progress, Source, provenance_of, run
+from .modelling import NoiseSettings, PlanSettings, Result, SelfCheckSettings, StateSpaceSettings, Supposed, Use
+from .noise import Noise, noise_of
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modelled(Value):
+    """What follows from the noise of one channel, or the reason (`refusal`) why nothing does.
+
+    `record`, `quality` and `noise` are None of a model that was given.
+    """
+
+    name: str
+    rate: float
+    record: Record | Header | None = None
+    quality: Quality | None = None
+    noise: Noise | None = None
+    result: Result | None = None
+    alerts: tuple[str, ...] = ()
+    refusal: str = ""
+
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise."""
+        return None if self.noise is None else self.noise.fit
+
+    @property
+    def missing(self) -> str:
+        """Terms that were looked for and not identified, with their limits: the result does not reckon with them."""
+        absent = [e for e in self.fit or () if e.value is None and e.upper is not None]
+        return ", ".join(f"{e.symbol} {e.words()}" for e in absent)
+
+    @cached_property
+    def curve(self) -> Curve | None:
+        """The measured Allan deviation."""
+        if self.noise is None or not isinstance(self.record, Record):
+            return None
+        return deviation(self.record, "oadev", taus="log", noise=self.noise.fit.model)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data: the name, what the result has, and the noise that it follows from."""
+        own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
+        left = None if self.noise is None else self.noise.residuals
+        parts = {"record": self.record, "quality": self.quality, "fit": self.fit, "residuals": left}
+        return {
+            "name": self.name,
+            **own,
+            **{key: None if part is None else part.to_dict(level) for key, part in parts.items()},
+            "explained": None if self.noise is None else self.noise.explained,
+            "alerts": list(self.alerts),
+            "refusal": self.refusal,
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Modelled":
+        """What `to_dict` has written; the record without its readings."""
+        left = data["residuals"] and partial(Residuals.from_dict, data["residuals"])
+        return cls(
+            data["name"],
+            data["rate"],
+            data["record"] and Header.from_dict(data["record"]),
+            data["quality"] and Quality.from_dict(data["quality"]),
+            data["fit"] and Noise(Fit.from_dict(data["fit"]), left),
+            from_dict(data) if "type" in data else None,
+            tuple(data["alerts"]),
+            data["refusal"],
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelJob(Job[Modelled]):
+    """What follows from each noise, and the settings; `channels` has one item where a model was given."""
+
+    _channel: ClassVar = Modelled
+
+    settings: Use = field(default_factory=PlanSettings)
+
+    def __getitem__(self, key: str | int) -> Modelled:
+        if isinstance(key, int):
+            return self.channels[key]
+        for channel in self.channels:
+            if channel.name == key:
+                return channel
+        raise UsageError(f"no channel {key!r}; there are {', '.join(channel.name for channel in self.channels)}")
+
+    def _summary(self) -> str:
+        return ", ".join(channel.name or "model" for channel in self.channels)
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the noise is that of a recording."""
+        return any(channel.record is not None for channel in self.channels)
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Which limits of the settings are exceeded beyond chance, in sentences; only a check has limits."""
+        return []
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data."""
+        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self.settings).items() if v is not None}
+        return self.recipe.to_dict(_counting(self.settings, recorded=self.recorded)) | own
+
+
+class RecordingPlans(ModelJob):
+    """How long to record each channel."""
+
+
+class SelfChecks(ModelJob):
+    """What the identification makes of simulated records of each channel's noise."""
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Which limits of the settings are exceeded beyond chance, in sentences."""
+        limits = self.settings.limits if isinstance(self.settings, SelfCheckSettings) else {}
+        found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
+        return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
+
+
+class StateSpaces(ModelJob):
+    """A state space of each channel's noise."""
+
+
+KINDS: dict[type[NoiseSettings], type[ModelJob]] = {
+    PlanSettings: RecordingPlans,
+    SelfCheckSettings: SelfChecks,
+    StateSpaceSettings: StateSpaces,
+}
+"""What is made by these settings."""
+
+
+def _counting(settings: NoiseSettings, *, recorded: bool) -> tuple[str, ...]:
+    """The keys of a recipe that count."""
+    if recorded:
+        return (*READING, *SELECTING, *IDENTIFYING)
+    return ("rate", *(IDENTIFYING if settings.identifies else ()))
+
+
+def run_model_job(
+    source: Source | None, settings: Use, recipe: Recipe | None = None, *, progress: Progress | None = None
+) -> ModelJob:
+    """What follows from the noise of each channel of a recording, or from the model that the settings give.
+
+    Parameters
+    ----------
+    source : Recording, Record or path, or None
+        None where the settings give a model, whose sampling rate is that of the recipe.
+    settings : PlanSettings, SelfCheckSettings or StateSpaceSettings
+    recipe : Recipe, optional
+        How the file is read, and how its noise is identified.
+    progress : callable, optional
+        Called with what is being done and the fraction that is finished.
+
+    Returns
+    -------
+    RecordingPlans, SelfChecks or StateSpaces
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, or no channel has a noise of which something follows.
+    UsageError
+        There is neither a source nor a model, or there are both; an option is wrong, or is one of a recording.
+
+    Examples
+    --------
+    >>> found = run_model_job(None, PlanSettings(sensor="fog"), Recipe(rate=100.0))
+    >>> type(found).__name__, found[0].name, found[0].result.names
+    ('RecordingPlans', 'fog', ('Q', 'N', 'B', 'K', 'R'))
+    """
+    recipe, given, kind = recipe or Recipe(), settings.given(), partial(KINDS[type(settings)], settings=settings)
+    if (given is None) == (source is None):
+        raise UsageError("give either a recording, or the noise by --model or --sensor")
+    tell, work = progress or (lambda what, fraction: None), settings.work()
+    if given is not None:
+        noise = Supposed(given, _rate(settings, recipe), settings.sensor or "")
+        made = Modelled(noise.name, noise.rate, result=work(noise, recipe, tell))
+        return kind((made,), recipe, (), (), provenance_of())
+    assert source is not None  # noqa: S101 - one of them is there
+
+    def follow(seen: Inspected) -> Modelled:
+        record, noise = seen.record, noise_of(seen.record, recipe)
+        model = noise.fit.model
+        if not any(t.row.waveform is None and t.value for t in model):
+            raise DataError("no noise was identified")
+        result = work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name))
+        alerts = (*noise.doubts, *seen.alerts)
+        return Modelled(record.name, record.rate, record, seen.quality, noise, result, alerts)
+
+    return run(kind, source, recipe, follow, _refused, progress=progress)
+
+
+def _refused(seen: Inspected, why: str) -> Modelled:
+    return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
+
+
+def _named(tell: Progress, name: str) -> Progress:
+    return lambda what, share: tell(f"{name} {what}".strip(), share)
+
+
+def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
+    """The sampling rate of a given model, once nothing else is said of a recording."""
+    usual, counting = Recipe(), _counting(settings, recorded=False)
+    for key in (*READING, *SELECTING, *IDENTIFYING):
+        if key not in counting and getattr(recipe, key) != getattr(usual, key):
+            option = {"start": "from"}.get(key, key.replace("_", "-"))
+            raise UsageError(
+                f"--{option} is for a recording, but the noise is given by --model or --sensor; leave it out"
+            )
+    if recipe.rate is None or not (math.isfinite(recipe.rate) and recipe.rate > 0):
+        raise UsageError(f"a model needs the sampling rate, above 0: --rate HZ, not {recipe.rate!r}")
+    return recipe.rate

@@ -1,0 +1,181 @@
+"""Settings of what is done with a noise model: plans, checks and state spaces."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.notation import parse_model, split_quantities
+from allanite.core.plain import Value
+from allanite.core.units import convert
+from allanite.planning.plan import DURATIONS, RecordingPlan, plan
+from allanite.planning.selfcheck import SelfCheck, selfcheck
+from allanite.planning.sensors import sensor as typical
+from allanite.simulation.recording import readings
+from allanite.statespace import StateSpace, state_space
+
+from .channels import Progress
+from .recipe import Recipe
+
+Result = RecordingPlan | SelfCheck | StateSpace
+
+
+@dataclass(frozen=True)
+class Supposed:
+    """A noise, and the sampling rate and length of the record that it was found in; no length of a given model."""
+
+    model: Model
+    rate: float
+    name: str = ""
+    size: int | None = None
+
+
+Work = Callable[[Supposed, Recipe, Progress], Result]
+
+
+@dataclass(frozen=True, repr=False)
+class NoiseSettings(Value):
+    """Where the noise comes from if there is no recording.
+
+    Attributes
+    ----------
+    model : str, optional
+        Terms as `parse_model` reads them.
+    sensor : str, optional
+        Or a name in `SENSORS`.
+    """
+
+    identifies: ClassVar[bool] = False
+    """Whether the options of the identification count for a given model too."""
+
+    model: str | None = None
+    sensor: str | None = None
+
+    def given(self) -> Model | None:
+        """The model that is written out, or the sensor's; None where there is neither.
+
+        Raises
+        ------
+        UsageError
+            There are both, or it cannot be understood.
+        """
+        if self.model is not None and self.sensor is not None:
+            raise UsageError("the noise is given twice: by --model and by --sensor")
+        if self.model is not None:
+            return parse_model(self.model)
+        return None if self.sensor is None else typical(self.sensor)
+
+    def work(self) -> Work:
+        """What is done with each noise."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, repr=False)
+class PlanSettings(NoiseSettings):
+    """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as of `plan`."""
+
+    durations: tuple[float, ...] = DURATIONS
+    accuracy: float = 10.0
+    ramp: bool | None = None
+
+    def work(self) -> Work:
+        """A plan each."""
+        return self._plan
+
+    def _plan(self, noise: Supposed, _: Recipe, __: Progress) -> RecordingPlan:
+        share = self.accuracy / 100
+        return plan(noise.model, noise.rate, durations=self.durations, accuracy=share, ramp=self.ramp)
+
+
+@dataclass(frozen=True, repr=False)
+class SelfCheckSettings(NoiseSettings):
+    """Choices of a check.
+
+    Attributes
+    ----------
+    duration, samples : float, int, optional
+        Length of the simulated records, by one of them; by default that of the recording.
+    records, seed : int
+        How many records are simulated, and the seed of their random numbers.
+    max_bias, min_coverage, max_false, max_missed : float, optional
+        Limits in percent, see `SelfCheck.exceeded`.
+    """
+
+    identifies: ClassVar[bool] = True
+
+    duration: float | None = None
+    samples: int | None = None
+    records: int = 100
+    seed: int = 1
+    max_bias: float | None = None
+    min_coverage: float | None = None
+    max_false: float | None = None
+    max_missed: float | None = None
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """The limits that are given, as shares, by the names of `SelfCheck.exceeded`."""
+        named = {
+            "bias": self.max_bias, "coverage": self.min_coverage, "false": self.max_false, "missed": self.max_missed
+        }  # fmt: skip
+        return {name: value / 100 for name, value in named.items() if value is not None}
+
+    def work(self) -> Work:
+        """A check each, of random numbers of its own."""
+        return partial(self._check, np.random.default_rng(self.seed))
+
+    def _check(self, rng: "np.random.Generator", noise: Supposed, recipe: Recipe, tell: Progress) -> SelfCheck:
+        n = noise.size
+        if n is None or self.duration is not None or self.samples is not None:
+            n = readings(noise.rate, self.duration, self.samples)
+        return selfcheck(
+            noise.model, n, noise.rate, records=self.records, rng=rng, terms=recipe.terms, method=recipe.method,
+            band=recipe.band, level=recipe.level, progress=tell,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class StateSpaceSettings(NoiseSettings):
+    """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as of `state_space`."""
+
+    tau: tuple[float, ...] = (1.0, 1000.0)
+    ripple: float = 2.0
+    order: int | None = None
+    turn_on: str | None = None
+    measurement: str = "auto"
+
+    def __post_init__(self) -> None:
+        if len(self.tau) != 2:
+            raise UsageError(f"two averaging times are wanted, as 1,1000 or '1 s,1 h', not {self.tau!r}")
+
+    def work(self) -> Work:
+        """A state space each."""
+        return self._space
+
+    def _space(self, noise: Supposed, _: Recipe, __: Progress) -> StateSpace:
+        bias = self._turn_on(noise.model.signal.unit)
+        if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
+            raise DataError(
+                "only white noise was identified, which is the measurement's: a filter needs no states for it"
+            )
+        low, high = self.tau
+        return state_space(
+            noise.model, noise.rate, tau=(low, high), ripple=self.ripple / 100, order=self.order, turn_on=bias,
+            measurement=self.measurement,
+        )  # fmt: skip
+
+    def _turn_on(self, si: str) -> float:
+        if self.turn_on is None:
+            return 0.0
+        found = split_quantities(self.turn_on.split())
+        if len(found) != 1 or not found[0][1]:
+            raise UsageError(f"a bias is given as '3 deg/h', not {self.turn_on!r}")
+        return convert(*found[0], si)
+
+
+Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
+"""What is done with a noise."""

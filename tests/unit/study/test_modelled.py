@@ -1,0 +1,168 @@
+"""Plans, checks and state spaces of a recording or of a given model: every form of each, and its recipe."""
+
+import csv
+import io
+import json
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.plain import from_dict
+from allanite.reporting import page, table, to_csv
+from allanite.reporting.json import to_json
+from allanite.simulation.recording import Simulation
+from allanite.study.modelled import run_model_job
+from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
+from allanite.study.recipe import Recipe
+
+SETTINGS = {
+    "plan": PlanSettings(durations=(600.0, 7200.0), accuracy=7.0),
+    "selfcheck": SelfCheckSettings(records=3, samples=1000, max_bias=1e-6),
+    "statespace": StateSpaceSettings(tau=(1.0, 100.0), ripple=3.0, turn_on="3 deg/h"),
+}
+OPTIONS = {
+    "plan": ("--durations", "10 min,2h", "--accuracy", 7),
+    "selfcheck": ("--records", 3, "--samples", 1000),
+    "statespace": ("--tau", "1,100", "--ripple", 3, "--turn-on", "3 deg/h"),
+}
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """Two channels that the terms explain, and one filtered, which they do not."""
+    rng = np.random.default_rng(1)
+    x, y, z = (al.simulate(al.sensor("mems"), 20_000, 20.0, rng=rng, unit="deg/h", name=f"g{c}") for c in "xyz")
+    return al.Recording((x, y, al.faults.low_pass(z, 2.0)))
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory, recording):
+    path = tmp_path_factory.mktemp("data") / "imu.npz"
+    al.write(recording, path)
+    return str(path)
+
+
+@pytest.fixture(scope="module", params=list(SETTINGS))
+def job(request, recording):
+    return run_model_job(recording, SETTINGS[request.param], Recipe())
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def test_every_form_shows_every_channel_and_the_doubt(job):
+    assert [channel.name for channel in job.channels] == ["gx", "gy", "gz"]
+    shown = page(job)
+    for text in (table(job, width=80), table(job, width=120)):
+        assert all(f"\n{name}  gyroscope" in text for name in ("gx", "gy", "gz"))
+        assert "of this record, and not reckoned with: " in text
+        assert "  ! " in text
+    assert "no model of these terms explains the record" in " ".join(table(job, width=80).split())
+    assert 'class="alert"' in shown
+    assert shown.count("<section>") == 5
+    data = job.to_dict()
+    assert [c["explained"] for c in data["channels"]] == [True, True, False]
+    assert data["channels"][2]["alerts"][0].startswith("no model of these terms explains the record")
+    assert [c["fit"]["type"] for c in data["channels"]] == ["Fit"] * 3
+    rows = list(csv.DictReader(io.StringIO(to_csv(job))))
+    assert {row["channel"] for row in rows} == {"gx", "gy", "gz"}
+
+
+def test_it_travels(job):
+    again = pickle.loads(pickle.dumps(job))
+    assert str(again.to_dict()) == str(job.to_dict())
+
+
+@pytest.mark.parametrize("kind", ["plan", "statespace"])
+def test_figures(kind, recording, tmp_path):
+    job = run_model_job(recording, SETTINGS[kind], Recipe())
+    al.plot(job, path=tmp_path / "all.png")
+    al.plot(job[0].result, path=tmp_path / "one.png")
+    assert (tmp_path / "all.png").stat().st_size > (tmp_path / "one.png").stat().st_size > 10_000
+
+
+def test_a_check_has_no_figure(recording):
+    with pytest.raises(al.UsageError, match="SelfChecks has no figure"):
+        al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
+
+
+@pytest.mark.parametrize("verb", list(OPTIONS))
+@pytest.mark.parametrize("source", ["file", "sensor"])
+def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
+    noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
+    first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html")
+    assert first.exit_code == 0, first.stderr
+    found = json.loads(first.stdout)
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
+    again = run(verb, *noise[: source == "file"], "--recipe", recipe, "--json", "-")
+    assert again.exit_code == 0, again.stderr
+    assert json.loads(again.stdout) == found
+    assert (tmp_path / "page.html").stat().st_size > 5000
+
+
+@pytest.mark.parametrize("verb", list(OPTIONS))
+def test_the_options_of_the_identification_work(verb, file):
+    """A band on a recording gives other numbers than the whole record."""
+    usual = [verb, file, "--channels", "gx", "--json", "-", *OPTIONS[verb]]
+    band = [*usual, "--band", "0,2"]
+    (whole,), (part,) = (json.loads(run(*words).stdout)["channels"] for words in (usual, band))
+    assert whole["model"] != part["model"]
+
+
+def test_what_a_channel_cannot_support_is_said_and_the_others_go_on(tmp_path):
+    rng = np.random.default_rng(1)
+    models = (al.N(0.1, "deg/sqrt(h)"), al.N(0.1, "deg/sqrt(h)") + al.K(200.0, "deg/h/sqrt(h)"))
+    white, walk = (al.simulate(model, 4000, 10.0, rng=rng, unit="deg/h", name="g") for model in models)
+    constant = replace(white, values=np.zeros(4000), name="g0")
+    al.write(al.Recording((constant, replace(white, name="gx"))), tmp_path / "two.npz")
+    refused, good = json.loads(run("plan", tmp_path / "two.npz", "--json", "-").stdout)["channels"]
+    assert refused["refusal"]
+    assert "parameters" not in refused
+    assert good["parameters"][0]["name"] == "N"
+    assert "no result: " in run("plan", tmp_path / "two.npz").stdout
+    job = run_model_job(al.Recording((replace(white, name="gx"), replace(walk, name="gy"))), StateSpaceSettings())
+    assert job["gx"].refusal.startswith("only white noise was identified")
+    assert job["gy"].result.states == ("bias, random walk",)
+    with pytest.raises(al.DataError, match="only white noise was identified"):
+        run_model_job(white, StateSpaceSettings(), Recipe(terms="N"))
+
+
+def test_a_check_says_which_limit_it_exceeds(recording):
+    job = run_model_job(recording, SETTINGS["selfcheck"])
+    assert any(sentence.startswith("gx ") for sentence in job.exceeded)
+    assert f"limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
+
+
+def test_single_results_have_their_forms(recording):
+    model = al.sensor("fog")
+    rng = np.random.default_rng(1)
+    for value in (al.plan(model, 10.0), al.bound(model, 1000, 10.0), al.state_space(model, 10.0)):
+        assert "fog" not in table(value)
+        assert len(page(value)) > 5000
+        assert len(to_csv(value).splitlines()) > 5
+    check = al.selfcheck(model, 1000, 10.0, records=2, rng=rng)
+    assert "2 records of 1000 readings" in page(check)
+
+
+def test_the_truth_of_a_simulation_is_read_again(recording):
+    truth = Simulation.of(al.sensor("mems"), 1, recording)
+    again = from_dict(json.loads(json.dumps(truth.to_dict())))
+    assert again.to_dict() == truth.to_dict()
+    assert again.channels[2].history[1].startswith("low-pass")
+    assert "Simulation of N" in page(truth)
+    assert "low-pass" in table(truth)
+
+
+def test_a_channel_is_read_again_without_its_readings(job):
+    for channel in job.channels:
+        data = json.loads(to_json(channel))
+        again = type(channel).from_dict(data)
+        assert str(again.to_dict()) == str(channel.to_dict())
+        assert again.noise.explained == channel.noise.explained
