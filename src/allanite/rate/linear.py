@@ -120,7 +120,7 @@ REGRESSION = RateEstimator(
 CONDITIONAL = RateEstimator(
     name="conditional",
     title="mean of regression lines, outliers dropped",
-    formula=r"\hat\Omega = mean of \Omega_k, |\Omega_k - median| within two standard deviations",
+    formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
     reference="Saneev, Engineering Journal 2015(1); Enin, Saneev 2017",
     assumes="as regression, of which it is a copy: neighbouring lines share all but a sample",
     weights=_many_parabolas,

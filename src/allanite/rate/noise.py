@@ -1,14 +1,17 @@
-"""The noise of a record, for predictions of its rates."""
+"""The noise that the errors of a rate follow from."""
+
+from dataclasses import replace
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
-from allanite.identification import AUTOMATIC, identify
+from allanite.identification import AUTOMATIC
 from allanite.prepare import block_means
 from allanite.rate import rank
-from allanite.study.analysis import Recipe
+from allanite.study.noise import Noise, noise_of
+from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 BLOCKS = (1.0, 0.4, 0.2, 0.1)
@@ -18,41 +21,39 @@ HIDDEN = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
-def identified(record: Record, recipe: Recipe) -> tuple[Fit | None, tuple[str, ...]]:
-    """The noise of a record; where none explains it at the full rate, that of the angle taken less often.
+def noise_of_rates(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+    """The noise of a record, and alerts; where no model explains the record, that of means over blocks of readings.
 
-    Dither and coarse counts make lines that no term describes. Taken every second, they fold onto white noise of the
-    angle, which is what they are to a rate.
+    Dither and coarse counts make lines that no term describes. Averaged over a second, they fold onto white noise of
+    the angle, which is what they are to a rate.
     """
     # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
     terms = AUTOMATIC if recipe.terms == "auto" else recipe.terms
     try:
-        fit = identify(record, terms=terms, band=recipe.band, lines=False)
+        noise = noise_of(record, recipe, terms=terms, lines=False)
     except DataError as error:
         return None, (f"no noise model: {error}",)
-    if fit.goodness is None or fit.goodness.explained:
-        return fit, ()
+    if noise.explained:
+        return noise, ()
     for seconds in BLOCKS:
         m = round(seconds * record.rate)
         if m < 2 or record.size // m < SHORTEST:
             continue
-        coarse = identify(block_means(record, m), terms=terms, lines=False)
-        if coarse.goodness is not None and coarse.goodness.explained:
+        coarse = noise_of(block_means(record, m), replace(recipe, band=None), terms=terms, lines=False)
+        if coarse.verdict and coarse.explained:
             note = (
                 f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "
             )
-            return coarse, (note + f"at the full rate {fit.goodness.verdict}",)
-    return None, (
-        f"{fit.goodness.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",
-    )
+            return coarse, (f"{note}at the full rate {noise.verdict}",)
+    return None, (f"{noise.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",)
 
 
-def supposed(fit: Fit, size: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to the accuracy."""
+def supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
+    """The model, with the noise at its upper limits that was not identified but would matter to n readings."""
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(model, n=size, rate=rate).best for model in (worst, fit.model))
+    bound, seen = (rank(model, n=n, rate=rate).best for model in (worst, fit.model))
     if bound < HIDDEN * seen:
         return fit.model, ()
     unit = fit.signal.sheet[0]

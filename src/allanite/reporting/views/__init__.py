@@ -45,6 +45,10 @@ VIEWS: dict[str, str] = {
     "Fit": "fit.FIT",
     "Residuals": "fit.RESIDUALS",
     "Model": "fit.MODEL",
+    "RateStudy": "rate.STUDY",
+    "Experiment": "rate.EXPERIMENT",
+    "Ranking": "rate.RANKING",
+    "RateEstimate": "rate.ESTIMATE",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
