@@ -4,12 +4,12 @@ import time
 
 import numpy as np
 import pytest
-from allanite.reporting.listing import render
-from allanite.reporting.plain import to_csv
 
 import allanite as al
 from allanite.kernels.allan import second, third
 from allanite.kernels.summed import modified
+from allanite.reporting.listing import render
+from allanite.reporting.plain import to_csv
 from allanite.statistics import _warn_of_long
 from allanite.statistics.fast.everytau import PAYS, dense, groups
 from allanite.statistics.row import seconds

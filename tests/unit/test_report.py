@@ -9,8 +9,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from allanite.reporting.goodness import plot_goodness
-from allanite.reporting.plain import to_csv, to_json
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
@@ -20,7 +18,9 @@ from allanite.core.model import B, N, R, term
 from allanite.core.record import Record
 from allanite.core.units import signal_named
 from allanite.reporting import plot, report, table
+from allanite.reporting.goodness import plot_goodness
 from allanite.reporting.html import page, toml
+from allanite.reporting.plain import to_csv, to_json
 from allanite.reporting.style import encode
 from allanite.reporting.words import printed_unit, title, verdict
 from allanite.statistics import expected
