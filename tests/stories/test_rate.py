@@ -172,9 +172,11 @@ def test_lost_readings_are_named_or_split(folder):
 
 def test_the_recipe_repeats_the_run(vertical, folder, tmp_path):
     """Whatever was chosen stands in the recipe, under the names of the command line."""
-    own = ("--until", "240", "--interval", "30", "--methods", "mean,conditional", "--lines", "40", "--allowed", "1 deg/h",
-           "--dither", "30.5", "--durations", "1,3", "--most", "6", "--reference", "12.4 deg/h", "--bias", "-0.0948",
-           "--second", vertical)  # fmt: skip
+    own = (
+        "--until", "240", "--interval", "30", "--methods", "mean,conditional", "--lines", "40", "--allowed", "1 deg/h",
+        "--dither", "30.5", "--durations", "1,3", "--most", "6", "--reference", "12.4 deg/h", "--bias", "-0.0948",
+        "--second", vertical,
+    )  # fmt: skip
     first = run(vertical, *HOW, *NOISE, *own, "--json", "-")
     assert first.exit_code == 0, first.stderr
     recipe = tmp_path / "recipe.toml"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 
-from .gimbals import ANGLES, EARTH_RATE, Gimbals
+from .geometry import ANGLES, EARTH_RATE, Gimbals
 from .harmonics import orders_of, waves
 
 FloatArray = NDArray[np.float64]
@@ -51,7 +51,7 @@ def _along(g: Gimbals) -> FloatArray:
 
 
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance("misalignment of the rotor's optical sensor with the auto-compensating turn, x", 0, _across),
+    "ax": Nuisance("misalignment of the rotor's optical sensor with the turn, x", 0, _across),
     "az": Nuisance("the same, z", 0, _along),
     "A1": Nuisance("daily sine of the gyros' unknown drift", 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance("daily cosine of it", 0, lambda g: np.cos(EARTH_RATE * g.time)),

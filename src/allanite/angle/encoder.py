@@ -13,8 +13,8 @@ from allanite.core.finding import Finding
 from allanite.core.record import Record
 from allanite.core.units import unit_of
 
+from .calibration import part, too_large
 from .door import column
-from .estimate import part, too_large
 from .harmonics import Harmonics, orders_of, waves
 from .solution import Solution, correlation_of
 from .solve import System, solve

@@ -17,6 +17,8 @@ LONGEST = 120
 
 TYPES: dict[str, str] = {
     "Alternative": "core.fit",
+    "AnglePlan": "angle.plans",
+    "AngleSettings": "angle.plans",
     "Bound": "planning.bound",
     "Change": "comparison.change",
     "Check": "core.residuals",
@@ -44,11 +46,13 @@ TYPES: dict[str, str] = {
     "RecordingPlan": "planning.plan",
     "Regression": "compensation.regression",
     "Residuals": "core.residuals",
+    "Scan": "angle.scans",
     "SelfCheck": "planning.selfcheck",
     "Shared": "core.residuals",
     "Spectrum": "core.spectrum",
     "StateSpace": "statespace.space",
     "Surface": "core.surface",
+    "Sway": "angle.sway",
     "Term": "core.model",
     "TermCheck": "planning.selfcheck",
 }
