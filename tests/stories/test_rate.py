@@ -203,6 +203,20 @@ def test_a_record_that_moves_is_refused_in_the_words_of_all_jobs(folder):
     assert refused.stderr == analyzed.stderr
 
 
+def test_a_noise_that_explains_nothing_is_not_used(folder):
+    """The level of the noise doubles half way: no model explains it, at any rate of readings."""
+    values = np.random.default_rng(1).standard_normal(20_000)
+    values[10_000:] *= 2
+    record = al.Record(values, rate=10.0, unit="deg/h", name="z")
+    study = al.measure_rates(record)
+    (channel,) = study.channels
+    assert channel.noise is None
+    assert "no predictions and no optimal method" in channel.alerts[0]
+    assert "optimal is left out: it needs a noise model" in table(study)
+    assert np.isnan(channel.experiment.predicted).all()
+    assert (study.to_dict()["channels"][0]["fit"], study.to_dict()["channels"][0]["explained"]) == (None, None)
+
+
 @pytest.mark.parametrize("width", [80, 120])
 def test_text_keeps_to_its_width(vertical, width):
     study = al.measure_rates(vertical, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795, until=240.0))

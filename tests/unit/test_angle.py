@@ -276,7 +276,7 @@ def test_a_scan_thins_what_it_need_not_look_at():
     coarse = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), [0.0, 7200.0])
     fine = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 0.1, sigma=10.0), [0.0, 7200.0])
     np.testing.assert_allclose(fine.totals, coarse.totals, rtol=0.01)
-    assert fine.best.setup.interval == 0.1
+    assert fine.best.settings.interval == 0.1
     assert fine.best.total == pytest.approx(fine.totals.min(), rel=0.01)
 
 
@@ -506,7 +506,7 @@ REFUSED = {
         "is it in degrees",
     ),
     "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "no unit of an angle"),
-    "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "turn the sensor"),
+    "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
     "calibrate columns": (
         lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
         "no longer small",

@@ -36,7 +36,8 @@ class AngleStudy:
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
-        return {key: list(v) if isinstance(v, tuple) else v for key, v in self.settings.items()} | {"level": self.level}
+        own = {key: list(v) if isinstance(v, tuple) else v for key, v in self.settings.items()}
+        return dict(sorted((own | {"level": self.level}).items()))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data of the result, with the recipe and the provenance."""

@@ -45,7 +45,7 @@ def demand_whole(record: Record) -> None:
     if bad.any():
         raise DataError(
             f"{int(bad.sum())} of {bad.size} readings of {record.name!r} are not finite, the first at sample "
-            f"{int(bad.argmax())}; measure between the gaps with gaps='split', or cut a window without them"
+            f"{int(bad.argmax())}; measure between the gaps (gaps='split', --split-gaps), or cut a window without them"
         )
 
 

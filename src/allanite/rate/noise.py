@@ -1,6 +1,7 @@
 """The noise that the errors of a rate follow from."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
@@ -21,18 +22,42 @@ HIDDEN = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
-def noise_of_rates(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
-    """The noise of a record, and alerts; where no model explains the record, that of means over blocks of readings.
+FAST = ("quantised", "resampled", "lines", "slope")
+"""Findings about single readings: where the noise is that of blocks, its alert says so already."""
 
-    Dither and coarse counts make lines that no term describes. Averaged over a second, they fold onto white noise of
-    the angle, which is what they are to a rate.
+
+class Supposed(NamedTuple):
+    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words."""
+
+    noise: Noise | None = None
+    model: Model | None = None
+    alerts: tuple[str, ...] = ()
+    settled: tuple[str, ...] = ()
+
+
+def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> Supposed:
+    """The noise that rates of `interval` seconds are measured under; as given, or identified.
+
+    Where no model explains the record, it is that of means over blocks of readings: dither and coarse counts make lines
+    that no term describes; averaged over a second, they fold onto white noise of the angle, which is what they are to a
+    rate.
     """
+    if given is not None:
+        return Supposed(model=given)
+    try:
+        noise, alerts = _identified(record, recipe)
+    except DataError as error:
+        return Supposed(alerts=(f"no noise model: {error}",))
+    if noise is None:
+        return Supposed(alerts=alerts)
+    model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
+    return Supposed(noise, model, (*alerts, *said), FAST if alerts else ())
+
+
+def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
     # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
     terms = AUTOMATIC if recipe.terms == "auto" else recipe.terms
-    try:
-        noise = noise_of(record, recipe, terms=terms, lines=False)
-    except DataError as error:
-        return None, (f"no noise model: {error}",)
+    noise = noise_of(record, recipe, terms=terms, lines=False)
     if noise.explained:
         return noise, ()
     for seconds in BLOCKS:
@@ -48,7 +73,7 @@ def noise_of_rates(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[
     return None, (f"{noise.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",)
 
 
-def supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
+def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     """The model, with the noise at its upper limits that was not identified but would matter to n readings."""
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]

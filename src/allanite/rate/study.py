@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
@@ -38,13 +38,10 @@ from allanite.study.channels import (
 from allanite.study.noise import Noise
 from allanite.study.recipe import Recipe
 
-from .noise import noise_of_rates, supposed
+from .noise import noise_of_rates
 
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Measuring times that are compared, s."""
-
-FAST = ("quantised", "resampled", "lines", "slope")
-"""Findings about single readings: where the noise is that of blocks, its alert says so already."""
 
 FEWEST = 20
 """Intervals of a measuring time below which its scatter says little."""
@@ -96,41 +93,17 @@ class RateSettings:
     def to_dict(self, unit: str) -> dict[str, Any]:
         """The choices under the names of the command line; rates in the SI unit `unit`."""
         chosen, options = self.experiment, self.experiment.options
-        rates = {
-            "reference": None if self.vertical else chosen.reference,
-            "bias": chosen.bias or None,
-            "allowed": options.allowed,
-        }
+        plain = {**vars(self), **vars(chosen), **vars(options), "bias": chosen.bias or None}
+        plain["reference"] = None if self.vertical else chosen.reference
+        plain["noise"] = None if self.noise is None else written(self.noise)
+        for key in ("reference", "bias", "allowed"):
+            plain[key] = None if plain[key] is None else f"{float(plain[key])!r} {unit}"
+        for key in ("methods", "dither", "durations"):
+            plain[key] = list(plain[key]) or None
+        plain |= {"split_gaps": chosen.gaps == "split", "no_times": not self.durations}
         return {
-            "interval": chosen.interval,
-            "methods": list(chosen.methods),
-            "target": chosen.target,
-            "dither": list(chosen.dither) or None,
-            "most": chosen.most,
-            "split_gaps": chosen.gaps == "split",
-            "window": options.window,
-            "lines": options.lines,
-            "quantum": options.quantum,
-            "certified": options.certified,
-            **{key: None if rate is None else f"{float(rate)!r} {unit}" for key, rate in rates.items()},
-            "noise": None if self.noise is None else written(self.noise),
-            "latitude": self.latitude,
-            "horizontal": self.horizontal,
-            "turned": self.turned,
-            "near": self.near,
-            "position_method": self.position_method,
-            "durations": list(self.durations) or None,
-            "no_times": not self.durations,
+            k: v for k, v in plain.items() if k not in ("experiment", "options", "signal", "gaps") and v is not None
         }
-
-
-class Supposed(NamedTuple):
-    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words."""
-
-    noise: Noise | None
-    model: Model | None
-    alerts: tuple[str, ...]
-    settled: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,8 +157,8 @@ class RateStudy(Job[RateChannel]):
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         signal = self.settings.signal or self.channels[0].record.signal
-        own = self.settings.to_dict(signal.unit) | {"second": self.provenance.get("source 2")}
-        return super().choices() | {key: value for key, value in own.items() if value is not None}
+        second = self.provenance.get("source 2")
+        return super().choices() | self.settings.to_dict(signal.unit) | ({"second": second} if second else {})
 
 
 def measure_rates(
@@ -238,7 +211,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     record, chosen = seen.record, settings.experiment
     if settings.signal is not None and settings.signal is not record.signal:
         raise DataError(f"the true rate or bias that was given belongs to another sensor: {settings.signal.name}")
-    noise, model, alerts, settled = _noise(record, recipe, settings)
+    noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
     if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":
         chosen = replace(chosen, reference=earth_rate(settings.latitude))
     found = experiment(record, model, chosen)
@@ -256,17 +229,6 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     if len(seen.records) == 1 and not settings.horizontal:
         return channel
     return _positions(channel, seen.records, model, (settings, recipe.level))
-
-
-def _noise(record: Record, recipe: Recipe, settings: RateSettings) -> Supposed:
-    if settings.noise is not None:
-        return Supposed(None, settings.noise, (), ())
-    noise, alerts = noise_of_rates(record, recipe)
-    if noise is None:
-        return Supposed(None, None, alerts, ())
-    n = min(round(settings.experiment.interval * record.rate), record.size)
-    model, said = supposed(noise.fit, n, record.rate)
-    return Supposed(noise, model, (*alerts, *said), FAST if alerts else ())
 
 
 def _alerts(seen: Inspected, settled: tuple[str, ...]) -> Iterator[str]:
