@@ -134,6 +134,7 @@ BAD = {
     "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another sensor: accelerometer"),
     "no seconds": (("--interval", "0"), 2, "positive number of seconds"),
     "dither that folds onto zero": (("--dither", "400"), 2, "cannot be told from a rate"),
+    "no intervals": (("--most", "0"), 2, "at least one interval"),
     "too many lines": (("--lines", "60000"), 2, "do not fit into 48000 samples"),
     "an unknown target": (("--target", "end"), 2, "unknown target 'end'"),
     "a constant that wanders": (

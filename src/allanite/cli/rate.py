@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     click.option("--quantum", type=float, help="Step of the angle in --unit, where readings are not counts."),
     click.option("--certified", is_flag=True, help="Search the staircase until none can be better."),
     "split-gaps",
-    click.option("--most", type=click.IntRange(1), metavar="N", help="Most intervals that are measured."),
+    click.option("--most", type=int, metavar="N", help="Most intervals that are measured."),
     click.option("--durations", type=NUMBERS, metavar="S,...", help="Measuring times that are compared."),
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,

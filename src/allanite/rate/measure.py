@@ -9,7 +9,7 @@ from allanite.core.record import Record
 from .estimates import RateEstimate
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
 from .predict import standard_error
-from .row import Interval, Measurement
+from .row import Interval, RateMeasurement
 from .setting import EstimatorSettings, Setting
 from .table import estimator_named
 
@@ -79,14 +79,14 @@ def estimate(
     )
 
 
-def in_si(found: Measurement, interval: Interval) -> Measurement:
+def in_si(found: RateMeasurement, interval: Interval) -> RateMeasurement:
     """A measurement with its offset, in SI."""
 
     def rate(value: float) -> float:
         return (value + interval.offset) * interval.size
 
     bounds = None if found.bounds is None else (rate(found.bounds[0]), rate(found.bounds[1]))
-    return Measurement(rate(found.value), found.details, bounds)
+    return RateMeasurement(rate(found.value), found.details, bounds)
 
 
 def setting_of(

@@ -26,7 +26,7 @@ FAST = ("quantised", "resampled", "lines", "slope")
 """Findings about single readings: where the noise is that of blocks, its alert says so already."""
 
 
-class Supposed(NamedTuple):
+class RateNoise(NamedTuple):
     """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words."""
 
     noise: Noise | None = None
@@ -35,7 +35,7 @@ class Supposed(NamedTuple):
     settled: tuple[str, ...] = ()
 
 
-def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> Supposed:
+def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
     """The noise that rates of `interval` seconds are measured under; as given, or identified.
 
     Where no model explains the record, it is that of means over blocks of readings: dither and coarse counts make lines
@@ -43,15 +43,15 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
     rate.
     """
     if given is not None:
-        return Supposed(model=given)
+        return RateNoise(model=given)
     try:
         noise, alerts = _identified(record, recipe)
     except DataError as error:
-        return Supposed(alerts=(f"no noise model: {error}",))
+        return RateNoise(alerts=(f"no noise model: {error}",))
     if noise is None:
-        return Supposed(alerts=alerts)
+        return RateNoise(alerts=alerts)
     model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
-    return Supposed(noise, model, (*alerts, *said), FAST if alerts else ())
+    return RateNoise(noise, model, (*alerts, *said), FAST if alerts else ())
 
 
 def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:

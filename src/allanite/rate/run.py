@@ -59,6 +59,8 @@ class ExperimentSettings:
             raise UsageError(f"an interval is a positive number of seconds, not {self.interval!r}")
         if self.gaps not in ("error", "split"):
             raise UsageError(f"gaps are an 'error', or the record is 'split' at them, not {self.gaps!r}")
+        if self.most is not None and self.most < 1:
+            raise UsageError(f"at least one interval is measured, not {self.most!r}")
         for method in self.methods:
             estimator_named(method)
 
