@@ -99,27 +99,15 @@ def experiment(
     """
     settings = settings or ExperimentSettings()
     size = min(max(3, round(settings.interval * record.rate)), record.size)
-    if settings.gaps == "error":
-        demand_whole(record)
-    starts, notes = _intervals(record, size)
-    if settings.most is not None and starts.size > settings.most:
-        starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
-        notes += (f"{settings.most} intervals, spread over the record, were measured",)
-    setting = setting_of(
-        _piece(record, int(starts[0]), size), model, settings.target, dither=settings.dither, options=settings.options
-    )
+    starts, notes = _starts(record, size, settings)
+    piece = _piece(record, int(starts[0]), size)
+    setting = setting_of(piece, model, settings.target, dither=settings.dither, options=settings.options)
     left_out = dict(_unusable(settings, setting))
     methods = tuple(method for method in settings.methods if method not in left_out)
     if not methods:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
     weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
-    rates = np.empty((len(methods), starts.size))
-    for i, start in enumerate(starts):
-        interval = interval_of(_piece(record, int(start), size), setting)
-        for j, method in enumerate(methods):
-            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, weights[method], setting), interval).value
-    rates -= settings.bias
-    known = settings.reference is not None
+    rates = _rates(record, starts, weights, setting) - settings.bias
     return Experiment(
         name=record.name,
         signal=record.signal,
@@ -129,13 +117,23 @@ def experiment(
         rate=record.rate,
         rates=rates,
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
-        known=known,
+        known=settings.reference is not None,
         predicted=_predicted(methods, weights, setting),
         ranking=None if setting.model is None else ranking(setting),
         left_out=left_out,
         notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )
+
+
+def _rates(record: Record, starts: NDArray[np.int64], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+    """The rate of every interval by every method, SI, shape (methods, intervals)."""
+    rates = np.empty((len(weights), starts.size))
+    for i, start in enumerate(starts):
+        interval = interval_of(_piece(record, int(start), setting.size), setting)
+        for j, (method, own) in enumerate(weights.items()):
+            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
+    return rates
 
 
 def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
@@ -151,6 +149,17 @@ def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[
             yield method, "it needs a noise model"
         if row.needs_quantum and not math.isfinite(setting.pulse):
             yield method, "it needs counts, or the quantum of the angle (quantum=, --quantum)"
+
+
+def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """First samples of the intervals that are measured, and what that leaves out."""
+    if settings.gaps == "error":
+        demand_whole(record)
+    starts, notes = _intervals(record, size)
+    if settings.most is None or starts.size <= settings.most:
+        return starts, notes
+    spread = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
+    return spread, (*notes, f"{settings.most} intervals, spread over the record, were measured")
 
 
 def _intervals(record: Record, size: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
