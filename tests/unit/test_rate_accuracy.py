@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.core.model import term
 from allanite.rate import (
     RATE_ESTIMATORS,
     EstimatorSettings,
@@ -52,7 +53,7 @@ def simulated(model, rng):
 @pytest.fixture(scope="module", params=MODELS)
 def runs(request):
     """Errors of the linear methods over 400 runs, against the mean of the slow rate; and the model."""
-    model = al.Model(tuple(al.model.term(*t) for t in MODELS[request.param]))
+    model = al.Model(tuple(term(*t) for t in MODELS[request.param]))
     methods = [m for m in RATE_ESTIMATORS if m != "staircase"]
     errors = {m: [] for m in methods}
     weights, setting = None, None
