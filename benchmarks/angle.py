@@ -79,14 +79,10 @@ class Job:
     seed: int
 
 
-def plan(experiment: Experiment, hour: int) -> al.angle.Plan:
-    return al.angle.plan(
-        start=experiment.start(hour),
-        duration=60.0 * experiment.minutes,
-        interval=10.0,
-        prior=PRIOR,
-        **experiment.setup(),
-    )
+def plan(experiment: Experiment, hour: int) -> al.angle.AnglePlan:
+    duration = 60.0 * experiment.minutes
+    settings = al.angle.AngleSettings(duration=duration, interval=10.0, prior=PRIOR, **experiment.setup())
+    return al.angle.plan(settings, experiment.start(hour))
 
 
 def run(job: Job) -> np.ndarray:
@@ -144,7 +140,7 @@ def windows() -> list[str]:
     lines = []
     for law in ("linear", "exact"):
         for minutes in (60, 30):
-            best = al.angle.scan(latitude=LATITUDE, duration=60.0 * minutes, interval=10.0, q_law=law).best
+            best = al.angle.scan(al.angle.AngleSettings(LATITUDE, 60.0 * minutes, 10.0, q_law=law)).best
             low, high = np.degrees(best.h)
             lines.append(
                 f"best {minutes} min, {law} law: h {low:.1f} to {high:.1f} deg, sum of deviations {best.total:.2f}"

@@ -22,7 +22,14 @@ from scipy.linalg import solve_toeplitz
 from tests.reference.rate import descent
 
 import allanite as al
-from allanite.rate import RATE_ESTIMATORS, Experiment, Options, Plan, experiment, predicted_standard_error
+from allanite.rate import (
+    RATE_ESTIMATORS,
+    EstimatorSettings,
+    Experiment,
+    ExperimentSettings,
+    experiment,
+    predicted_standard_error,
+)
 from allanite.rate.measure import setting_of
 from allanite.rate.setting import TARGETS
 from allanite.simulation.ring_laser import GL1
@@ -32,7 +39,7 @@ ARCSEC = math.pi / 180 / 3600
 N, RATE, T = 48_000, 400.0, 120.0
 TRUE = 12.4392
 PULSE = GL1.pulse
-OPTIONS = Options(quantum=PULSE * ARCSEC)
+OPTIONS = EstimatorSettings(quantum=PULSE * ARCSEC)
 PAPER = {"mean": "0.0034", "hamming": "0.0022", "conditional": "0.0018", "staircase": "0.0013"}
 RHO = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)
 
@@ -43,7 +50,7 @@ def gl1_run(seed: int, warm_up: float = 0.0) -> Experiment:
     """94 intervals of two minutes."""
     gyro = replace(GL1, warm_up=warm_up)
     record = al.simulate_ring_laser(gyro, TRUE, 94 * N, RATE, rng=np.random.default_rng(seed), name="GL-1, simulated")
-    return experiment(record, GL1.model, Plan(reference=(TRUE + GL1.bias) * ARCSEC))
+    return experiment(record, GL1.model, ExperimentSettings(reference=(TRUE + GL1.bias) * ARCSEC))
 
 
 def exact(method: str) -> float:
@@ -165,7 +172,7 @@ def search(records: int) -> Table:
         for seed in range(1, records + 1):
             y = noisy(sigma, seed)
             record = al.Record(np.diff(y).astype(int), rate=RATE, unit="arcsec", kind="count", scale=PULSE)
-            options = {"default": Options(), "certified": Options(certified=True)}
+            options = {"default": EstimatorSettings(), "certified": EstimatorSettings(certified=True)}
             found = {}
             for name, chosen in options.items():
                 seconds, found[name] = timed(lambda o=chosen, r=record: al.rate.estimate(r, "staircase", options=o), 1)
@@ -242,14 +249,8 @@ def lines(title: str, text: str, table: Table) -> Iterator[str]:
 
 def draw(path: Path) -> None:
     """The errors of the run with seed 1, as figure 10 of the paper."""
-    from allanite.rate.study import RateChannel
-    from allanite.reporting.rate import plot_rate
-    from allanite.reporting.style import encode
-
-    record = al.simulate_ring_laser(GL1, TRUE, 3, RATE, rng=np.random.default_rng(1))
-    figure = plot_rate(RateChannel(record, experiment=gl1_run(1)))
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(encode(figure, "svg"))
+    al.plot(gl1_run(1), path=path, force=True)
 
 
 def main() -> None:

@@ -25,10 +25,9 @@ SIMULATED = [row for row in TABLE.rows() if row["simulated"] != "-" and row["bas
 
 def total(hour, law="linear", minutes=60, sway=0.0):
     start = 3600.0 * hour + 30.0 * (60 - minutes)
-    return al.angle.plan(
-        latitude=math.radians(60), start=start, duration=60.0 * minutes, interval=10.0, q_law=law,
-        sway=(math.radians(sway), 60.0) if sway else None,
-    ).total  # fmt: skip
+    swaying = (math.radians(sway), 60.0) if sway else None
+    settings = al.angle.AngleSettings(math.radians(60), 60.0 * minutes, interval=10.0, q_law=law, sway=swaying)
+    return al.angle.plan(settings, start).total
 
 
 def page_row(title):

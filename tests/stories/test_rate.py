@@ -1,6 +1,7 @@
 """An engineer with a ring laser gyro: which method, how accurate, where is north."""
 
 import json
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.reporting import table
+from allanite.reporting.sheet import toml
 from allanite.simulation.ring_laser import GL1
 
 HOW = ("--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "0.32795")
@@ -56,15 +59,16 @@ def test_the_noise_is_identified_where_none_is_given(vertical):
 
 def test_everything_is_written(vertical, tmp_path):
     paths = {
-        name: tmp_path / f"out.{suffix}" for name, suffix in (("report", "html"), ("plot", "svg"), ("json", "json"))
+        name: tmp_path / f"out.{suffix}"
+        for name, suffix in (("report", "html"), ("plot", "svg"), ("json", "json"), ("csv", "csv"))
     }
     options = [part for name, path in paths.items() for part in (f"--{name}", path)]
     result = run(vertical, *HOW, *NOISE, "--methods", "mean,optimal", *options)
     assert result.exit_code == 0, result.stderr
-    assert result.stdout.splitlines()[-3:] == [f"{name}: {path}" for name, path in paths.items()]
+    assert result.stdout.splitlines()[-4:] == [f"{name}: {path}" for name, path in paths.items()]
     page = paths["report"].read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
-    assert "<h1>vertical.csv</h1>" in page
+    assert "<h1>Rate of vertical.csv</h1>" in page
     assert "http://" not in page.replace("http://www.w3.org", "")
     assert "\\" not in page
     data = json.loads(paths["json"].read_text(), parse_constant=pytest.fail)
@@ -72,6 +76,7 @@ def test_everything_is_written(vertical, tmp_path):
     assert [m["method"] for m in channel["experiment"]["methods"]] == ["mean", "optimal"]
     assert [e["duration"] for e in channel["by_duration"]] == [1, 3, 10, 30, 60]
     assert paths["plot"].stat().st_size > 10_000
+    assert {line.split(",")[1] for line in paths["csv"].read_text().splitlines()[1:]} == {"mean", "optimal"}
     again = run(vertical, *HOW, *NOISE, "--report", paths["report"])
     assert again.exit_code == 2
     assert "--force" in again.stderr
@@ -129,6 +134,7 @@ BAD = {
     "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another sensor: accelerometer"),
     "no seconds": (("--interval", "0"), 2, "positive number of seconds"),
     "dither that folds onto zero": (("--dither", "400"), 2, "cannot be told from a rate"),
+    "no intervals": (("--most", "0"), 2, "at least one interval"),
     "too many lines": (("--lines", "60000"), 2, "do not fit into 48000 samples"),
     "an unknown target": (("--target", "end"), 2, "unknown target 'end'"),
     "a constant that wanders": (
@@ -163,3 +169,71 @@ def test_lost_readings_are_named_or_split(folder):
     split = run(path, *how, "--split-gaps")
     assert split.exit_code == 0, split.stderr
     assert "1 readings are lost" in split.stdout
+
+
+def test_the_recipe_repeats_the_run(vertical, folder, tmp_path):
+    """Whatever was chosen stands in the recipe, under the names of the command line."""
+    own = (
+        "--until", "240", "--interval", "30", "--methods", "mean,conditional", "--lines", "40", "--allowed", "1 deg/h",
+        "--dither", "30.5", "--durations", "1,3", "--most", "6", "--reference", "12.4 deg/h", "--bias", "-0.0948",
+        "--second", vertical,
+    )  # fmt: skip
+    first = run(vertical, *HOW, *NOISE, *own, "--json", "-")
+    assert first.exit_code == 0, first.stderr
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(toml(json.loads(first.stdout)["recipe"]))
+    assert run(vertical, "--recipe", recipe, "--json", "-").stdout == first.stdout
+
+
+def test_every_reading_option_reaches_the_file(folder):
+    path = folder / "raw.bin"
+    al.simulate_ring_laser(GL1, 12.4392, 24_000, 400.0, rng=np.random.default_rng(5)).values.astype("<i2").tofile(path)
+    result = run(path, *HOW, *NOISE, "--dtype", "i2", "--columns", "1", "--methods", "mean", "--no-times")
+    assert result.exit_code == 0, result.stderr
+
+
+def test_a_record_that_moves_is_refused_in_the_words_of_all_jobs(folder):
+    path = folder / "moving.csv"
+    values = np.random.default_rng(1).standard_normal(6000)
+    values[3000:] += 3000 * np.sin(np.arange(3000) / 40)
+    np.savetxt(path, values, header="z", comments="")
+    how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate")
+    refused = run(path, *how)
+    analyzed = CliRunner().invoke(main, ["analyze", str(path), *how])
+    assert refused.exit_code == analyzed.exit_code == 3
+    assert refused.stderr == analyzed.stderr
+
+
+def test_a_noise_that_explains_nothing_is_not_used(folder):
+    """The level of the noise doubles half way: no model explains it, at any rate of readings."""
+    values = np.random.default_rng(1).standard_normal(20_000)
+    values[10_000:] *= 2
+    record = al.Record(values, rate=10.0, unit="deg/h", name="z")
+    study = al.measure_rates(record)
+    (channel,) = study.channels
+    assert channel.noise is None
+    assert "no predictions and no optimal method" in channel.alerts[0]
+    assert "optimal is left out: it needs a noise model" in table(study)
+    assert np.isnan(channel.experiment.predicted).all()
+    assert (study.to_dict()["channels"][0]["fit"], study.to_dict()["channels"][0]["explained"]) == (None, None)
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_text_keeps_to_its_width(vertical, width):
+    study = al.measure_rates(vertical, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795, until=240.0))
+    assert max(map(len, table(study, width=width).splitlines())) <= width
+
+
+def test_results_travel(vertical):
+    recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795, until=240.0)
+    study = pickle.loads(pickle.dumps(al.measure_rates(vertical, recipe)))
+    (channel,) = study.channels
+    found = channel.experiment
+    again = al.from_dict(json.loads(json.dumps(found.to_dict())))
+    assert (again.methods, again.ranking.verdict) == (found.methods, found.ranking.verdict)
+    np.testing.assert_array_equal(again.rates, found.rates)
+    assert al.plot(again).axes
+    measured = al.rate.estimate(channel.record, "mean", model=GL1.model)
+    assert al.from_dict(json.loads(json.dumps(measured.to_dict()))).words() == measured.words()
+    for value in (again, found.ranking, measured):
+        assert "mean" in table(value)

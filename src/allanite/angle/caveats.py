@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.finding import Finding
 
-from .gimbals import Gimbals
+from .geometry import Gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot
 

@@ -1,15 +1,15 @@
 """How the measured cosine depends on what is estimated: harmonics of the sensors, and what else drifts and turns."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import UsageError
 
-from .gimbals import ANGLES, EARTH_RATE, Gimbals
+from .door import demand_motion
+from .geometry import ANGLES, EARTH_RATE, Gimbals
 from .harmonics import orders_of, waves
 
 FloatArray = NDArray[np.float64]
@@ -18,9 +18,6 @@ Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
 EQUATORIAL = ("h", "q")
 """The sensors that are estimated unless others are named."""
-
-STILL = 0.01
-"""Part of the shortest harmonic's period that an angle must move for its harmonics to be estimated at all."""
 
 
 class Nuisance(NamedTuple):
@@ -51,7 +48,7 @@ def _along(g: Gimbals) -> FloatArray:
 
 
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance("misalignment of the rotor's optical sensor with the auto-compensating turn, x", 0, _across),
+    "ax": Nuisance("misalignment of the rotor's optical sensor with the turn, x", 0, _across),
     "az": Nuisance("the same, z", 0, _along),
     "A1": Nuisance("daily sine of the gyros' unknown drift", 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance("daily cosine of it", 0, lambda g: np.cos(EARTH_RATE * g.time)),
@@ -109,30 +106,12 @@ def design(
             raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance stands twice: {', '.join(nuisance)}")
-    demand_motion(gimbals, harmonics)
+    for angle, orders in harmonics.items():
+        demand_motion(f"the angle {angle}", gimbals.span(angle), orders, _remedy(angle))
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
     columns = [NUISANCES[name].column(gimbals) for name in nuisance]
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
-
-
-def demand_motion(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> None:
-    """Refuse angles that stand still.
-
-    Raises
-    ------
-    DataError
-        The message says which, and what makes it move.
-    """
-    for angle, orders in harmonics.items():
-        span, period = gimbals.span(angle), 2 * math.pi / max(orders)
-        if span < STILL * period:
-            raise DataError(
-                f"the angle {angle} stays within {math.degrees(span):.3g} deg, a period of its harmonic "
-                f"{max(orders)} is {math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot "
-                "be told from a "
-                f"constant. {_remedy(angle)}"
-            )
 
 
 def _remedy(angle: str) -> str:

@@ -1,11 +1,16 @@
 """What comes in is checked here, once."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from allanite.core.errors import DataError
 
 FloatArray = NDArray[np.float64]
+
+STILL = 0.01
+"""Part of the shortest harmonic's period that an angle must move for its harmonics to be estimated at all."""
 
 
 def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
@@ -46,4 +51,21 @@ def demand_increasing(time: FloatArray) -> None:
         raise DataError(
             f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} "
             "such steps in all; sort the rows by time and leave out repeated ones"
+        )
+
+
+def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) -> None:
+    """Refuse an angle that stands still; `span` is how far it moves, rad.
+
+    Raises
+    ------
+    DataError
+        The message says which, and what makes it move.
+    """
+    period = 2 * math.pi / max(orders)
+    if span < STILL * period:
+        raise DataError(
+            f"{name} stays within {math.degrees(span):.3g} deg, a period of its harmonic {max(orders)} is "
+            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a "
+            f"constant. {remedy}"
         )

@@ -13,8 +13,8 @@ from allanite.core.finding import Finding
 from allanite.core.record import Record
 from allanite.core.units import unit_of
 
-from .door import column
-from .estimate import part, too_large
+from .calibration import part, too_large
+from .door import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
 from .solution import Solution, correlation_of
 from .solve import System, solve
@@ -92,7 +92,7 @@ def calibrate(
         raise UsageError(f"trend is the degree 0, 1 or 2 of a polynomial, not {trend!r}")
     _demand_radians(angle, unit)
     z = _wrapped(angle - against)
-    _demand_motion(angle, chosen)
+    demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
     _demand_small(z, chosen)
     names = tuple(f"{wave}{k}" for k in chosen for wave in "SC") + ("offset", "drift", "bend")[: trend + 1]
     number = np.linspace(-1.0, 1.0, angle.size)
@@ -133,16 +133,6 @@ def _demand_radians(angle: FloatArray, unit: str) -> None:
     if steps.size and np.any(np.abs(steps - 360.0) < 5.0) and np.median(steps) < 5.0:
         at = int(np.argmax(np.abs(steps - 360.0) < 5.0))
         raise UnitError(f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? (unit={unit!r})")
-
-
-def _demand_motion(angle: FloatArray, orders: tuple[int, ...]) -> None:
-    span, period = float(np.ptp(np.unwrap(angle))), 2 * math.pi / max(orders)
-    if span < 0.01 * period:
-        raise DataError(
-            f"the angle stays within {math.degrees(span):.3g} deg, a period of its harmonic {max(orders)} is "
-            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a "
-            "constant; turn the sensor"
-        )
 
 
 def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:

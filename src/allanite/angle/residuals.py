@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.residuals import chance
+
 FloatArray = NDArray[np.float64]
 
 PASSED = 0.01
@@ -15,7 +17,7 @@ PASSED = 0.01
 
 
 @dataclass(frozen=True)
-class Check:
+class InnovationTest:
     """Outcome of a test of the innovations: `p` is the probability of worse by chance."""
 
     name: str
@@ -30,8 +32,7 @@ class Check:
         return self.p >= PASSED
 
     def __str__(self) -> str:
-        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
-        return f"{self.title if self.passed else self.failed} ({p})"
+        return f"{self.title if self.passed else self.failed} ({chance(self.p)})"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""
@@ -88,16 +89,16 @@ TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str
 """Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
 
 
-def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[Check, ...]:
+def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[InnovationTest, ...]:
     """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
     found = []
     for name, (title, innovating, test) in TESTS.items():
         statistic, p, words = test(innovations if innovating else residuals)
-        found.append(Check(name, title, statistic, p, words))
+        found.append(InnovationTest(name, title, statistic, p, words))
     return tuple(found)
 
 
-def level_check(squares: float, freedom: int) -> Check:
+def level_check(squares: float, freedom: int) -> InnovationTest:
     """Whether the noise is as large as was said: chi-square of what is left, both ways."""
     from scipy.special import gammainc, gammaincc
 
@@ -106,4 +107,4 @@ def level_check(squares: float, freedom: int) -> Check:
     words = (
         f"what is left over is {ratio:.3g} times the sigma given; correct sigma, or leave it out to have it estimated"
     )
-    return Check("level", "the noise is as large as sigma says", ratio, min(1.0, 2 * min(low, high)), words)
+    return InnovationTest("level", "the noise is as large as sigma says", ratio, min(1.0, 2 * min(low, high)), words)

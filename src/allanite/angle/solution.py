@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 
-from .residuals import Check
+from .residuals import InnovationTest
 from .squareroot import SquareRoot
 
 FloatArray = NDArray[np.float64]
@@ -59,7 +59,7 @@ class Solution:
     prior: FloatArray | None
     history: History
     innovations: FloatArray
-    checks: tuple[Check, ...]
+    checks: tuple[InnovationTest, ...]
     known: SquareRoot
     findings: tuple[Finding, ...] = ()
 

@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UnitError, UsageError
+from allanite.core.plain import Value
 
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Sway:
+@dataclass(frozen=True, repr=False)
+class Sway(Value):
     """A ship's sway: roll and pitch of one period, a quarter of it apart.
 
     Attributes

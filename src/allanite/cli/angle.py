@@ -1,28 +1,43 @@
-"""allanite angle: harmonic errors of angle sensors, of a gimbal in service or of any encoder against a reference."""
+"""``allanite angle``: harmonic errors of angle sensors, of a gimbal in service or of an encoder with a reference."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite import __version__
 from allanite.core.errors import UsageError
-from allanite.reporting.outputs import STDOUT, demand_outputs
 
-from .angle_options import EXPERIMENT, LEVEL, ORDERS, OUTPUTS, numbers, words
-from .angle_output import deliver, made_of, paths_of, put, said
+from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
+from .options import NAMES, RESULTS, Separated, options
 
 if TYPE_CHECKING:
-    from allanite.angle import Gimbals, Harmonics
+    from allanite.angle import AngleSettings, Gimbals, Harmonics
     from allanite.readers.columns.sheet import Sheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
+PRIOR = Separated(float, "two standard deviations", 2, "3,10")
+SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
+
+ANGLES = click.option("--angles", type=NAMES, default="h,q", show_default=True, help="Sensors: h, q, h_polar, q_polar.")
+UNIT = click.option("--unit", help="Of angles, over the header: deg, rad, arcsec ...")
+CORRECTED = click.option("--corrected", metavar="PATH", type=click.Path(), help="Write corrected angles as CSV.")
+EXPERIMENT = (
+    "latitude",
+    "duration",
+    click.option("--interval", type=float, default=10.0, show_default=True, metavar="S", help="Between readings."),
+    click.option(
+        "--q-law", default="exact", show_default=True, help="Of the outer angle: exact, or linear as printed."
+    ),
+    click.option("--turn-period", type=float, default=300.0, show_default=True, metavar="S", help="Auto-compensation."),
+    click.option("--sway", type=SWAY, metavar="DEG,S", help="Roll and pitch."),
+)
+
 
 @click.group()
 def angle() -> None:
-    """Harmonic errors of angle sensors: estimate, plan, simulate.
+    """Find, plan and simulate harmonic errors of angle sensors.
 
     `calibrate` compares any encoder with a reference; `estimate` finds the errors of a gimbal's sensors in service,
     from the measured cosine between two gyros' momentum vectors; `plan` says where that works best, without data.
@@ -30,178 +45,180 @@ def angle() -> None:
 
 
 @angle.command()
-@click.argument("file", type=click.Path())
-@click.option("--measured", required=True, metavar="COLUMN", help="Angle of the sensor.")
-@click.option("--reference", required=True, metavar="COLUMN", help="Angle of a better one.")
-@ORDERS
-@click.option("--unit", help="Of both angles, over the header: deg, rad, arcsec ...")
-@click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference; estimated if left out.")
-@click.option("--trend", type=int, default=0, show_default=True, help="Degree of a drift that is estimated along.")
-@click.option("--corrected", metavar="PATH", type=click.Path(), help="Write the corrected angle as CSV.")
-@LEVEL
-@OUTPUTS
-def calibrate(file: str, *, measured: str, reference: str, orders: tuple[int, ...], **choices: Any) -> None:
+@options(
+    "file",
+    click.option("--measured", required=True, metavar="COLUMN", help="Angle of the sensor."),
+    click.option("--reference", required=True, metavar="COLUMN", help="Angle of a better one."),
+    "orders",
+    UNIT,
+    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference; estimated if left out."),
+    click.option("--trend", type=int, default=0, show_default=True, help="Degree of a drift that is estimated along."),
+    CORRECTED,
+    "level",
+    "recipe",
+    *RESULTS,
+)
+def calibrate(file: str, **choices: Any) -> None:
     """Find the harmonic errors of an encoder in FILE (text or CSV)."""
-    paths = paths_of(choices, [file])
+    out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import calibrate as run
     from allanite.readers.columns.sheet import sheet
 
-    data = sheet(file)
-    a, b = (data.values(key, "rad", given=choices["unit"]) for key in (measured, reference))
-    found = run(a, b, orders, sigma=_scaled(choices["sigma"], ARCSEC), trend=choices["trend"], name=measured)
-    corrected = {"measured [rad]": a, "corrected [rad]": a - found.at(a)}
-    deliver(found, paths, choices, made=made_of(data), corrected=corrected)
+    data, name = sheet(file), choices["measured"]
+    a, b = (data.values(choices[key], "rad", given=choices["unit"]) for key in ("measured", "reference"))
+    sigma = _scaled(choices["sigma"], ARCSEC)
+    found = run(a, b, choices["orders"], sigma=sigma, trend=choices["trend"], name=name)
+    _deliver(found, out, choices, data, {"measured [rad]": a, "corrected [rad]": a - found.at(a)})
 
 
 @angle.command()
-@click.argument("file", type=click.Path())
-@click.option(
-    "--difference", required=True, metavar="COLUMN", help="Measured minus computed cosine between the momentum vectors."
+@options(
+    "file",
+    click.option(
+        "--difference",
+        required=True,
+        metavar="COLUMN",
+        help="Measured minus computed cosine between the momentum vectors.",
+    ),
+    click.option("--time", default="time", show_default=True, metavar="COLUMN", help="Seconds after h = 0."),
+    click.option("--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle, equatorial gyro."),
+    click.option(
+        "--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle, equatorial gyro."
+    ),
+    click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro; the latitude if left out."),
+    click.option("--q-polar", metavar="COLUMN", help="Its intermediate angle; 0 if left out."),
+    "latitude",
+    click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating turn."),
+    click.option("--turn-period", type=float, metavar="S", help="Its period, instead; it begins at time 0."),
+    "orders",
+    ANGLES,
+    click.option("--nuisance", type=NAMES, metavar="A,B,...", help="Estimated along.  [ax,az,A1,A2,A3]"),
+    UNIT,
+    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a reading; estimated if left out."),
+    click.option(
+        "--prior",
+        type=PRIOR,
+        metavar="A,B",
+        help="Known before: deviation of amplitudes and of the rest, arcsec (arcsec/s for A3).",
+    ),
+    CORRECTED,
+    "level",
+    "recipe",
+    *RESULTS,
 )
-@click.option("--time", default="time", show_default=True, metavar="COLUMN", help="Seconds after h = 0.")
-@click.option("--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle, equatorial gyro.")
-@click.option("--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle, equatorial gyro.")
-@click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro; the latitude if left out.")
-@click.option("--q-polar", metavar="COLUMN", help="Its intermediate angle; 0 if left out.")
-@click.option("--latitude", type=float, metavar="DEG", help="Of the place; needed without --h-polar.")
-@click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating turn.")
-@click.option("--turn-period", type=float, metavar="S", help="Its period, instead; it begins at time 0.")
-@ORDERS
-@click.option("--angles", callback=words, default="h,q", show_default=True, help="Sensors: h, q, h_polar, q_polar.")
-@click.option("--nuisance", callback=words, metavar="A,B,...", help="Estimated along.  [ax,az,A1,A2,A3]")
-@click.option("--unit", help="Of angles, over the header: deg, rad, arcsec ...")
-@click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a reading; estimated if left out.")
-@click.option(
-    "--prior",
-    callback=numbers(2, "two standard deviations are"),
-    metavar="A,B",
-    help="Known before: deviation of amplitudes and of the rest, arcsec (arcsec/s for A3).",
-)
-@click.option("--corrected", metavar="PATH", type=click.Path(), help="Write the corrected angles as CSV.")
-@LEVEL
-@OUTPUTS
-def estimate(file: str, *, difference: str, orders: tuple[int, ...], **choices: Any) -> None:
+def estimate(file: str, **choices: Any) -> None:
     """Find the harmonic errors of a gimbal's angle sensors in FILE (text or CSV)."""
-    paths = paths_of(choices, [file])
+    out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import estimate as run
     from allanite.angle.design import USUAL
     from allanite.readers.columns.sheet import sheet
 
     data = sheet(file)
-    gimbals = _gimbals(data, choices)
-    prior = choices["prior"]
+    gimbals, prior = _gimbals(data, choices), choices["prior"]
     found = run(
-        data.values(difference, "1"),
+        data.values(choices["difference"], "1"),
         gimbals,
-        orders=dict.fromkeys(choices["angles"], orders),
+        orders=dict.fromkeys(choices["angles"], choices["orders"]),
         nuisance=choices["nuisance"] or USUAL,
         sigma=_scaled(choices["sigma"], ARCSEC),
         prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
     )
     angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in found}
-    deliver(found, paths, choices, made=made_of(data), corrected={"time [s]": gimbals.time, **angles})
+    _deliver(found, out, choices, data, {"time [s]": gimbals.time, **angles})
 
 
 def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     from allanite.angle import Gimbals
-
-    def read(key: str) -> Any:
-        return data.values(choices[key], "rad", given=choices["unit"])
-
-    time = data.values(choices["time"], "s", given=None if _has_unit(data, choices["time"]) else "s")
-    if choices["h_polar"] is None and choices["latitude"] is None:
-        raise UsageError("give --latitude, where the polar gyro's gimbal stands, or its angle as --h-polar COLUMN")
-    if choices["rho"] is not None and choices["turn_period"] is not None:
-        raise UsageError("--rho and --turn-period say the same thing: give one of them")
-    rho = read("rho") if choices["rho"] is not None else None
-    if choices["turn_period"] is not None:
-        if not choices["turn_period"] > 0:
-            raise UsageError(f"--turn-period is a positive number of s, not {choices['turn_period']!r}")
-        rho = 2 * math.pi / choices["turn_period"] * time
-    return Gimbals(
-        time=time,
-        h=read("h"),
-        q=read("q"),
-        h_polar=read("h_polar") if choices["h_polar"] is not None else choices["latitude"] * DEGREE,
-        q_polar=read("q_polar") if choices["q_polar"] is not None else 0.0,  # type: ignore[arg-type]
-        rho=rho,
-    )
-
-
-def _has_unit(data: "Sheet", key: str) -> bool:
     from allanite.readers.columns.column import lookup
 
-    return bool(lookup(data.columns, key).unit)
+    def read(key: str, otherwise: float = 0.0) -> Any:
+        column = choices[key]
+        return otherwise if column is None else data.values(column, "rad", given=choices["unit"])
+
+    has_unit = bool(lookup(data.columns, choices["time"]).unit)
+    time = data.values(choices["time"], "s", given=None if has_unit else "s")
+    latitude, period = choices["latitude"], choices["turn_period"]
+    if choices["h_polar"] is None and latitude is None:
+        raise UsageError("give --latitude, where the polar gyro's gimbal stands, or its angle as --h-polar COLUMN")
+    if choices["rho"] is not None and period is not None:
+        raise UsageError("--rho and --turn-period say the same thing: give one of them")
+    if period is not None and not period > 0:
+        raise UsageError(f"--turn-period is a positive number of s, not {period!r}")
+    turn = None if choices["rho"] is None else read("rho")
+    rho = turn if period is None else 2 * math.pi / period * time
+    polar = read("h_polar", (latitude or 0.0) * DEGREE), read("q_polar")
+    return Gimbals(time, read("h"), read("q"), *polar, rho=rho)
 
 
 @angle.command()
-@EXPERIMENT
-@click.option("--start", type=float, metavar="S", help="Seconds after h = 0; all starts are tried if left out.")
-@click.option(
-    "--sigma", type=float, default=1.0, show_default=True, help="Noise of a reading; results are in its unit."
+@options(
+    *EXPERIMENT,
+    click.option("--start", type=float, metavar="S", help="Seconds after h = 0; all starts are tried if left out."),
+    click.option(
+        "--sigma", type=float, default=1.0, show_default=True, help="Noise of a reading; results are in its unit."
+    ),
+    click.option(
+        "--prior",
+        type=PRIOR,
+        default="3,10",
+        show_default=True,
+        metavar="A,B",
+        help="Known before: deviation of amplitudes and of the rest, in the unit of sigma.",
+    ),
+    "orders",
+    ANGLES,
+    "level",
+    "recipe",
+    *RESULTS,
 )
-@click.option(
-    "--prior", callback=numbers(2, "two standard deviations are"), default="3,10", show_default=True, metavar="A,B",
-    help="Known before: deviation of amplitudes and of the rest, in the unit of sigma.",
-)  # fmt: skip
-@ORDERS
-@click.option("--angles", callback=words, default="h,q", show_default=True, help="Sensors: h, q, h_polar, q_polar.")
-@LEVEL
-@OUTPUTS
-def plan(*, start: float | None, orders: tuple[int, ...], **choices: Any) -> None:
+def plan(**choices: Any) -> None:
     """Say how well the errors of a gimbal's sensors would be known, and where best to estimate them."""
-    paths = paths_of(choices, [])
+    out = outputs(choices, [choices["recipe"]])
     from allanite.angle import plan as run
     from allanite.angle import scan
 
-    setup = _experiment(choices) | {
-        "sigma": choices["sigma"],
-        "prior": choices["prior"],
-        "orders": dict.fromkeys(choices["angles"], orders),
-    }
-    if start is not None and {"report", "plot"} & set(paths):
-        raise UsageError("page and figure compare all starts of the interval; leave --start out, or ask for --json")
-    value = scan(**setup) if start is None else run(start=start, **setup)
-    deliver(value, paths, choices, made={"allanite": __version__, "options": said()})
+    start = choices["start"]
+    if start is not None and "plot" in out.paths:
+        raise UsageError("the figure compares all starts of the interval; leave --start out, or ask for --report")
+    orders = dict.fromkeys(choices["angles"], choices["orders"])
+    settings = _experiment(choices, sigma=choices["sigma"], prior=choices["prior"], orders=orders)
+    _deliver(scan(settings) if start is None else run(settings, start), out, choices)
 
 
 @angle.command()
-@click.argument("out", type=click.Path())
-@EXPERIMENT
-@click.option("--start", type=float, default=0.0, show_default=True, metavar="S", help="Seconds after h = 0.")
-@click.option(
-    "--error",
-    "errors",
-    multiple=True,
-    metavar="ANGLE:ORDER=S,C",
-    help="A harmonic, arcsec, as h:128=3,-1.5; may be given again.",
+@options(
+    click.argument("out", type=click.Path()),
+    *EXPERIMENT,
+    click.option("--start", type=float, default=0.0, show_default=True, metavar="S", help="Seconds after h = 0."),
+    click.option(
+        "--error",
+        "errors",
+        multiple=True,
+        metavar="ANGLE:ORDER=S,C",
+        help="A harmonic, arcsec, as h:128=3,-1.5; may be given again.",
+    ),
+    click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC", help="Noise of a reading."),
+    click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC", help="Step of a random walk."),
+    "seed",
+    "force",
 )
-@click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC", help="White noise of a reading.")
-@click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC", help="Step of a random walk.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the random numbers.")
-@click.option("--force", is_flag=True, help="Overwrite OUT.")
-def simulate(out: str, *, start: float, errors: Sequence[str], force: bool, **choices: Any) -> None:
+def simulate(out: str, **choices: Any) -> None:
     """Write a CSV file OUT as a system with known errors would have recorded it."""
-    demand_outputs({"csv": out}, inputs=[], force=force)
+    where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.angle import gimbals, readings
+    from allanite.angle import readings
     from allanite.angle import simulate as run
-    from allanite.reporting.angle.plain import columns
 
-    setup = _experiment(choices)
-    known = _known(errors)
-    duration, interval = setup.pop("duration"), setup.pop("interval")
-    if not (0 < 2 * interval <= duration):
-        raise UsageError(f"{duration:g} s hold fewer than 2 readings at an interval of {interval:g} s")
-    true = gimbals(start + interval * np.arange(round(duration / interval)), **setup)
+    known = _known(choices["errors"])
+    true = _experiment(choices).gimbals(choices["start"])
     rng = np.random.default_rng(choices["seed"])
     z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
     seen = readings(true, known)
     table = {"time [s]": true.time, "difference": z}
     table |= {f"{name} [rad]": getattr(seen, name) for name in ("h", "q", "h_polar", "q_polar")}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
-    put(out, columns(table), force=force)
+    put(out, _csv(table), force=where.force)
     if out != STDOUT:
         click.echo(f"csv: {out}")
 
@@ -223,16 +240,36 @@ def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
     return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
 
 
-def _experiment(choices: dict[str, Any]) -> dict[str, Any]:
+def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
+    from allanite.angle import AngleSettings
+
+    for name in ("latitude", "duration"):
+        if choices[name] is None:
+            raise UsageError(f"give --{name}, of the {'site' if name == 'latitude' else 'experiment'}")
     sway = choices["sway"]
-    return {
-        "latitude": choices["latitude"] * DEGREE,
-        "duration": choices["duration"],
-        "interval": choices["interval"],
-        "q_law": choices["q_law"],
-        "turn_period": choices["turn_period"],
-        "sway": None if sway is None else (sway[0] * DEGREE, sway[1]),
-    }
+    same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
+    turned = None if sway is None else (sway[0] * DEGREE, sway[1])
+    return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, **more)
+
+
+def _deliver(
+    result: Any, out: Outputs, choices: dict[str, Any], data: "Sheet | None" = None, /, *corrected: Mapping[str, Any]
+) -> None:
+    """Deliver a result with the choices that made it, and the corrected angles."""
+    from allanite.angle.study import AngleStudy
+    from allanite.study.channels import provenance_of
+
+    chosen = {key: v for key, v in choices.items() if v is not None and key not in ("level", "recipe")}
+    made = provenance_of() | ({} if data is None else {"source": data.source, "sha256": data.digest})
+    notes = () if data is None else data.notes
+    study = AngleStudy(result, chosen, choices["level"] or 0.95, notes, made)
+    deliver(study, out, Extra({"corrected": lambda: _csv(corrected[0])}))
+
+
+def _csv(data: Mapping[str, Any]) -> str:
+    """Arrays of one length side by side; floats keep every digit."""
+    rows = zip(*(values.tolist() for values in data.values()), strict=True)
+    return "".join(f"{','.join(map(str, row))}\n" for row in (data, *rows))
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

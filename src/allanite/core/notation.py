@@ -83,3 +83,19 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
         else:
             raise UsageError(f"{word!r} in {' '.join(words)!r} stands where a number is wanted, as in 0.1 deg/h")
     return found
+
+
+def written(model: Model) -> str:
+    """The text from which `parse_model` makes the same model, to the last digit.
+
+    Examples
+    --------
+    >>> model = parse_model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
+    >>> parse_model(written(model)) == model
+    True
+    """
+    return ", ".join(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *_shape(t)]) for t in model)
+
+
+def _shape(found: Term) -> list[str]:
+    return [f"{float(v)!r} {p.unit}" for v, p in zip(found.shape, found.row.parameters, strict=True)]

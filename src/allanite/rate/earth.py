@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.plain import Value
 
-from .estimate import RateEstimate
+from .estimates import RateEstimate
 
 EARTH = 7.292115e-5
 """Rate of the earth, rad/s (WGS 84)."""
@@ -36,8 +36,8 @@ def earth_rate(latitude: float, axis: str = "vertical") -> float:
     return EARTH * parts[axis]
 
 
-@dataclass(frozen=True)
-class North:
+@dataclass(frozen=True, repr=False)
+class North(Value):
     """Heading of a horizontal sensitive axis, degrees from north, clockwise from above.
 
     Attributes
@@ -62,10 +62,6 @@ class North:
     high: float
     level: float
     positions: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, degrees."""
-        return {"allanite": 1, "type": "North", **self.__dict__}
 
     def words(self) -> str:
         """The heading in a sentence."""

@@ -9,7 +9,7 @@ from allanite.core.finding import Finding
 from allanite.core.record import Record
 
 from .row import Interval
-from .setting import FloatArray, Options, Setting
+from .setting import EstimatorSettings, FloatArray, Setting
 
 JUMP = 20.0
 """Median absolute deviations from the median beyond which a reading is called a pulse slip."""
@@ -18,7 +18,7 @@ REPEATED = 0.999
 """Share of equal readings from which a record of counts is called saturated."""
 
 
-def pulse_of(record: Record, options: Options) -> float:
+def pulse_of(record: Record, options: EstimatorSettings) -> float:
     """Quantum of the angle in readings (of a rate: readings times the sample interval); NaN where there is none."""
     if options.quantum is not None:
         if not (math.isfinite(options.quantum) and options.quantum > 0):
@@ -45,7 +45,7 @@ def demand_whole(record: Record) -> None:
     if bad.any():
         raise DataError(
             f"{int(bad.sum())} of {bad.size} readings of {record.name!r} are not finite, the first at sample "
-            f"{int(bad.argmax())}; measure between the gaps with gaps='split', or cut a window without them"
+            f"{int(bad.argmax())}; measure between the gaps (gaps='split', --split-gaps), or cut a window without them"
         )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 
-from .row import Interval, Measurement, RateEstimator, linear
+from .row import Interval, RateEstimator, RateMeasurement, linear
 from .setting import FloatArray, Setting
 
 REACH = 2 * 1.4826
@@ -80,14 +80,14 @@ def _slopes(interval: Interval, setting: Setting) -> FloatArray:
     return np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
 
 
-def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> Measurement:
+def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
     slopes = _slopes(interval, setting)
     middle = float(np.median(slopes))
     away = np.abs(slopes - middle)
     allowed = setting.options.allowed
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
-    return Measurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
+    return RateMeasurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
 
 
 MEAN = RateEstimator(
@@ -122,7 +122,7 @@ REGRESSION = RateEstimator(
 CONDITIONAL = RateEstimator(
     name="conditional",
     title="mean of regression lines, outliers dropped",
-    formula=r"\hat\Omega = mean of \Omega_k, |\Omega_k - median| within two standard deviations",
+    formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
     reference="Saneev, Engineering Journal 2015(1); Enin, Saneev 2017",
     assumes="as regression, of which it is a copy: neighbouring lines share all but a sample",
     weights=_many_parabolas,

@@ -6,11 +6,11 @@ from allanite.core.errors import UnitError
 from allanite.core.model import ModelLike, model_of
 from allanite.core.record import Record
 
-from .estimate import RateEstimate
+from .estimates import RateEstimate
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
 from .predict import standard_error
-from .row import Interval, Measurement
-from .setting import Options, Setting
+from .row import Interval, RateMeasurement
+from .setting import EstimatorSettings, Setting
 from .table import estimator_named
 
 
@@ -21,7 +21,7 @@ def estimate(
     model: ModelLike | None = None,
     target: str = "mean",
     dither: tuple[float, ...] = (),
-    options: Options | None = None,
+    options: EstimatorSettings | None = None,
 ) -> RateEstimate:
     """Measure the constant rate of a record.
 
@@ -38,7 +38,7 @@ def estimate(
     dither : tuple of float
         Frequencies of the dither's residual, Hz, also above half the sampling rate; their sinusoids are taken out by
         least squares.
-    options : Options, optional
+    options : EstimatorSettings, optional
         Choices that concern one method each.
 
     Returns
@@ -73,20 +73,20 @@ def estimate(
         target=setting.target,
         duration=setting.duration,
         limits=found.bounds,
-        details=found.details,
+        details=dict(found.details),
         findings=findings_of(record),
         name=record.name,
     )
 
 
-def in_si(found: Measurement, interval: Interval) -> Measurement:
+def in_si(found: RateMeasurement, interval: Interval) -> RateMeasurement:
     """A measurement with its offset, in SI."""
 
     def rate(value: float) -> float:
         return (value + interval.offset) * interval.size
 
     bounds = None if found.bounds is None else (rate(found.bounds[0]), rate(found.bounds[1]))
-    return Measurement(rate(found.value), found.details, bounds)
+    return RateMeasurement(rate(found.value), found.details, bounds)
 
 
 def setting_of(
@@ -95,12 +95,12 @@ def setting_of(
     target: str,
     *,
     dither: tuple[float, ...] = (),
-    options: Options | None = None,
+    options: EstimatorSettings | None = None,
 ) -> Setting:
     """What the weights follow from, for a record."""
     whole = None if model is None else model_of(model)
     if whole is not None and whole.signal is not record.signal:
         raise UnitError(f"the model is that of a {whole.signal.name}, the record that of a {record.signal.name}")
-    options = options or Options()
+    options = options or EstimatorSettings()
     pulse = pulse_of(record, options) * reading_size(record) / record.rate
     return Setting(record.size, record.rate, whole, target, tuple(dither), options, pulse)

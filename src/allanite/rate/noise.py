@@ -1,14 +1,18 @@
-"""The noise of a record, for predictions of its rates."""
+"""The noise that the errors of a rate follow from."""
+
+from dataclasses import replace
+from typing import NamedTuple
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
-from allanite.identification import automatic, identify
+from allanite.identification import automatic
 from allanite.prepare import block_means
 from allanite.rate import rank
-from allanite.study.analysis import Recipe
+from allanite.study.noise import Noise, noise_of
+from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 BLOCKS = (1.0, 0.4, 0.2, 0.1)
@@ -18,41 +22,63 @@ HIDDEN = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
-def identified(record: Record, recipe: Recipe) -> tuple[Fit | None, tuple[str, ...]]:
-    """The noise of a record; where none explains it at the full rate, that of the angle taken less often.
+FAST = ("quantised", "resampled", "lines", "slope")
+"""Findings about single readings: where the noise is that of blocks, its alert says so already."""
 
-    Dither and coarse counts make lines that no term describes. Taken every second, they fold onto white noise of the
-    angle, which is what they are to a rate.
+
+class RateNoise(NamedTuple):
+    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words."""
+
+    noise: Noise | None = None
+    model: Model | None = None
+    alerts: tuple[str, ...] = ()
+    settled: tuple[str, ...] = ()
+
+
+def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
+    """The noise that rates of `interval` seconds are measured under; as given, or identified.
+
+    Where no model explains the record, it is that of means over blocks of readings: dither and coarse counts make lines
+    that no term describes; averaged over a second, they fold onto white noise of the angle, which is what they are to a
+    rate.
     """
+    if given is not None:
+        return RateNoise(model=given)
+    try:
+        noise, alerts = _identified(record, recipe)
+    except DataError as error:
+        return RateNoise(alerts=(f"no noise model: {error}",))
+    if noise is None:
+        return RateNoise(alerts=alerts)
+    model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
+    return RateNoise(noise, model, (*alerts, *said), FAST if alerts else ())
+
+
+def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
     # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
-    try:
-        fit = identify(record, terms=terms, band=recipe.band, lines=False)
-    except DataError as error:
-        return None, (f"no noise model: {error}",)
-    if fit.goodness is None or fit.goodness.explained:
-        return fit, ()
+    noise = noise_of(record, recipe, terms=terms, lines=False)
+    if noise.explained:
+        return noise, ()
     for seconds in BLOCKS:
         m = round(seconds * record.rate)
         if m < 2 or record.size // m < SHORTEST:
             continue
-        coarse = identify(block_means(record, m), terms=terms, lines=False)
-        if coarse.goodness is not None and coarse.goodness.explained:
+        coarse = noise_of(block_means(record, m), replace(recipe, band=None), terms=terms, lines=False)
+        if coarse.verdict and coarse.explained:
             note = (
                 f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "
             )
-            return coarse, (note + f"at the full rate {fit.goodness.verdict}",)
-    return None, (
-        f"{fit.goodness.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",
-    )
+            return coarse, (f"{note}at the full rate {noise.verdict}",)
+    return None, (f"{noise.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",)
 
 
-def supposed(fit: Fit, size: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to the accuracy."""
+def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
+    """The model, with the noise at its upper limits that was not identified but would matter to n readings."""
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(model, n=size, rate=rate).best for model in (worst, fit.model))
+    bound, seen = (rank(model, n=n, rate=rate).best for model in (worst, fit.model))
     if bound < HIDDEN * seen:
         return fit.model, ()
     unit = fit.signal.sheet[0]

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from allanite.core.errors import UsageError
 
-from .estimate import RateEstimate, rate_factor
+from .estimates import RateEstimate, rate_factor
 
 
 def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error: float = 0.0) -> RateEstimate:

@@ -9,7 +9,7 @@ from allanite.statistics.moments.gls import Covariance
 
 from .ranking import Ranking
 from .row import RateEstimator
-from .setting import FloatArray, Options, Setting
+from .setting import EstimatorSettings, FloatArray, Setting
 from .table import RATE_ESTIMATORS, estimator_named
 
 
@@ -56,7 +56,7 @@ def predicted_standard_error(
     rate: float,
     target: str = "mean",
     dither: tuple[float, ...] = (),
-    options: Options | None = None,
+    options: EstimatorSettings | None = None,
 ) -> float:
     """The standard error that a method will have under a model, without any data.
 
@@ -70,7 +70,7 @@ def predicted_standard_error(
     rate : float
         Sampling rate, Hz.
     target, dither, options
-        As of `estimate`; "staircase" needs ``Options(quantum=...)``, here in SI (rad).
+        As of `estimate`; "staircase" needs ``EstimatorSettings(quantum=...)``, here in SI (rad).
 
     Returns
     -------
@@ -85,7 +85,7 @@ def predicted_standard_error(
     >>> round(errors[1] / errors[0], 4)
     1.0954
     """
-    options = options or Options()
+    options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum
     whole = model_of(model)
     setting = Setting(n, rate, whole, target, tuple(dither), options, pulse)
@@ -100,7 +100,9 @@ def ranking(setting: Setting) -> Ranking:
     return Ranking(model.signal, setting.duration, model, errors)
 
 
-def rank(model: ModelLike, *, n: int, rate: float, target: str = "mean", options: Options | None = None) -> Ranking:
+def rank(
+    model: ModelLike, *, n: int, rate: float, target: str = "mean", options: EstimatorSettings | None = None
+) -> Ranking:
     """Which method is the best for a gyro, and by how much; parameters as of `predicted_standard_error`.
 
     Examples
@@ -109,7 +111,7 @@ def rank(model: ModelLike, *, n: int, rate: float, target: str = "mean", options
     >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """
-    options = options or Options()
+    options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum
     whole = model_of(model)
     return ranking(Setting(n, rate, whole, target, (), options, pulse))

@@ -2,17 +2,18 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from allanite.core.model import Model
+from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 
 NEAR = 0.02
 """Loss of accuracy that is not worth another method."""
 
 
-@dataclass(frozen=True)
-class Ranking:
+@dataclass(frozen=True, repr=False)
+class Ranking(Value):
     """Predicted standard errors of all methods, the best first.
 
     Attributes
@@ -25,10 +26,17 @@ class Ranking:
         Method -> standard error, SI; NaN where it cannot be predicted.
     """
 
+    _also: ClassVar[tuple[str, ...]] = ("unit", "verdict")
+
     signal: Signal
     duration: float
     model: Model
     errors: dict[str, float]
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.unit
 
     @property
     def best(self) -> float:
@@ -62,15 +70,3 @@ class Ranking:
         ordered = sorted(self.errors, key=lambda m: math.inf if math.isnan(self.errors[m]) else self.errors[m])
         rows: list[list[Any]] = [[m, self.errors[m] / factor, self.ratio(m)] for m in ordered]
         return ["method", f"standard error, {unit}", "over the bound"], rows
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, SI."""
-        return {
-            "allanite": 1,
-            "type": "Ranking",
-            "unit": self.signal.unit,
-            "duration": self.duration,
-            "model": self.model.to_dict(),
-            "errors": self.errors,
-            "verdict": self.verdict,
-        }

@@ -29,7 +29,7 @@ class Interval:
     pulse: float
 
 
-class Measurement(NamedTuple):
+class RateMeasurement(NamedTuple):
     """What an estimator found: in readings beyond the offset, what else there is to say, limits that are certain."""
 
     value: float
@@ -49,7 +49,7 @@ class RateEstimator:
         When it is the best there is.
     weights : setting -> array, shape (n,)
         The weights of the rates, their sum is 1; of a method that is not linear, those to which it tends.
-    measure : (interval, weights, setting) -> Measurement
+    measure : (interval, weights, setting) -> RateMeasurement
     excess : setting -> float
         Variance beyond that of the weights, SI; NaN where it is not known.
     needs_model, needs_quantum : bool
@@ -63,13 +63,13 @@ class RateEstimator:
     reference: str
     assumes: str
     weights: Callable[[Setting], FloatArray]
-    measure: Callable[[Interval, FloatArray, Setting], Measurement]
+    measure: Callable[[Interval, FloatArray, Setting], RateMeasurement]
     excess: Callable[[Setting], float] = lambda setting: 0.0
     needs_model: bool = False
     needs_quantum: bool = False
     color: str = "#6B6B6B"
 
 
-def linear(interval: Interval, weights: FloatArray, _: Setting) -> Measurement:
+def linear(interval: Interval, weights: FloatArray, _: Setting) -> RateMeasurement:
     """The weighted mean."""
-    return Measurement(float(weights @ interval.steps), {})
+    return RateMeasurement(float(weights @ interval.steps), {})

@@ -11,11 +11,11 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.model import ModelLike
 from allanite.core.record import KINDS, Record
 
-from .experiment import Experiment
+from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
 from .measure import in_si, setting_of
 from .predict import ranking, standard_error
-from .setting import FloatArray, Options, Setting
+from .setting import EstimatorSettings, FloatArray, Setting
 from .table import RATE_ESTIMATORS, estimator_named
 
 MOST = 100
@@ -23,7 +23,7 @@ MOST = 100
 
 
 @dataclass(frozen=True)
-class Plan:
+class ExperimentSettings:
     """Choices of an experiment.
 
     Attributes
@@ -48,7 +48,7 @@ class Plan:
     methods: tuple[str, ...] = tuple(RATE_ESTIMATORS)
     target: str = "mean"
     dither: tuple[float, ...] = ()
-    options: Options = field(default_factory=Options)
+    options: EstimatorSettings = field(default_factory=EstimatorSettings)
     reference: float | None = None
     bias: float = 0.0
     most: int | None = None
@@ -59,11 +59,15 @@ class Plan:
             raise UsageError(f"an interval is a positive number of seconds, not {self.interval!r}")
         if self.gaps not in ("error", "split"):
             raise UsageError(f"gaps are an 'error', or the record is 'split' at them, not {self.gaps!r}")
+        if self.most is not None and self.most < 1:
+            raise UsageError(f"at least one interval is measured, not {self.most!r}")
         for method in self.methods:
             estimator_named(method)
 
 
-def experiment(record: Record, model: ModelLike | None = None, plan: Plan | None = None) -> Experiment:
+def experiment(
+    record: Record, model: ModelLike | None = None, settings: ExperimentSettings | None = None
+) -> Experiment:
     """Measure the rate in every interval of a record by every method.
 
     Parameters
@@ -71,7 +75,7 @@ def experiment(record: Record, model: ModelLike | None = None, plan: Plan | None
     record : Record
     model : Model, Term or Fit, optional
         The noise, ``identify(record).model``; "optimal" and predictions need it.
-    plan : Plan, optional
+    settings : ExperimentSettings, optional
         Intervals of two minutes and all methods, if left out.
 
     Returns
@@ -89,33 +93,21 @@ def experiment(record: Record, model: ModelLike | None = None, plan: Plan | None
     --------
     >>> from allanite.simulation.ring_laser import GL1, simulate_ring_laser
     >>> record = simulate_ring_laser(GL1, 12.4392, 60_000, 400.0, rng=np.random.default_rng(1))
-    >>> found = experiment(record, GL1.model, Plan(interval=10.0, methods=("mean", "regression")))
+    >>> found = experiment(record, GL1.model, ExperimentSettings(interval=10.0, methods=("mean", "regression")))
     >>> found.rates.shape, found.notes
     ((2, 15), ())
     """
-    plan = plan or Plan()
-    size = min(max(3, round(plan.interval * record.rate)), record.size)
-    if plan.gaps == "error":
-        demand_whole(record)
-    starts, notes = _intervals(record, size)
-    if plan.most is not None and starts.size > plan.most:
-        starts = starts[np.linspace(0, starts.size - 1, plan.most).astype(np.int64)]
-        notes += (f"{plan.most} intervals, spread over the record, were measured",)
-    setting = setting_of(
-        _piece(record, int(starts[0]), size), model, plan.target, dither=plan.dither, options=plan.options
-    )
-    left_out = dict(_unusable(plan, setting))
-    methods = tuple(method for method in plan.methods if method not in left_out)
+    settings = settings or ExperimentSettings()
+    size = min(max(3, round(settings.interval * record.rate)), record.size)
+    starts, notes = _starts(record, size, settings)
+    piece = _piece(record, int(starts[0]), size)
+    setting = setting_of(piece, model, settings.target, dither=settings.dither, options=settings.options)
+    left_out = dict(_unusable(settings, setting))
+    methods = tuple(method for method in settings.methods if method not in left_out)
     if not methods:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
     weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
-    rates = np.empty((len(methods), starts.size))
-    for i, start in enumerate(starts):
-        interval = interval_of(_piece(record, int(start), size), setting)
-        for j, method in enumerate(methods):
-            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, weights[method], setting), interval).value
-    rates -= plan.bias
-    known = plan.reference is not None
+    rates = _rates(record, starts, weights, setting) - settings.bias
     return Experiment(
         name=record.name,
         signal=record.signal,
@@ -124,14 +116,24 @@ def experiment(record: Record, model: ModelLike | None = None, plan: Plan | None
         duration=size / record.rate,
         rate=record.rate,
         rates=rates,
-        reference=float(rates[-1].mean()) if plan.reference is None else plan.reference,
-        known=known,
+        reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
+        known=settings.reference is not None,
         predicted=_predicted(methods, weights, setting),
         ranking=None if setting.model is None else ranking(setting),
         left_out=left_out,
         notes=notes,
-        findings=() if plan.gaps == "split" else findings_of(record),
+        findings=() if settings.gaps == "split" else findings_of(record),
     )
+
+
+def _rates(record: Record, starts: NDArray[np.int64], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+    """The rate of every interval by every method, SI, shape (methods, intervals)."""
+    rates = np.empty((len(weights), starts.size))
+    for i, start in enumerate(starts):
+        interval = interval_of(_piece(record, int(start), setting.size), setting)
+        for j, (method, own) in enumerate(weights.items()):
+            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
+    return rates
 
 
 def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
@@ -140,13 +142,24 @@ def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting
     return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], setting) for m in methods])
 
 
-def _unusable(plan: Plan, setting: Setting) -> Iterator[tuple[str, str]]:
-    for method in plan.methods:
+def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[str, str]]:
+    for method in settings.methods:
         row = RATE_ESTIMATORS[method]
         if row.needs_model and setting.model is None:
             yield method, "it needs a noise model"
         if row.needs_quantum and not math.isfinite(setting.pulse):
             yield method, "it needs counts, or the quantum of the angle (quantum=, --quantum)"
+
+
+def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """First samples of the intervals that are measured, and what that leaves out."""
+    if settings.gaps == "error":
+        demand_whole(record)
+    starts, notes = _intervals(record, size)
+    if settings.most is None or starts.size <= settings.most:
+        return starts, notes
+    spread = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
+    return spread, (*notes, f"{settings.most} intervals, spread over the record, were measured")
 
 
 def _intervals(record: Record, size: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
@@ -173,13 +186,16 @@ def _piece(record: Record, start: int, size: int) -> Record:
 
 
 def by_duration(
-    record: Record, durations: tuple[float, ...], model: ModelLike | None = None, plan: Plan | None = None
+    record: Record,
+    durations: tuple[float, ...],
+    model: ModelLike | None = None,
+    settings: ExperimentSettings | None = None,
 ) -> tuple[Experiment, ...]:
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 
     Times that do not fit twice into the record are left out. At most a hundred intervals of each, spread over the
     record, are measured.
     """
-    plan = plan or Plan()
+    settings = settings or ExperimentSettings()
     fitting = [d for d in durations if 3 <= d * record.rate <= record.size / 2]
-    return tuple(experiment(record, model, replace(plan, interval=d, most=MOST)) for d in fitting)
+    return tuple(experiment(record, model, replace(settings, interval=d, most=MOST)) for d in fitting)

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Options:
+class EstimatorSettings:
     """Choices that concern one estimator each.
 
     Attributes
@@ -56,7 +56,7 @@ class Setting:
         A name in `TARGETS`: what is estimated where the rate itself wanders.
     dither : tuple of float
         Frequencies of sinusoids to be taken out, Hz.
-    options : Options
+    options : EstimatorSettings
     pulse : float
         Quantum of the angle, SI; NaN where there is none.
     """
@@ -66,7 +66,7 @@ class Setting:
     model: Model | None = None
     target: str = "mean"
     dither: tuple[float, ...] = ()
-    options: Options = field(default_factory=Options)
+    options: EstimatorSettings = field(default_factory=EstimatorSettings)
     pulse: float = float("nan")
 
     def __post_init__(self) -> None:

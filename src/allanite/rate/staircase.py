@@ -7,7 +7,7 @@ import numpy as np
 from allanite.core.errors import UsageError
 
 from .linear import parabola
-from .row import Interval, Measurement, RateEstimator
+from .row import Interval, RateEstimator, RateMeasurement
 from .setting import FloatArray, Setting
 
 WORK = 7e6
@@ -27,7 +27,7 @@ CUBE_ROOT = 2.2
 1.98 to 2.37 for noise of 0.4 to 4 quanta and n of 1000 to 48000."""
 
 
-def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> Measurement:
+def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
     y, line = _steps_and_line(interval)
     p, q, least, bound = _search(y, line, math.inf if setting.options.certified else WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
@@ -39,9 +39,9 @@ def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> Measureme
     }
     limits = _feasible(y, slope) if least == 0 else None
     if limits is None:
-        return Measurement(slope * interval.pulse - interval.offset, details)
+        return RateMeasurement(slope * interval.pulse - interval.offset, details)
     low, high = (limit * interval.pulse - interval.offset for limit in limits)
-    return Measurement((low + high) / 2, details, (low, high))
+    return RateMeasurement((low + high) / 2, details, (low, high))
 
 
 def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float, float, float]:

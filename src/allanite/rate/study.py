@@ -1,21 +1,21 @@
-"""From a recording to its rates: noise, experiment, bias, north. It composes rooms as `study` does."""
+"""From a recording to its rates: noise, experiment, bias, north."""
 
-import os
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.model import Model
-from allanite.core.record import Record, Recording
+from allanite.core.notation import written
+from allanite.core.record import Record
 from allanite.core.units import Signal
-from allanite.core.version import __version__
-from allanite.prepare import quiet_window, trim
 from allanite.rate import (
     Experiment,
+    ExperimentSettings,
     North,
-    Plan,
     RateEstimate,
     by_duration,
     earth_rate,
@@ -25,10 +25,20 @@ from allanite.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.readers import read
-from allanite.study.analysis import Recipe
+from allanite.study.channels import (
+    Inspected,
+    Job,
+    Progress,
+    Source,
+    demand_result,
+    each_channel,
+    open_recording,
+    provenance_of,
+)
+from allanite.study.noise import Noise
+from allanite.study.recipe import Recipe
 
-from .noise import identified, supposed
+from .noise import noise_of_rates
 
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Measuring times that are compared, s."""
@@ -36,42 +46,64 @@ DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 FEWEST = 20
 """Intervals of a measuring time below which its scatter says little."""
 
-Source = Recording | Record | str | os.PathLike[str]
-
 
 @dataclass(frozen=True)
-class RateChoices:
+class RateSettings:
     """What is measured of a recording.
 
     Attributes
     ----------
-    plan : Plan
+    experiment : ExperimentSettings
         Intervals, methods, target; its `reference` is overruled by `latitude`.
-    model : Model or None
+    noise : Model or None
         The noise; identified if it is not given.
     signal : Signal or None
-        The kind of sensor that `reference` and `bias` of the plan are of, if they are given.
+        The kind of sensor that `reference` and `bias` are of, if they are given.
     latitude : float or None
         Degrees. For a vertical axis the earth's rate is the reference, for a horizontal one north is found.
     horizontal : bool
         Whether the axis is horizontal.
     turned, near : float
-        Degrees: from the first position to the second, and what is known of the heading.
-    method : str
-        What measures the whole record, for north and the bias.
+        Degrees: from the first position to the second, and the approximate heading.
+    position_method : str
+        Estimator of the whole record, for north and the bias.
     durations : tuple of float
         Measuring times for the accuracy against time, s; none if empty.
     """
 
-    plan: Plan = field(default_factory=Plan)
-    model: Model | None = None
+    experiment: ExperimentSettings = field(default_factory=ExperimentSettings)
+    noise: Model | None = None
     signal: Signal | None = None
     latitude: float | None = None
     horizontal: bool = False
     turned: float = 180.0
     near: float = 90.0
-    method: str = "optimal"
+    position_method: str = "optimal"
     durations: tuple[float, ...] = DURATIONS
+
+    def __post_init__(self) -> None:
+        if self.horizontal and self.latitude is None:
+            raise UsageError("north is found at a latitude: give it (latitude=, --latitude)")
+
+    @property
+    def vertical(self) -> bool:
+        """Whether the earth's rate at the latitude is the true rate."""
+        return self.latitude is not None and not self.horizontal
+
+    def to_dict(self, unit: str) -> dict[str, Any]:
+        """The choices under the names of the command line; rates in the SI unit `unit`."""
+        chosen, options = self.experiment, self.experiment.options
+        plain = {**vars(self), **vars(chosen), **vars(options), "bias": chosen.bias or None}
+        plain["reference"] = None if self.vertical else chosen.reference
+        plain["noise"] = None if self.noise is None else written(self.noise)
+        for key in ("reference", "bias", "allowed"):
+            plain[key] = None if plain[key] is None else f"{float(plain[key])!r} {unit}"
+        for key in ("methods", "dither", "durations"):
+            plain[key] = list(plain[key]) or None
+        plain |= {"split_gaps": chosen.gaps == "split", "no_times": not self.durations}
+        return {
+            k: v for k, v in plain.items() if k not in ("experiment", "options", "signal", "gaps") and v is not None
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +111,8 @@ class RateChannel:
     """What was measured of one channel; `refusal` says why nothing was."""
 
     record: Record
-    fit: Fit | None = None
+    quality: Quality
+    noise: Noise | None = None
     experiment: Experiment | None = None
     by_duration: tuple[Experiment, ...] = ()
     estimates: tuple[RateEstimate, ...] = ()
@@ -88,7 +121,12 @@ class RateChannel:
     alerts: tuple[str, ...] = ()
     refusal: str = ""
 
-    def to_dict(self, level: float) -> dict[str, Any]:
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise; None where it was given, or no model explains the record."""
+        return None if self.noise is None else self.noise.fit
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         return {
             "name": self.record.name,
@@ -97,7 +135,9 @@ class RateChannel:
             "unit": self.record.unit,
             "kind": self.record.kind,
             "history": list(self.record.history),
+            "quality": self.quality.to_dict(),
             "fit": None if self.fit is None else self.fit.to_dict(level),
+            "explained": None if self.noise is None else self.noise.explained,
             "experiment": None if self.experiment is None else self.experiment.to_dict(),
             "by_duration": [e.to_dict() for e in self.by_duration],
             "estimates": [e.to_dict(level) for e in self.estimates],
@@ -109,34 +149,25 @@ class RateChannel:
 
 
 @dataclass(frozen=True, eq=False)
-class RateStudy:
-    """The rates of a recording, and what they were made of."""
+class RateStudy(Job[RateChannel]):
+    """The rates of a recording, and the settings that they were measured with."""
 
-    channels: tuple[RateChannel, ...]
-    recipe: Recipe
-    choices: RateChoices
-    notes: tuple[str, ...]
-    provenance: dict[str, str]
+    settings: RateSettings = field(default_factory=RateSettings)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            "allanite": 1,
-            "type": "RateStudy",
-            "channels": [channel.to_dict(self.recipe.level) for channel in self.channels],
-            "recipe": self.recipe.to_dict(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
-        }
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was really used, as plain data."""
+        signal = self.settings.signal or self.channels[0].record.signal
+        second = self.provenance.get("source 2")
+        return super().choices() | self.settings.to_dict(signal.unit) | ({"second": second} if second else {})
 
 
 def measure_rates(
     source: Source,
     recipe: Recipe | None = None,
-    choices: RateChoices | None = None,
+    settings: RateSettings | None = None,
     *,
     second: Source | None = None,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> RateStudy:
     """Measure the constant rate of every channel of a recording, by every method.
 
@@ -144,10 +175,10 @@ def measure_rates(
     ----------
     source : Recording, Record or path
     recipe : Recipe, optional
-        How to read, which terms to look for, the level of intervals.
-    choices : RateChoices, optional
+        How to read, how the noise is identified, the level of intervals.
+    settings : RateSettings, optional
     second : Recording, Record or path, optional
-        The same gyro after it was turned; read with the same options. Removes the bias.
+        The same gyro after it was turned; read with the same recipe. Removes the bias.
     progress : callable, optional
         Called with what is being done and the fraction that is finished.
 
@@ -158,73 +189,72 @@ def measure_rates(
     UsageError
         An option is wrong, or one that is needed is missing.
     """
-    recipe, choices = recipe or Recipe(), choices or RateChoices()
-    if choices.horizontal and choices.latitude is None:
-        raise UsageError("north is found at a latitude: give it (latitude=, --latitude)")
-    tell = progress or (lambda what, fraction: None)
-    tell("reading", 0.0)
-    recording = _recording(source, recipe)
-    other = None if second is None else _recording(second, recipe)
-    channels = []
-    for i, record in enumerate(recording):
-        tell(f"measuring {record.name}", (i + 0.3) / (len(recording) + 0.3))
-        try:
-            channels.append(_channel(record, None if other is None else other[record.name], recipe, choices))
-        except DataError as error:
-            channels.append(RateChannel(record, refusal=str(error)))
-    if all(channel.refusal for channel in channels):
-        raise DataError("; ".join(f"{c.record.name or 'the record'}: {c.refusal}" for c in channels))
-    tell("done", 1.0)
-    made = {"allanite": __version__, "source": recording.source, "sha256": recording.digest}
-    return RateStudy(tuple(channels), recipe, choices, recording.notes, made)
+    recipe, settings = recipe or Recipe(), settings or RateSettings()
+    if progress is not None:
+        progress("reading", 0.0)
+    recordings = [open_recording(s, recipe) for s in (source, second) if s is not None]
+    first = recordings[0]
+    groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
+    findings = tuple(finding for recording in recordings for finding in recording.findings)
+    work = partial(_measured, recipe=recipe, settings=settings)
+    channels = each_channel(groups, work, _refused, findings=findings, doing="measuring", progress=progress)
+    demand_result(first.channels, channels)
+    notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
+    return RateStudy(channels, recipe, findings, notes, provenance_of(*recordings), settings)
 
 
-def _recording(source: Source, recipe: Recipe) -> Recording:
-    if isinstance(source, Record):
-        source = Recording((source,))
-    if not isinstance(source, Recording):
-        options = {key: getattr(recipe, key) for key in ("rate", "unit", "kind", "scale", "channels", "time")}
-        source = read(source, **options)
-    whole = trim(source, recipe.start, recipe.until)
-    return whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
+def _refused(seen: Inspected, why: str) -> RateChannel:
+    return RateChannel(seen.record, seen.quality, refusal=why)
 
 
-def _channel(record: Record, second: Record | None, recipe: Recipe, choices: RateChoices) -> RateChannel:
-    if choices.signal is not None and choices.signal is not record.signal:
-        raise DataError(f"the true rate or bias that was given belongs to another sensor: {choices.signal.name}")
-    fit, alerts = (None, ()) if choices.model is not None else identified(record, recipe)
-    plan, model = choices.plan, choices.model
-    if fit is not None:
-        size = min(round(plan.interval * record.rate), record.size)
-        model, said = supposed(fit, size, record.rate)
-        alerts += said
-    if choices.latitude is not None and not choices.horizontal and record.signal.name == "gyro":
-        plan = replace(plan, reference=earth_rate(choices.latitude))
-    found = experiment(record, model, plan)
-    alerts += tuple(map(str, found.findings))
-    durations = tuple(d for d in choices.durations if d * FEWEST <= record.duration)
-    channel = RateChannel(record, fit, found, by_duration(record, durations, model, plan), alerts=alerts)
-    if found.start.size == 1:
-        channel = replace(channel, estimates=tuple(_whole(record, m, model, plan) for m in found.methods))
-    if second is None and not choices.horizontal:
+def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:
+    record, chosen = seen.record, settings.experiment
+    if settings.signal is not None and settings.signal is not record.signal:
+        raise DataError(f"the true rate or bias that was given belongs to another sensor: {settings.signal.name}")
+    noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
+    if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":
+        chosen = replace(chosen, reference=earth_rate(settings.latitude))
+    found = experiment(record, model, chosen)
+    durations = tuple(d for d in settings.durations if d * FEWEST <= record.duration)
+    alone = found.methods if found.start.size == 1 else ()
+    channel = RateChannel(
+        record,
+        seen.quality,
+        noise,
+        found,
+        by_duration(record, durations, model, chosen),
+        tuple(_whole(record, method, model, chosen) for method in alone),
+        alerts=(*alerts, *map(str, found.findings), *_alerts(seen, settled)),
+    )
+    if len(seen.records) == 1 and not settings.horizontal:
         return channel
-    return _positions(channel, second, model, choices)
+    return _positions(channel, seen.records, model, (settings, recipe.level))
 
 
-def _positions(channel: RateChannel, second: Record | None, model: Model | None, choices: RateChoices) -> RateChannel:
+def _alerts(seen: Inspected, settled: tuple[str, ...]) -> Iterator[str]:
+    yield from (str(finding) for finding in seen.quality.warnings if finding.name not in settled)
+    for quality in seen.qualities[1:]:
+        yield from (f"second recording: {f}" for f in quality.warnings if f.name not in settled)
+
+
+def _positions(
+    channel: RateChannel, records: tuple[Record, ...], model: Model | None, chosen: tuple[RateSettings, float]
+) -> RateChannel:
     """Bias and north."""
-    method = choices.method if model is not None else "mean"
-    first = _whole(channel.record, method, model, choices.plan)
-    other = None if second is None else _whole(second, method, model, choices.plan)
+    settings, level = chosen
+    method = settings.position_method if model is not None else "mean"
+    first, *rest = (_whole(record, method, model, settings.experiment) for record in records)
+    other = rest[0] if rest else None
     heading = None
-    if choices.horizontal and choices.latitude is not None:
-        heading = north(first, choices.latitude, second=other, turned=choices.turned, near=choices.near)
-    if other is None or choices.turned != 180:
+    if settings.horizontal and settings.latitude is not None:
+        near, turned = settings.near, settings.turned
+        heading = north(first, settings.latitude, second=other, turned=turned, near=near, level=level)
+    if other is None or settings.turned != 180:
         return replace(channel, north=heading, estimates=channel.estimates or (first,))
     rate, bias = reversal(first, other)
     return replace(channel, north=heading, estimates=(rate,), bias=bias)
 
 
-def _whole(record: Record, method: str, model: Model | None, plan: Plan) -> RateEstimate:
-    found = estimate(record, method, model=model, target=plan.target, dither=plan.dither, options=plan.options)
-    return subtract_bias(found, plan.bias, record.signal.unit) if plan.bias else found
+def _whole(record: Record, method: str, model: Model | None, chosen: ExperimentSettings) -> RateEstimate:
+    found = estimate(record, method, model=model, target=chosen.target, dither=chosen.dither, options=chosen.options)
+    return subtract_bias(found, chosen.bias, record.signal.unit) if chosen.bias else found

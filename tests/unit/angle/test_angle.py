@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
 
 import allanite as al
-from allanite.angle import squareroot
+from allanite.angle import AngleSettings, squareroot
 from allanite.angle.design import NUISANCES, USUAL, design, harmonic_set
-from allanite.angle.gimbals import ANGLES, EARTH_RATE, Q_LAWS
+from allanite.angle.geometry import ANGLES, EARTH_RATE, Q_LAWS
 from allanite.angle.solve import System, solve
 
 LATITUDE = math.radians(60)
@@ -27,9 +27,10 @@ def hour(start=7200.0, law="exact", **options):
 
 
 def planned(start, law="exact", **options):
-    return al.angle.plan(**{
-        "latitude": LATITUDE, "start": start, "duration": 3600.0, "interval": 10.0, "q_law": law, **options
+    settings = AngleSettings(**{
+        "latitude": LATITUDE, "duration": 3600.0, "interval": 10.0, "q_law": law, **options
     })  # fmt: skip
+    return al.angle.plan(settings, start)
 
 
 def sensors(unit=1e-6):
@@ -248,7 +249,7 @@ def test_condition_numbers():
     ],
 )
 def test_the_best_window(law, duration, low, high, total):
-    best = al.angle.scan(latitude=LATITUDE, duration=duration, interval=10.0, q_law=law).best
+    best = al.angle.scan(AngleSettings(LATITUDE, duration, 10.0, q_law=law)).best
     np.testing.assert_allclose(np.degrees(best.h), [low, high], atol=0.06)
     assert best.total == pytest.approx(total, rel=0.005)
 
@@ -279,10 +280,10 @@ def test_sway_halves_the_time_in_the_middle_but_not_at_the_extreme(degrees):
 
 
 def test_a_scan_thins_what_it_need_not_look_at():
-    coarse = al.angle.scan(latitude=LATITUDE, duration=3600.0, interval=10.0, starts=[0.0, 7200.0])
-    fine = al.angle.scan(latitude=LATITUDE, duration=3600.0, interval=0.1, starts=[0.0, 7200.0], sigma=10.0)
+    coarse = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), [0.0, 7200.0])
+    fine = al.angle.scan(AngleSettings(LATITUDE, 3600.0, 0.1, sigma=10.0), [0.0, 7200.0])
     np.testing.assert_allclose(fine.totals, coarse.totals, rtol=0.01)
-    assert fine.best.setup.interval == 0.1
+    assert fine.best.settings.interval == 0.1
     assert fine.best.total == pytest.approx(fine.totals.min(), rel=0.01)
 
 
@@ -512,7 +513,7 @@ REFUSED = {
         "is it in degrees",
     ),
     "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "no unit of an angle"),
-    "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "turn the sensor"),
+    "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
     "calibrate columns": (
         lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
         "no longer small",

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import pickle
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.reporting import page, table, to_csv
+from allanite.reporting.sheet import toml
 
 ARCSEC = np.pi / 648_000
 EXPERIMENT = ["--latitude", "60", "--duration", "3600"]
@@ -68,7 +71,7 @@ def test_everything_is_written(gimbal, tmp_path):
     data = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert (data["type"], [h["name"] for h in data["harmonics"]]) == ("Calibration", ["h", "q"])
     assert len(data["provenance"]["sha256"]) == 64
-    assert "latitude 60.0" in data["provenance"]["options"]
+    assert data["recipe"]["latitude"] == 60.0
     constants = {row["constant"]: row for row in csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text()))}
     assert float(constants["S128 h"]["value"]) == data["solution"]["constants"][0]["value"]
     before = np.genfromtxt(gimbal, delimiter=",", names=True)["q_rad"]
@@ -108,13 +111,13 @@ def test_plan_finds_the_window_of_the_paper(tmp_path):
     assert "h from 13.4 to 19.8 deg" in page
     assert page.count("<svg") == 1
     one = json.loads(run("plan", *EXPERIMENT, "--start", 0, "--sway", "1,60", "--json", "-").stdout)
-    assert (one["type"], round(one["total"], 2)) == ("Plan", 0.95)
+    assert (one["type"], round(one["total"], 2)) == ("AnglePlan", 0.95)
 
 
 REFUSED = [
     (["plan", "--latitude", 91, "--duration", 3600], 2, "is it in degrees"),
     (["plan", *EXPERIMENT, "--angles", "h_polar"], 3, "under sway only"),
-    (["plan", *EXPERIMENT, "--orders", "128,x"], 2, "whole numbers such as 128,256"),
+    (["plan", *EXPERIMENT, "--orders", "128,x"], 2, "integers are wanted"),
     (["plan", *EXPERIMENT, "--sway", "1"], 2, "amplitude in deg and period in s"),
     (["plan", *EXPERIMENT, "--start", 0, "--plot", "x.png"], 2, "leave --start out"),
     (["simulate", "x.csv", *EXPERIMENT], 2, "at least one --error"),
@@ -173,8 +176,44 @@ def test_broken_files(tmp_path, gimbal):
     assert estimate(broken).exit_code == 3
 
 
-def test_known_harmonics_have_no_report():
-    from allanite.reporting.angle.text import render
+def test_the_recipe_repeats_the_run(gimbal, tmp_path):
+    recipe = tmp_path / "recipe.toml"
+    options = ["--orders", "128", "--nuisance", "A1,A2,A3", "--prior", "3,10", "--level", "0.9", "--sigma", "1"]
+    runs = {
+        ("estimate", gimbal): ["--difference", "difference", "--latitude", 60, "--turn-period", 300, *options],
+        ("plan",): [*EXPERIMENT, "--sway", "1,60", "--start", 600, "--orders", "128", "--angles", "h"],
+    }
+    for verb, chosen in runs.items():
+        first = run(*verb, *chosen, "--json", "-")
+        assert first.exit_code == 0, first.stderr
+        recipe.write_text(toml(json.loads(first.stdout)["recipe"]))
+        assert run(*verb, "--recipe", recipe, "--json", "-").stdout == first.stdout
 
-    with pytest.raises(al.UsageError, match="given, not estimated"):
-        render(al.angle.Harmonics.of({128: (1e-5, 0.0)}))
+
+def test_known_harmonics_are_shown_without_errors():
+    known = al.angle.Harmonics.of({128: (1e-5, 0.0)}, "encoder")
+    assert "encoder 128" in table(known)
+    assert "known, not estimated" in page(known)
+
+
+@pytest.fixture(scope="module")
+def results():
+    settings = al.angle.AngleSettings(np.radians(60), duration=3600.0, interval=30.0, sway=(0.01, 60.0))
+    gimbals = al.angle.gimbals(np.arange(0.0, 3600.0, 10.0), latitude=np.radians(60))
+    z = al.angle.simulate(gimbals, {}, sigma=5e-6, rng=np.random.default_rng(1))
+    return {
+        "plan": al.angle.plan(settings, 600.0),
+        "scan": al.angle.scan(settings, [0.0, 600.0]),
+        "calibration": al.angle.estimate(z, gimbals),
+    }
+
+
+@pytest.mark.parametrize("name", ["plan", "scan", "calibration"])
+def test_results_are_shown_everywhere_and_travel(results, name):
+    value = pickle.loads(pickle.dumps(results[name]))
+    assert page(value).count("<h1>") == 1
+    assert to_csv(value).count("\n") > 2
+    for width in (80, 120):
+        assert max(map(len, table(value, width=width).splitlines())) <= width
+    if name != "calibration":
+        assert al.from_dict(json.loads(json.dumps(value.to_dict()))).to_dict() == value.to_dict()

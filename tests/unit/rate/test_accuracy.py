@@ -12,7 +12,14 @@ import pytest
 
 import allanite as al
 from allanite.core.model import term
-from allanite.rate import RATE_ESTIMATORS, Options, Plan, by_duration, experiment, predicted_standard_error
+from allanite.rate import (
+    RATE_ESTIMATORS,
+    EstimatorSettings,
+    ExperimentSettings,
+    by_duration,
+    experiment,
+    predicted_standard_error,
+)
 from allanite.rate.inputs import interval_of
 from allanite.rate.measure import in_si, setting_of
 from allanite.simulation.ring_laser import GL1
@@ -80,7 +87,7 @@ def test_intervals_cover(runs, method):
 def test_the_staircase_of_counts_is_predicted():
     """400 runs of counts; angle noise of a pulse, random walk that dominates."""
     model = al.N(6e-4, "deg/sqrt(h)") + al.Q(math.hypot(0.3, PULSE / math.sqrt(12)), "arcsec")
-    options = Options(quantum=PULSE * ARCSEC)
+    options = EstimatorSettings(quantum=PULSE * ARCSEC)
     errors = []
     for seed in range(1, RUNS + 1):
         rng = np.random.default_rng(seed)
@@ -100,7 +107,7 @@ def test_the_staircase_of_counts_is_predicted():
 @pytest.fixture(scope="module")
 def gl1():
     """Two runs of 94 intervals of two minutes, as in the paper; and one with a warm-up."""
-    plan = Plan(reference=(12.4392 - 0.0948) * ARCSEC)
+    plan = ExperimentSettings(reference=(12.4392 - 0.0948) * ARCSEC)
     gyros = (GL1, GL1, replace(GL1, warm_up=-0.01))
     seeds = (1, 2, 3)
     return [
@@ -177,7 +184,7 @@ def test_the_limits_of_the_scatter(gl1):
 
 def test_accuracy_against_measuring_time():
     record = al.simulate_ring_laser(GL1, 12.4392, 40_000, 400.0, rng=np.random.default_rng(1))
-    series = by_duration(record, (1.0, 10.0, 1000.0), GL1.model, Plan(methods=("mean", "optimal")))
+    series = by_duration(record, (1.0, 10.0, 1000.0), GL1.model, ExperimentSettings(methods=("mean", "optimal")))
     assert [e.duration for e in series] == [1.0, 10.0]
     assert series[0].predicted[0] / series[1].predicted[0] == pytest.approx(10.0, rel=0.1)
     assert series[0].start.size == 100

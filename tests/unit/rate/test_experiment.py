@@ -9,8 +9,8 @@ from tests.reference.rate import turnaround_kick
 
 import allanite as al
 from allanite.rate import (
-    Options,
-    Plan,
+    EstimatorSettings,
+    ExperimentSettings,
     earth_rate,
     estimate,
     experiment,
@@ -18,7 +18,7 @@ from allanite.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.rate.study import RateChoices, measure_rates
+from allanite.rate.study import RateSettings, measure_rates
 from allanite.simulation.ring_laser import GL1, RingLaser
 
 DEG_H = math.pi / 180 / 3600
@@ -34,7 +34,7 @@ def white(n=1000, mean=10.0, seed=1, rate=10.0):
 
 
 def test_the_incomplete_end_is_left_out_and_said():
-    found = experiment(white(1050), MODEL, Plan(interval=10.0, methods=("mean",)))
+    found = experiment(white(1050), MODEL, ExperimentSettings(interval=10.0, methods=("mean",)))
     assert found.start.tolist() == [10.0 * i for i in range(10)]
     assert found.notes == ("5 s of 105 s fill no interval and are left out",)
     means = white(1050).values[:1000].reshape(10, 100).mean(axis=1)
@@ -42,7 +42,7 @@ def test_the_incomplete_end_is_left_out_and_said():
 
 
 def test_a_record_shorter_than_the_interval_is_one_interval():
-    found = experiment(white(100), MODEL, Plan(interval=120.0, methods=("mean", "optimal")))
+    found = experiment(white(100), MODEL, ExperimentSettings(interval=120.0, methods=("mean", "optimal")))
     assert found.rates.shape == (2, 1)
     assert found.duration == 10.0
     assert math.isnan(found.scatter("mean").deviation)
@@ -57,25 +57,25 @@ def test_gaps_are_an_error_or_split_the_record(kind):
     unit = "deg/h" if kind == "rate" else "arcsec"
     broken = al.Record(values, rate=10.0, unit=unit, kind=kind, name="z")
     with pytest.raises(al.DataError, match=r"3 of \d+ readings of 'z' are not finite, the first at sample 250"):
-        experiment(broken, MODEL, Plan(interval=10.0))
-    found = experiment(broken, MODEL, Plan(interval=10.0, methods=("mean",), gaps="split"))
+        experiment(broken, MODEL, ExperimentSettings(interval=10.0))
+    found = experiment(broken, MODEL, ExperimentSettings(interval=10.0, methods=("mean",), gaps="split"))
     starts = [0, 10, *(np.array([252, 352, 452, 552]) / 10), 70.1, 80.1]
     np.testing.assert_allclose(found.start, starts)
     assert np.isfinite(found.rates).all()
     assert "3 readings are lost" in found.notes[0]
     with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 lost readings"):
-        experiment(broken, MODEL, Plan(interval=60.0, gaps="split"))
+        experiment(broken, MODEL, ExperimentSettings(interval=60.0, gaps="split"))
 
 
 def test_methods_that_cannot_be_used_are_named():
-    found = experiment(white(), None, Plan(interval=10.0))
+    found = experiment(white(), None, ExperimentSettings(interval=10.0))
     assert found.methods == ("mean", "hamming", "regression", "conditional")
     assert "noise model" in found.left_out["optimal"]
     assert "quantum" in found.left_out["staircase"]
     assert np.isnan(found.predicted).all()
     assert found.ranking is None
     with pytest.raises(al.UsageError, match="optimal: it needs a noise model"):
-        experiment(white(), None, Plan(methods=("optimal",)))
+        experiment(white(), None, ExperimentSettings(methods=("optimal",)))
 
 
 @pytest.mark.parametrize(
@@ -89,12 +89,12 @@ def test_methods_that_cannot_be_used_are_named():
 )
 def test_impossible_plans_are_refused(choice, words):
     with pytest.raises(al.UsageError, match=words):
-        Plan(**choice)
+        ExperimentSettings(**choice)
 
 
 def test_errors_are_counted_from_the_reference():
-    known = experiment(white(), MODEL, Plan(interval=10.0, reference=9.0 * DEG_H, bias=0.5 * DEG_H))
-    free = experiment(white(), MODEL, Plan(interval=10.0))
+    known = experiment(white(), MODEL, ExperimentSettings(interval=10.0, reference=9.0 * DEG_H, bias=0.5 * DEG_H))
+    free = experiment(white(), MODEL, ExperimentSettings(interval=10.0))
     np.testing.assert_allclose(known.errors / DEG_H, free.rates / DEG_H - 9.5)
     assert free.errors[-1].mean() == pytest.approx(0.0, abs=1e-18)
     data = known.to_dict()
@@ -280,10 +280,11 @@ def test_a_ring_laser_is_sampled_faster_than_its_residual():
 
 def test_the_study_identifies_the_noise_where_dither_hides_it():
     record = al.simulate_ring_laser(GL1, 12.4392, 600_000, 400.0, rng=np.random.default_rng(2))
-    choices = RateChoices(
-        plan=Plan(interval=120.0, bias=-0.0948 * DEG_H, methods=("mean", "optimal")), latitude=55.7936
+    settings = RateSettings(
+        experiment=ExperimentSettings(interval=120.0, bias=-0.0948 * DEG_H, methods=("mean", "optimal")),
+        latitude=55.7936,
     )
-    study = measure_rates(record, choices=choices)
+    study = measure_rates(record, settings=settings)
     (channel,) = study.channels
     assert "blocks of 400 readings" in channel.alerts[0]
     assert channel.fit.model["Q"].to("arcsec") == pytest.approx(GL1.model["Q"].to("arcsec"), rel=0.1)
@@ -304,6 +305,10 @@ def test_a_record_too_short_for_its_noise_is_measured_with_care():
 
 
 def test_options_reach_the_methods():
-    found = experiment(white(), MODEL, Plan(interval=10.0, methods=("conditional",), options=Options(lines=3)))
-    plain = experiment(white(), MODEL, Plan(interval=10.0, methods=("conditional",), options=Options(lines=1)))
+    found = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
+    )
+    plain = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=1))
+    )
     assert not np.allclose(found.rates, plain.rates, rtol=1e-12)

@@ -10,7 +10,7 @@ from scipy.linalg import toeplitz
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.rate import RATE_ESTIMATORS, TARGETS, Options, estimate, predicted_standard_error, rank
+from allanite.rate import RATE_ESTIMATORS, TARGETS, EstimatorSettings, estimate, predicted_standard_error, rank
 from allanite.rate.measure import setting_of
 from allanite.rate.optimal import white_and_angle
 from allanite.rate.predict import through_dither
@@ -72,11 +72,11 @@ def test_regression_is_the_printed_formula_through_all_angles():
 def test_conditional_is_the_mean_of_kept_lines(lines):
     record = counts()
     slopes = np.array(referee.lines(record.angle, record.rate, lines))
-    found = estimate(record, "conditional", options=Options(lines=lines))
+    found = estimate(record, "conditional", options=EstimatorSettings(lines=lines))
     away = np.abs(slopes - np.median(slopes))
     wanted = slopes[away <= 2 * 1.4826 * np.median(away) * (1 + 1e-9) + 1e-15].mean()
     assert found.value == pytest.approx(wanted, rel=1e-10)
-    every = estimate(record, "conditional", options=Options(lines=lines, allowed=1.0))
+    every = estimate(record, "conditional", options=EstimatorSettings(lines=lines, allowed=1.0))
     assert every.value == pytest.approx(slopes.mean(), rel=1e-12)
     assert every.details["kept"] == 1.0
 
@@ -162,7 +162,7 @@ def bounded(C, settled, aim, *, ramp):
 def test_nothing_beats_the_optimum(method):
     for model in MODELS.values():
         bound = predicted_standard_error("optimal", model, n=500, rate=100.0)
-        options = Options(quantum=0.3 * ARCSEC)
+        options = EstimatorSettings(quantum=0.3 * ARCSEC)
         error = predicted_standard_error(method, model, n=500, rate=100.0, options=options)
         assert math.isnan(error) or error >= bound * (1 - 1e-9)
 
@@ -236,7 +236,7 @@ def test_dither_is_taken_out_exactly(method, frequency):
     t = np.arange(n + 1) / rate
     angle = 12.4 * t + 5.0 * np.sin(2 * np.pi * frequency * t + 0.4)
     record = al.Record(angle, rate=rate, unit="arcsec", kind="angle")
-    options = Options(quantum=0.01)
+    options = EstimatorSettings(quantum=0.01)
     found = estimate(record, method, model=MODELS["QN"], dither=(frequency,), options=options)
     assert found.to("deg/h") == pytest.approx(12.4, abs=1e-9 if method != "staircase" else 1e-3)
 
@@ -265,7 +265,7 @@ def test_dither_that_cannot_be_told_from_a_rate_is_refused(frequency):
 def test_counts_increments_angle_and_rate_are_the_same_data(method):
     record = counts(1000)
     steps = record.values * 0.33
-    options = Options(quantum=0.33)
+    options = EstimatorSettings(quantum=0.33)
     same = [
         (al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
         (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
@@ -295,20 +295,24 @@ BAD = {
     "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "known are mean, hamming"),
     "an unknown target": (lambda: (np.ones(9), "mean", {"target": "end"}), al.UsageError, "known are mean, constant"),
     "too many lines": (
-        lambda: (np.ones(9), "conditional", {"options": Options(lines=9)}),
+        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}),
         al.UsageError,
         "do not fit into 9 samples",
     ),
     "no lines": (
-        lambda: (np.ones(9), "conditional", {"options": Options(lines=0)}),
+        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}),
         al.UsageError,
         "0 regression lines",
     ),
-    "an unknown window": (lambda: (np.ones(9), "hamming", {"options": Options(window="x")}), al.UsageError, "hann"),
+    "an unknown window": (
+        lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}),
+        al.UsageError,
+        "hann",
+    ),
     "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\).model"),
     "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
     "a quantum of nothing": (
-        lambda: (np.ones(9), "staircase", {"options": Options(quantum=0.0)}),
+        lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
         al.UsageError,
         "positive number",
     ),
@@ -371,7 +375,7 @@ def test_the_ranking_says_which_method_to_use():
     white = rank(WHITE, n=48_000, rate=400.0)
     assert white.verdict == "for this gyro averaging is already within 0.1 % of the optimum"
     assert white.rows()[1][0][0] in ("mean", "optimal")
-    angle = rank(MODELS["QN"], n=48_000, rate=400.0, options=Options(quantum=0.33 * ARCSEC))
+    angle = rank(MODELS["QN"], n=48_000, rate=400.0, options=EstimatorSettings(quantum=0.33 * ARCSEC))
     assert angle.verdict.startswith("use optimal: 2.0")
     assert rank(MODELS["Q"], n=48_000, rate=400.0).verdict.startswith("use regression: ")
     assert angle.to_dict()["verdict"] == angle.verdict

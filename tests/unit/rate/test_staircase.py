@@ -8,12 +8,12 @@ import pytest
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.rate import Options, estimate, predicted_standard_error
+from allanite.rate import EstimatorSettings, estimate, predicted_standard_error
 from allanite.rate.staircase import CUBE_ROOT, DITHERED
 
 ARCSEC = math.pi / 180 / 3600
 PULSE = 0.33
-CERTIFIED = Options(certified=True)
+CERTIFIED = EstimatorSettings(certified=True)
 
 
 def record_of(pulses, rate=1.0):
@@ -82,7 +82,7 @@ def test_the_default_search_against_the_certified_one(seed):
     """20 records of 48000: within 0.1 %, and never above what the paper's descent reaches."""
     sigma = (0.0, 0.05, 0.5, 1.0, 2.0)[seed % 5]
     y = noisy(48_000, 0.094 + 1e-4 * seed, sigma, seed)
-    found, best = (estimate(record_of(y), "staircase", options=o) for o in (Options(), CERTIFIED))
+    found, best = (estimate(record_of(y), "staircase", options=o) for o in (EstimatorSettings(), CERTIFIED))
     assert best.details["least possible misfit"] == best.details["misfit"]
     assert best.details["misfit"] <= found.details["misfit"] <= best.details["misfit"] * 1.001
     assert found.details["misfit"] <= referee.descent(y)
@@ -101,7 +101,7 @@ def test_readings_that_are_no_counts_need_a_quantum():
     floating = al.Record(np.diff(y) * PULSE, rate=1.0, unit="arcsec", kind="increment")
     with pytest.raises(al.UsageError, match="quantum="):
         estimate(floating, "staircase")
-    found = estimate(floating, "staircase", options=Options(quantum=PULSE, certified=True))
+    found = estimate(floating, "staircase", options=EstimatorSettings(quantum=PULSE, certified=True))
     wanted = estimate(record_of(y), "staircase", options=CERTIFIED)
     assert found.details["misfit"] == pytest.approx(wanted.details["misfit"])
     assert found.value == pytest.approx(wanted.value)
@@ -121,7 +121,7 @@ def test_the_default_search_is_fast():
 def test_what_cannot_be_predicted_is_not():
     def predicted(sigma):
         model = al.N(3e-4, "deg/sqrt(h)") + al.Q(sigma, "arcsec")
-        options = Options(quantum=PULSE * ARCSEC)
+        options = EstimatorSettings(quantum=PULSE * ARCSEC)
         return [
             predicted_standard_error(m, model, n=48_000, rate=400.0, options=options)
             for m in ("staircase", "regression")

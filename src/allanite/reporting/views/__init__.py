@@ -60,6 +60,15 @@ VIEWS: dict[str, str] = {
     "StateSpace": "statespace.SPACE",
     "StateSpaces": "statespace.SPACES",
     "Simulation": "simulation.SIMULATION",
+    "RateStudy": "rate.STUDY",
+    "Experiment": "rate.EXPERIMENT",
+    "Ranking": "rate.RANKING",
+    "RateEstimate": "rate.ESTIMATE",
+    "AngleStudy": "angle.STUDY",
+    "Harmonics": "angle.HARMONICS",
+    "Calibration": "angle.CALIBRATION",
+    "AnglePlan": "angle.PLAN",
+    "Scan": "angle.SCAN",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 

@@ -1,12 +1,13 @@
 """RateEstimate: a constant rate, how sure it is, and what was supposed."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from allanite.core.encoding import finite
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 
 
@@ -20,8 +21,8 @@ def rate_factor(unit: str, signal: Signal) -> float:
     return found.factor
 
 
-@dataclass(frozen=True, eq=False)
-class RateEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class RateEstimate(Value):
     """A constant rate measured in a short time, SI.
 
     Attributes
@@ -56,7 +57,7 @@ class RateEstimate:
     target: str
     duration: float
     limits: tuple[float, float] | None = None
-    details: Mapping[str, float] = field(default_factory=dict)
+    details: dict[str, float] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
     name: str = ""
     history: tuple[str, ...] = ()
@@ -93,25 +94,14 @@ class RateEstimate:
         return f"{self.value / factor:.{digits}f} ({low:.{digits}f} .. {high:.{digits}f}) {unit}"
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the data-sheet form under "shown"."""
+        """Plain data, SI, with the limits at `level` and the data-sheet form under "shown"."""
         low, high = self.interval(level)
         unit = self.signal.sheet[0]
-        factor = rate_factor(unit, self.signal)
         numbers = {"value": self.value, "low": low, "high": high, "standard_error": self.standard_error}
-        return {
-            "allanite": 1,
-            "type": "RateEstimate",
-            "name": self.name,
-            "method": self.method,
-            "assumes": self.assumes,
-            "target": self.target,
-            "duration": self.duration,
-            **numbers,
-            "level": level,
-            "unit": self.unit,
-            "certain": self.limits is not None,
-            "shown": {**{key: number / factor for key, number in numbers.items()}, "unit": unit},
-            "details": dict(self.details),
-            "findings": [finding.to_dict() for finding in self.findings],
-            "history": list(self.history),
-        }
+        factor = rate_factor(unit, self.signal)
+        shown = {**{key: finite(number / factor) for key, number in numbers.items()}, "unit": unit}
+        limits = {"low": finite(low), "high": finite(high), "level": level, "unit": self.unit}
+        return super().to_dict(level) | limits | {"certain": self.limits is not None, "shown": shown}
+
+    def _summary(self) -> str:
+        return f"{self.method}: {self.words()}"

@@ -3,14 +3,16 @@
 import math
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from allanite.core.encoding import plain
 from allanite.core.finding import Finding
+from allanite.core.plain import Value
 from allanite.core.units import Signal
 
-from .estimate import rate_factor
+from .estimates import rate_factor
 from .ranking import Ranking
 from .setting import FloatArray
 
@@ -46,8 +48,8 @@ class Ratio(NamedTuple):
     high: float
 
 
-@dataclass(frozen=True, eq=False)
-class Experiment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Experiment(Value):
     """Rates of all methods over the intervals of a record, SI.
 
     Attributes
@@ -75,6 +77,9 @@ class Experiment:
         What was left out of the record; what must be known beside the numbers.
     """
 
+    _keys: ClassVar[dict[str, str]] = {"methods": "names", "known": "reference_known"}
+    _also: ClassVar[tuple[str, ...]] = ("unit", "drift")
+
     name: str
     signal: Signal
     methods: tuple[str, ...]
@@ -89,6 +94,11 @@ class Experiment:
     left_out: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.unit
 
     @property
     def errors(self) -> FloatArray:
@@ -176,28 +186,15 @@ class Experiment:
         found = (self.scatter(method, level) for method in self.methods)
         return headings, [[s.method, *(v / factor for v in s[1:])] for s in found]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""
-        return {
-            "allanite": 1,
-            "type": "Experiment",
-            "name": self.name,
-            "unit": self.signal.unit,
-            "duration": self.duration,
-            "reference": self.reference,
-            "reference_known": self.known,
-            "start": self.start.tolist(),
-            "methods": [
-                {**self.scatter(method)._asdict(), "rates": self.rates[i].tolist()}
-                for i, method in enumerate(self.methods)
-            ],
-            "ratios": [ratio._asdict() for ratio in self.ratios()],
-            "drift": self.drift,
-            "ranking": None if self.ranking is None else self.ranking.to_dict(),
-            "left_out": self.left_out,
-            "notes": list(self.notes),
-            "findings": [finding.to_dict() for finding in self.findings],
-        }
+        rates = dict(zip(self.methods, self.rates.tolist(), strict=True))
+        methods = [{**self.scatter(method)._asdict(), "rates": rates[method]} for method in self.methods]
+        ratios = [ratio._asdict() for ratio in self.ratios()]
+        return super().to_dict(level) | {"methods": plain(methods), "ratios": plain(ratios)}
+
+    def _summary(self) -> str:
+        return f"{self.name} {self.start.size} intervals of {self.duration:g} s: {', '.join(self.methods)}"
 
 
 def _chi_limits(k: int, level: float) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from allanite.core.finding import Finding
 from .caveats import caveats
 from .design import USUAL, Orders, design, harmonic_set
 from .door import column
-from .gimbals import Gimbals
+from .geometry import Gimbals
 from .harmonics import Harmonics
 from .solution import Solution
 from .solve import System, solve
@@ -71,6 +71,15 @@ class Calibration:
             "harmonics": [h.to_dict(level) for h in self.harmonics],
             "solution": self.solution.to_dict(level),
         }
+
+
+Result = Harmonics | Calibration
+"""What is estimated."""
+
+
+def parts_of(result: Result) -> tuple[Harmonics, ...]:
+    """The harmonics of each angle."""
+    return result.harmonics if isinstance(result, Calibration) else (result,)
 
 
 def estimate(

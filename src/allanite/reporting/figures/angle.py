@@ -9,12 +9,15 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from allanite.angle import Harmonics, Scan, Solution
+from allanite.angle.calibration import Result, parts_of
 from allanite.angle.harmonics import waves
+from allanite.angle.solution import quantile
+from allanite.core.units import unit_of
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 from allanite.reporting.words import percent
 
-from .numbers import ARCSEC, Result, half_width, parts, solution_of
+ARCSEC = unit_of("arcsec").factor
 
 FloatArray = NDArray[np.float64]
 
@@ -26,14 +29,9 @@ MOST = 3000
 LAGS = 40
 
 
-def plot(value: "Result | Scan", level: float = 0.95) -> Figure:
-    """The one figure that says most: errors over the angle, or accuracy over the start of the interval."""
-    return plot_scan(value) if isinstance(value, Scan) else plot_errors(value, level)
-
-
 def plot_errors(result: Result, level: float = 0.95) -> Figure:
     """The error of each sensor over one period of its harmonics together, with its confidence band."""
-    found = parts(result)
+    found = parts_of(result)
     with style.look():
         figure = style.new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
         axes = figure.subplots(1, len(found), squeeze=False)[0]
@@ -49,7 +47,7 @@ def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
     rows = waves(angle, harmonics.orders)
     error = harmonics.at(angle) / ARCSEC
     spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
-    half = half_width(level, harmonics.freedom) * spread
+    half = quantile(level, harmonics.freedom) * spread
     style.grid(ax)
     ax.fill_between(
         np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=f"{percent(level)} band"
@@ -62,10 +60,10 @@ def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
     ax.legend(loc="best")
 
 
-def plot_history(result: Result, level: float = 0.95) -> Figure:
-    """Every amplitude on its way, with its confidence band."""
-    solution, found = solution_of(result), parts(result)
-    half = half_width(level, math.inf)
+def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Figure:
+    """Every amplitude after so many readings, with its confidence band."""
+    found = parts_of(result)
+    half = quantile(level, math.inf)
     with style.look():
         figure = style.new_figure(7.2, 2.1 + 1.5 * len(found))
         axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]

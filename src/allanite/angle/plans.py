@@ -1,20 +1,20 @@
 """How well an experiment would work, before it is done: no data, no random numbers."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.plain import Value
 
+from .calibration import Prior, prior_of
 from .caveats import caveats
-from .design import USUAL, Orders, design, harmonic_set
-from .estimate import Prior, prior_of
-from .gimbals import Gimbals, gimbals
+from .design import USUAL, design, harmonic_set
+from .geometry import Gimbals, gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot, batch
 from .sway import Sway, sway_of
@@ -25,9 +25,25 @@ READINGS = 4096
 """Readings of one window of a scan; more are thinned, their noise averaged."""
 
 
-@dataclass(frozen=True)
-class Setup:
-    """Every choice of an experiment but its start; see `plan`."""
+@dataclass(frozen=True, repr=False)
+class AngleSettings(Value):
+    """Every choice of an experiment but its start.
+
+    Attributes
+    ----------
+    latitude : float
+        rad.
+    duration, interval : float
+        Of the experiment and between readings, s.
+    sigma : float
+        Standard deviation of a reading's white noise, in any unit; results are in the same.
+    q_law, turn_period, sway
+        See `gimbals`.
+    prior : (amplitudes, rest) or None
+        Standard deviations before the readings, in the unit of sigma; None: nothing is known.
+    orders, nuisance
+        See `estimate`.
+    """
 
     latitude: float
     duration: float
@@ -35,12 +51,13 @@ class Setup:
     sigma: float = 1.0
     q_law: str = "exact"
     turn_period: float | None = 300.0
-    sway: Sway | None = None
+    sway: Sway | tuple[float, float] | None = None
     prior: Prior | None = (3.0, 10.0)
-    orders: Orders = (128, 256)
-    nuisance: Sequence[str] = USUAL
+    orders: tuple[int, ...] | dict[str, tuple[int, ...]] = (128, 256)
+    nuisance: tuple[str, ...] = USUAL
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "sway", sway_of(self.sway))
         for name in ("duration", "interval", "sigma"):
             value = getattr(self, name)
             if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
@@ -53,7 +70,7 @@ class Setup:
         """Number of readings: the first at the start, the last an interval before the end."""
         return round(self.duration / self.interval)
 
-    def thinned(self) -> "Setup":
+    def thinned(self) -> "AngleSettings":
         """The same with at most `READINGS` readings that carry the same information."""
         stride = max(1, math.ceil(self.count / READINGS))
         return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
@@ -61,13 +78,11 @@ class Setup:
     def gimbals(self, start: float) -> Gimbals:
         """Where the gimbals stand at the readings."""
         time = start + self.interval * np.arange(self.count)
-        return gimbals(
-            time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period
-        )  # fmt: skip
+        return gimbals(time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period)
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class AnglePlan(Value):
     """What an experiment would bring.
 
     Attributes
@@ -83,10 +98,12 @@ class Plan:
         s after h = 0.
     h : (low, high)
         Range of h of the equatorial gyro, rad.
-    setup : Setup
+    settings : AngleSettings
     findings : tuple of Finding
         What is wrong with it.
     """
+
+    _also: ClassVar[tuple[str, ...]] = ("standard_deviations", "total")
 
     names: tuple[str, ...]
     amplitudes: int
@@ -95,7 +112,7 @@ class Plan:
     condition: float
     start: float
     h: tuple[float, float]
-    setup: Setup
+    settings: AngleSettings
     findings: tuple[Finding, ...] = ()
 
     @property
@@ -117,61 +134,20 @@ class Plan:
         """Headings and rows."""
         return ["constant", "expected standard deviation"], [list(row) for row in self.standard_deviations.items()]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; angles in rad, times in s."""
-        return {
-            "allanite": 1,
-            "type": "Plan",
-            "start": self.start,
-            "duration": self.setup.duration,
-            "interval": self.setup.interval,
-            "latitude": self.setup.latitude,
-            "q_law": self.setup.q_law,
-            "sigma": self.setup.sigma,
-            "h": list(self.h),
-            "standard_deviations": self.standard_deviations,
-            "total": self.total,
-            "condition": self.condition,
-            "findings": [f.to_dict() for f in self.findings],
-        }
+        chosen = {key: getattr(self.settings, key) for key in ("duration", "interval", "latitude", "q_law", "sigma")}
+        return super().to_dict(level) | chosen
 
 
-def plan(  # noqa: PLR0913 - every choice of an experiment, each with its name
-    *,
-    latitude: float,
-    start: float,
-    duration: float,
-    interval: float,
-    sigma: float = 1.0,
-    q_law: str = "exact",
-    turn_period: float | None = 300.0,
-    sway: Sway | tuple[float, float] | None = None,
-    prior: Prior | None = (3.0, 10.0),
-    orders: Orders = (128, 256),
-    nuisance: Sequence[str] = USUAL,
-) -> Plan:
+def plan(settings: AngleSettings, start: float) -> AnglePlan:
     """Expected standard deviations of an experiment with these readings.
 
     Parameters
     ----------
-    latitude : float
-        rad.
+    settings : AngleSettings
     start : float
         First reading, s after the equatorial gyro's passage of h = 0.
-    duration, interval : float
-        Of the experiment and between readings, s.
-    sigma : float
-        Standard deviation of a reading's white noise, in any unit; results are in the same.
-    q_law, turn_period, sway
-        See `gimbals`.
-    prior : (amplitudes, rest) or None
-        Standard deviations before the readings, in the unit of sigma; None: nothing is known.
-    orders, nuisance
-        See `estimate`.
-
-    Returns
-    -------
-    Plan
 
     Raises
     ------
@@ -182,25 +158,19 @@ def plan(  # noqa: PLR0913 - every choice of an experiment, each with its name
 
     Examples
     --------
-    >>> hour = plan(latitude=np.radians(60), start=7200.0, duration=3600.0, interval=10.0, q_law="linear")
+    >>> hour = plan(AngleSettings(np.radians(60), duration=3600.0, interval=10.0, q_law="linear"), start=7200.0)
     >>> round(hour.total, 2), np.degrees(hour.h).round(1).tolist(), round(hour.standard_deviations["S128 h"], 2)
     (1.14, [14.5, 20.7], 0.08)
     """
-    setup = Setup(latitude, duration, interval, sigma, q_law, turn_period, sway_of(sway), prior, orders, nuisance)
-    return planned(setup, start)
-
-
-def planned(setup: Setup, start: float) -> Plan:
-    """The plan of a set-up from `start` on, s after h = 0."""
     if not math.isfinite(start):
         raise UsageError(f"start is a time in s after h = 0, not {start!r}")
-    angles = setup.gimbals(start)
-    harmonics = harmonic_set(setup.orders)
-    names, rows = design(angles, harmonics, setup.nuisance)
+    angles = settings.gimbals(start)
+    harmonics = harmonic_set(settings.orders)
+    names, rows = design(angles, harmonics, settings.nuisance)
     count = 2 * sum(map(len, harmonics.values()))
-    before = None if setup.prior is None else prior_of(setup.prior, count, len(names))
-    alone, known = _known(rows / setup.sigma, before)
-    return Plan(
+    before = None if settings.prior is None else prior_of(settings.prior, count, len(names))
+    alone, known = _known(rows / settings.sigma, before)
+    return AnglePlan(
         names=names,
         amplitudes=count,
         errors=known.errors,
@@ -208,7 +178,7 @@ def planned(setup: Setup, start: float) -> Plan:
         condition=alone.condition,
         start=float(start),
         h=(float(angles.h.min()), float(angles.h.max())),
-        setup=setup,
+        settings=settings,
         findings=caveats(angles, harmonics, names, known, before),
     )
 

@@ -9,7 +9,7 @@ from allanite.core.errors import UsageError
 from allanite.simulation.gimbal import readout_noise
 
 from .design import NUISANCES
-from .gimbals import ANGLES, Gimbals
+from .geometry import ANGLES, Gimbals
 from .harmonics import Harmonics
 
 FloatArray = NDArray[np.float64]

@@ -1,0 +1,61 @@
+"""The figure of a rate: errors of every method over the intervals, and the accuracy against the measuring time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from allanite.core.units import unit_of
+from allanite.rate import RATE_ESTIMATORS, Experiment
+from allanite.reporting import style
+from allanite.reporting.sheet import printable, printed_unit
+
+MOST_MARKED = 40
+"""Intervals up to which each is marked."""
+
+
+def plot_rates(channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
+    """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
+    rows = 1 + any(series for _, series in channels)
+    with style.look():
+        figure = style.new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
+        grid = figure.subplots(rows, len(channels), squeeze=False)
+        for column, (found, series) in zip(grid.T, channels, strict=True):
+            _draw_errors(column[0], found)
+            column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
+            if series:
+                _draw_accuracy(column[1], series)
+            elif rows > 1:
+                column[1].set_axis_off()
+    return figure
+
+
+def _draw_errors(ax: Axes, found: Experiment) -> None:
+    unit = found.signal.sheet[0]
+    t = (found.start + found.duration / 2) / 60
+    style.grid(ax)
+    ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
+    marker = "o" if t.size <= MOST_MARKED else ""
+    for method, errors in zip(found.methods, found.errors / unit_of(unit).factor, strict=True):
+        ax.plot(t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
+    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({printed_unit(unit)})")
+    ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+
+
+def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
+    unit = series[0].signal.sheet[0]
+    factor = unit_of(unit).factor
+    style.grid(ax)
+    for method in series[0].methods:
+        kept = [(e.duration, e.scatter(method)) for e in series if method in e.methods]
+        times = [time for time, _ in kept]
+        measured, predicted = (
+            np.array([getattr(s, key) for _, s in kept]) / factor for key in ("deviation", "predicted")
+        )
+        ax.plot(times, measured, "o", color=RATE_ESTIMATORS[method].color, ms=3.5, label=method, zorder=4)
+        if np.isfinite(predicted).any():
+            ax.plot(times, predicted, color=RATE_ESTIMATORS[method].color, lw=1.0, zorder=3)
+    ax.set(xscale="log", yscale="log", xlabel="measuring time (s)")
+    ax.set_ylabel(f"standard deviation ({printed_unit(unit)})\npoints measured, lines predicted")
+    style.plain_ticks(ax.xaxis, ax.yaxis)

@@ -1,0 +1,295 @@
+"""How harmonic errors of angle sensors are shown: arcseconds, degrees, with the digits that mean something."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from allanite.angle import AnglePlan, Calibration, Harmonics, Scan, Solution
+from allanite.angle.calibration import Result, parts_of
+from allanite.angle.design import NUISANCES
+from allanite.angle.study import AngleStudy
+from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
+from allanite.core.units import convert, unit_of
+from allanite.reporting import words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, columns, header_of, toml
+
+from . import Rows, View, view_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from allanite.angle import Sway
+
+ARCSEC = unit_of("arcsec").factor
+BRAND = "harmonic errors of angle sensors"
+
+ENCODER = {
+    "offset": "constant difference of the two angles",
+    "drift": "its linear growth over half the record",
+    "bend": "its quadratic growth over half the record",
+}
+"""What is estimated along with the harmonics of an encoder."""
+
+MARKS: dict[str, Mark] = {"found": "", "doubtful": "weak", "not found": "quiet"}
+KEY = (
+    "S and C with one standard error, arcsec. Found: an amplitude as large has a probability below 1 % if there is "
+    "none; otherwise the 95 % upper limit. Doubtful: found, but what is left over is not the noise that the errors and "
+    "limits suppose."
+)
+ERRORS = (
+    "Error of each sensor over one common period of its harmonics, with its {} confidence band. Subtract it from the "
+    "readings to correct them."
+)
+HISTORY = (
+    "The estimates after so many readings, with their {} bands. Bands that no longer narrow say that more of the same "
+    "range tells no more."
+)
+INNOVATIONS = (
+    "Each reading less what was expected of it from the readings before, in standard deviations; and the correlation "
+    "of neighbours, 99 of 100 of which lie in the shaded band if it is noise."
+)
+GIMBAL = (
+    "The measured cosine of the angle between the two gyros' momentum vectors, less the computed one, is a sum of the "
+    "sensors' errors, each times the partial derivative of the cosine by its angle, of the errors of the "
+    "auto-compensating turn, of a daily and a steady drift, and of white noise. The columns of ax and az are an "
+    "assumption: a small vector fixed in the turning frame."
+)
+AGAINST = (
+    "The measured angle less the reference, wrapped into half a turn, is a sum of sines and cosines of multiples of "
+    "the measured angle, of a constant, and of white noise."
+)
+RECURSIVE = (
+    "The constants are estimated reading by reading in square-root form: each row is rotated into the triangular "
+    "factor of the information, which gives the least-squares estimate{}, its covariance, and the innovation of each "
+    "reading."
+)
+PLANNED = (
+    "No data and no random numbers: the rows by which the measured cosine depends on the constants follow from "
+    "latitude, time and sway; their information, with what is known before, gives the covariance that the estimate "
+    "will have."
+)
+SCANNED = (
+    "Sum of the expected standard deviations of the amplitudes, and condition of the problem, by the start of the "
+    "interval."
+)
+
+
+def _face(study: AngleStudy, level: float) -> Face:
+    header = header_of(study.provenance, study.notes)
+    return replace(
+        view_of(study.result).face(study.result, level),
+        header=header if study.provenance.get("source") else header[-1:],
+        choices=toml(study.choices()),
+        provenance=study.provenance,
+        notes=study.notes,
+    )
+
+
+def _result_face(result: Result, level: float) -> Face:
+    solution = result.solution
+    names = ", ".join(h.name or "the angle" for h in parts_of(result))
+    title = f"Harmonic errors of {names}"
+    if solution is None:
+        sheet = Sheet(names, ("known, not estimated",), (_harmonics(result, level),))
+        return Face(title, BRAND, (sheet,))
+    doubt = bool(solution.warnings)
+    sheet = Sheet(names, _about(result, solution), tuple(_parts(result, solution, level)), doubt=doubt)
+    how = (Note(GIMBAL if isinstance(result, Calibration) else AGAINST), Note(_recursive(solution)))
+    return Face(title, BRAND, (replace(sheet, verdicts=(_verdict(result, level, doubt),)),), how=how)
+
+
+def _about(result: Result, solution: Solution) -> tuple[str, ...]:
+    given = "given" if solution.given else "estimated from what is left over"
+    noise = f"noise of one reading {solution.sigma / ARCSEC:.4g} arcsec, {given}; condition {solution.condition:.4g}"
+    first = f"{solution.innovations.size} readings"
+    if not isinstance(result, Calibration):
+        return first, noise
+    angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
+    return first, noise, "; ".join(f"{name} from {a.min():.2f} to {a.max():.2f} deg" for name, a in angles.items())
+
+
+def _recursive(solution: Solution) -> str:
+    return RECURSIVE.format("" if solution.prior is None else " with what was known before")
+
+
+def _verdict(result: Result, level: float, doubt: bool) -> str:
+    rows = [(h, k) for h in parts_of(result) for k in h.orders]
+    found = [
+        f"harmonic {k} of {h.name or 'the angle'}: {_amplitude(h, k, level)[0]} arcsec" for h, k in rows if h.found(k)
+    ]
+    absent = [f"{k} of {h.name or 'the angle'}" for h, k in rows if not h.found(k)]
+    status = "Doubtful" if any(h.status(k) == "doubtful" for h, k in rows) else "Found"
+    first = f"{status} are {', '.join(found)}." if found else "No harmonic was found."
+    rest = f" Not found: {', '.join(absent)}." if absent and found else ""
+    return first + rest + (" Read the warnings before using the numbers." if doubt else "")
+
+
+def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
+    yield from (Note(warning, "alert") for warning in solution.warnings)
+    yield from (Note(str(check), "good") for check in solution.checks if check.passed)
+    yield _harmonics(result, level)
+    share = words.percent(level)
+    yield Drawing(lambda: _errors([result], None, level), "error over the angle", ERRORS.format(share))
+    if len(solution.history.count) > 1:
+        yield Drawing(lambda: _history(result, level), "amplitudes after so many readings", HISTORY.format(share))
+    title = "is what is left over noise?"
+    yield Drawing(lambda: _innovations(solution), "innovations and their autocorrelation", INNOVATIONS, title)
+    yield _others(solution)
+
+
+def _harmonics(result: Result, level: float) -> Table:
+    """S, C and amplitude of every harmonic."""
+    heads = (
+        Column("harmonic", "symbol"), Column("S [arcsec]", aside=True), Column("error", aside=True),
+        Column("C [arcsec]", aside=True), Column("error", aside=True), Column("amplitude"),
+        Column(f"{words.percent(level)} interval", "interval"), Column("phase [deg]"), Column("", "name"),
+    )  # fmt: skip
+    found = [(h, i, k) for h in parts_of(result) for i, k in enumerate(h.orders)]
+    marks = [MARKS[h.status(k)] for h, _, k in found]
+    return Table(heads, [_harmonic(h, i, level) for h, i, _ in found], marks=marks, key=KEY)
+
+
+def _harmonic(h: Harmonics, i: int, level: float) -> list[str]:
+    order, errors = h.orders[i], np.sqrt(h.covariance.diagonal()[2 * i : 2 * i + 2]) / ARCSEC
+    sine, cosine = (_constant(float(v[i]) / ARCSEC, float(e)) for v, e in zip((h.sine, h.cosine), errors, strict=True))
+    phase = f"{math.degrees(float(h.phase[i])):.0f}" if h.found(order) else ""
+    return [f"{h.name or 'angle'} {order}", *sine, *cosine, *_amplitude(h, order, level), phase, h.status(order)]
+
+
+def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
+    """Amplitude and interval, arcsec; of one that was not found its limit."""
+    if not h.found(order):
+        return f"below {digits(h.upper(order) / ARCSEC, figures=2).plain()[0]}", ""
+    size = float(h.amplitude[h.orders.index(order)])
+    return digits(size / ARCSEC, *(v / ARCSEC for v in h.interval(order, level))).plain()
+
+
+def _constant(value: float, error: float) -> tuple[str, str]:
+    """Value and standard error with two digits of the error."""
+    shown = digits(value, value - error, value + error, signed=True)
+    return shown.plain()[0], digits(error, figures=2).plain()[0]
+
+
+def _others(solution: Solution) -> Table:
+    """What was estimated along with the harmonics."""
+    heads = (
+        Column("constant", "symbol"), Column("value"), Column("error"), Column("unit", "unit"),
+        Column("meaning", "text", aside=True),
+    )  # fmt: skip
+    rows = []
+    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
+        if name[0] in "SC" and name[1:2].isdigit():
+            continue
+        row = NUISANCES.get(name)
+        si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
+        factor = convert(1.0, si, unit)
+        rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
+    return Table(heads, rows, "estimated along with the harmonics")
+
+
+def _errors(values: Sequence[Result], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.angle import plot_errors
+
+    return plot_errors(values[0], level)
+
+
+def _history(result: Result, level: float) -> "Figure":
+    from allanite.reporting.figures.angle import plot_history
+
+    assert result.solution is not None  # noqa: S101 - drawn only where it is
+    return plot_history(result, result.solution, level)
+
+
+def _innovations(solution: Solution) -> "Figure":
+    from allanite.reporting.figures.angle import plot_innovations
+
+    return plot_innovations(solution)
+
+
+def _result_rows(result: Result, level: float) -> Rows:
+    """All constants with limits, SI; of known harmonics the harmonics alone."""
+    solution = result.solution
+    if solution is None:
+        return result.rows(level)
+    numbers = zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
+    rows = [[name, value, error, *solution.interval(name, level)] for name, value, error in numbers]
+    return ["constant", "value", "standard_error", "low", "high"], rows
+
+
+def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
+    low, high = (math.degrees(v) for v in plan.h)
+    chosen = plan.settings
+    known = chosen.prior
+    prior = "nothing known before" if known is None else f"known before to {known[0]:g} (amplitudes) and {known[1]:g}"
+    about = (
+        f"from {words.duration(plan.start)} after h = 0 for {words.duration(chosen.duration)}, every "
+        f"{chosen.interval:g} s: h from {low:.2f} to {high:.2f} deg",
+        f"latitude {math.degrees(chosen.latitude):.6g} deg, q by the {chosen.q_law} law, noise of one reading "
+        f"{chosen.sigma:g}; {prior}; condition {plan.condition:.4g}{_sway(chosen.sway)}",
+    )
+    rows = [[name, f"{error:.4g}"] for name, error in plan.standard_deviations.items()]
+    alerts = [Note(str(finding), "alert") for finding in plan.findings]
+    table = Table((Column("constant", "symbol"), Column("expected standard deviation")), rows)
+    total = Note(f"sum over the {plan.amplitudes} amplitudes: {plan.total:.4g} (all in the unit of sigma)")
+    return Sheet(title, about, (*alerts, table, total))
+
+
+def _sway(sway: "Sway | tuple[float, float] | None") -> str:
+    if sway is None or isinstance(sway, tuple):
+        return ""
+    roll, pitch = math.degrees(sway.roll), math.degrees(sway.pitch)
+    return f"; sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {sway.period:g} s"
+
+
+def _plan_face(plan: AnglePlan, level: float) -> Face:
+    return Face("Expected accuracy of the angle sensors", BRAND, (_plan_sheet(plan, "plan"),), how=(Note(PLANNED),))
+
+
+def _scan_face(scan: Scan, level: float) -> Face:
+    best = scan.best
+    low, high = (math.degrees(v) for v in best.h)
+    verdict = (
+        f"The best window of {words.duration(best.settings.duration)} begins {words.duration(best.start)} after h = 0, "
+        f"h from {low:.1f} to {high:.1f} deg: the expected standard deviations of the {best.amplitudes} amplitudes add "
+        f"up to {best.total:.3g}."
+    )
+    heads = columns("start [min]", "h from [deg]", "to [deg]", "sum of deviations", "condition", left=0)
+    rows = [
+        [f"{s / 60:.1f}", f"{math.degrees(a):.2f}", f"{math.degrees(b):.2f}", f"{t:.4g}", f"{c:.4g}"]
+        for s, a, b, t, c in zip(scan.starts, *scan.h.T, scan.totals, scan.conditions, strict=True)
+    ]
+    marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(rows))]
+    drawing = Drawing(lambda: _scans([scan], None, level), "expected accuracy by the start of the interval", SCANNED)
+    table = Table(heads, rows, "all windows", marks=marks, details=True)
+    sheet = replace(_plan_sheet(best, "best window"), verdicts=(verdict,))
+    return Face("Where to estimate the angle sensors", BRAND, (sheet,), parts=(drawing, table), how=(Note(PLANNED),))
+
+
+def _scans(values: Sequence[Scan], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.angle import plot_scan
+
+    return plot_scan(values[0])
+
+
+def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":
+    draw = view_of(values[0].result).plot
+    if draw is None:
+        raise UsageError("a plan of one start has no figure; scan all starts of the interval")
+    return draw([study.result for study in values], fit, level)
+
+
+def _study_rows(study: AngleStudy, level: float) -> Rows:
+    rows = view_of(study.result).rows
+    assert rows is not None  # noqa: S101 - every result here has some
+    return rows(study.result, level)
+
+
+STUDY = View(_face, _study_plot, _study_rows)
+HARMONICS = CALIBRATION = View(_result_face, _errors, _result_rows)
+PLAN = View(_plan_face, rows=lambda plan, level: plan.rows())
+SCAN = View(_scan_face, _scans, lambda scan, level: scan.rows())

@@ -1,0 +1,245 @@
+"""How measured rates are shown."""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
+from allanite.core.units import unit_of
+from allanite.rate import RATE_ESTIMATORS, Experiment, Ranking, RateEstimate
+from allanite.rate.estimates import rate_factor
+from allanite.rate.study import RateChannel, RateStudy
+from allanite.reporting import words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, toml
+from allanite.statistics import expected
+
+from . import Rows, View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BRAND = "a constant rate in a short time"
+
+KEY = (
+    "std: scatter of the errors, with its 68 % interval; neighbours: the same from differences of neighbouring "
+    "intervals, which a slow drift does not reach; predicted: under the noise model, without these data."
+)
+CAPTION = (
+    "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
+    "the measuring time."
+)
+NO_ERROR = "no standard errors: give a noise model (--noise)"
+
+
+def _face(study: RateStudy, level: float) -> Face:
+    return Face(
+        f"Rate of {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
+        BRAND,
+        [_sheet(channel, study.settings.noise, level) for channel in study.channels],
+        header_of(study.provenance, study.notes),
+        parts=[Note(str(finding), "alert") for finding in study.findings],
+        how=[_methods()],
+        choices=toml(study.choices()),
+        provenance=study.provenance,
+        notes=study.notes,
+    )
+
+
+def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
+    name, found = channel.record.name, channel.experiment
+    said = f"no result: {channel.refusal}" if channel.refusal else ""
+    if found is not None and found.ranking is not None:
+        said = _advice(found)
+    verdicts = (f"{name or 'the channel'}, {said}",) if said else ()
+    doubt = bool(channel.refusal) or (channel.noise is None and given is None)
+    about = (words.about(channel.record), *channel.record.history)
+    return Sheet(name, about, tuple(_parts(channel, given, level)), verdicts, doubt)
+
+
+def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
+    yield from (Note(alert, "alert") for alert in channel.alerts)
+    if channel.refusal:
+        yield Note(f"no result: {channel.refusal}", "alert")
+    if channel.fit is not None:
+        yield Note(f"noise: {channel.fit.model}")
+    elif given is not None and not channel.refusal:
+        yield Note(f"noise as given: {given}")
+    found = channel.experiment
+    if found is None:
+        return
+    yield from _sentences(found)
+    if channel.bias is not None:
+        yield Note(f"bias by reversal: {channel.bias.words(level=level)}")
+    if channel.north is not None:
+        yield Note(channel.north.words(), "strong")
+    if found.start.size > 1:
+        yield _table(found)
+    yield from _estimates(channel.estimates, level)
+    yield Drawing(lambda: _draw([channel]), "errors of all methods", CAPTION)
+
+
+def _advice(found: Experiment) -> str:
+    verdict = found.ranking.verdict if found.ranking is not None else ""
+    return f"in {words.duration(found.duration)}: {verdict}"
+
+
+def _sentences(found: Experiment) -> Iterator[Note]:
+    """What was found in the intervals."""
+    unit = found.signal.sheet[0]
+    if found.ranking is not None:
+        yield Note(_advice(found), "strong")
+    if found.start.size > 1:
+        reference = found.reference / unit_of(unit).factor
+        said = f"the true rate, {reference:.6g} {unit}" if found.known else f"their mean, {reference:.6g} {unit}"
+        yield Note(f"{found.start.size} intervals of {words.duration(found.duration)}; errors against {said}")
+    if found.drift:
+        yield Note(found.drift)
+    yield from _wander(found)
+    yield from map(Note, found.notes)
+    yield from (Note(f"{method} is left out: {why}") for method, why in found.left_out.items())
+
+
+def _wander(found: Experiment) -> Iterator[Note]:
+    """Why neighbouring intervals scatter more than each is measured."""
+    if found.ranking is None or found.start.size == 1:
+        return
+    wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
+    if wandering:
+        unit = found.signal.sheet[0]
+        both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
+        yield Note(
+            f"predicted is the error of each interval's own mean rate; {', '.join(wandering)} moves that from interval "
+            f"to interval, so that neighbouring averages differ by {both:.3g} {unit} (their Allan deviation)"
+        )
+
+
+def _table(found: Experiment) -> Table:
+    """The scatter of every method, rounded to three digits of the least."""
+    unit = found.signal.sheet[0]
+    _, rows = found.rows(unit)
+    least = min((row[2] for row in rows if row[2] > 0), default=1.0)
+    places = max(0, 2 - math.floor(math.log10(least)))
+    heads = (
+        Column("method", "symbol"), Column(f"std [{unit}]"), Column("68 % interval", "interval"), Column("neighbours"),
+        Column("predicted"), Column("3 sigma", aside=True), Column("mean error", aside=True),
+        Column("worst", aside=True),
+    )  # fmt: skip
+    cells = []
+    for method, mean, std, low, high, neighbours, bound, worst, predicted in rows:
+        said = f"{predicted:.{places}f}" if math.isfinite(predicted) else "not predicted"
+        first, beside, three = (f"{v:.{places}f}" for v in (std, neighbours, bound))
+        limits = f"{low:.{places}f} .. {high:.{places}f}"
+        cells.append([method, first, limits, beside, said, three, f"{mean:+.{places}f}", f"{worst:+.{places}f}"])
+    return Table(heads, cells, key=KEY)
+
+
+def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part]:
+    if not estimates:
+        return
+    rows = []
+    for e in estimates:
+        unit = e.signal.sheet[0]
+        factor = rate_factor(unit, e.signal)
+        rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
+    heads = (Column("method", "symbol"), Column("rate"), Column(f"{words.percent(level)} interval", "interval"))
+    yield Table((*heads, Column("unit", "unit")), rows)
+    if any(math.isnan(e.standard_error) and e.limits is None for e in estimates):
+        yield Note(NO_ERROR)
+    certain = [e.method for e in estimates if e.limits is not None]
+    if certain:
+        yield Note(f"the limits of {', '.join(certain)} are certain: no other rate gives these counts without noise")
+
+
+def _methods() -> Table:
+    heads = (
+        Column("method", "symbol"), Column("what it is", "text"), Column("formula", "formula"),
+        Column("optimal under", "text"), Column("source", "text"),
+    )  # fmt: skip
+    rows = [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()]
+    return Table(heads, rows, "the methods")
+
+
+def _draw(channels: Iterable[RateChannel]) -> "Figure":
+    from allanite.reporting.figures.rate import plot_rates
+
+    shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
+    if not shown:
+        raise UsageError("there is nothing to draw: no channel was measured")
+    return plot_rates(shown)
+
+
+def _plot(values: Sequence[RateStudy], fit: Fit | None, level: float) -> "Figure":
+    return _draw(channel for study in values for channel in study.channels)
+
+
+HEADINGS = (
+    "channel", "method", "duration_s", "intervals", "rate", "rate_low", "rate_high", "mean_error", "std", "std_low",
+    "std_high", "neighbours", "three_sigma", "worst", "predicted", "unit",
+)  # fmt: skip
+
+
+def _rows(study: RateStudy, level: float) -> Rows:
+    return HEADINGS, [row for channel in study.channels for row in _channel_rows(channel, level)]
+
+
+def _channel_rows(channel: RateChannel, level: float) -> Iterator[list[Any]]:
+    found = channel.experiment
+    series = [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
+    for one in series:
+        yield from _experiment_rows(one) if one.start.size > 1 else ()
+    for e in channel.estimates:
+        unit = e.signal.sheet[0]
+        numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
+        yield [channel.record.name, e.method, e.duration, 1, *map(_finite, numbers[:3]), *[""] * 7,
+               _finite(numbers[3]), unit]  # fmt: skip
+
+
+def _experiment_rows(found: Experiment) -> Iterator[list[Any]]:
+    unit = found.signal.sheet[0]
+    means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
+    for method, *numbers in found.rows(unit)[1]:
+        yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
+               *map(_finite, numbers), unit]  # fmt: skip
+
+
+def _finite(value: float) -> float | str:
+    return value if math.isfinite(value) else ""
+
+
+def _experiment_face(found: Experiment, level: float) -> Face:
+    table = (_table(found),) if found.start.size > 1 else ()
+    drawing = Drawing(lambda: _plot_experiments([found], None, level), "errors of all methods", CAPTION)
+    return Face(found.name or "Rate", BRAND, (Sheet(found.name, parts=(*_sentences(found), *table, drawing)),))
+
+
+def _plot_experiments(values: Sequence[Experiment], fit: Fit | None, level: float) -> "Figure":
+    from allanite.reporting.figures.rate import plot_rates
+
+    return plot_rates([(found, ()) for found in values])
+
+
+def _ranking_face(ranking: Ranking, level: float) -> Face:
+    headings, rows = ranking.rows()
+    cells = [[method, *(f"{v:.4g}" if math.isfinite(v) else "" for v in numbers)] for method, *numbers in rows]
+    parts = (
+        Note(f"in {words.duration(ranking.duration)}: {ranking.verdict}", "strong"),
+        Note(f"noise: {ranking.model}"),
+    )
+    return Face(
+        "Methods", BRAND, (Sheet("methods", parts=(*parts, Table(columns(*headings), cells))),), how=(_methods(),)
+    )
+
+
+def _estimate_face(found: RateEstimate, level: float) -> Face:
+    alerts = (Note(str(finding), "alert") for finding in found.findings)
+    sheet = Sheet(found.name or "rate", found.history, (*alerts, *_estimates([found], level)))
+    return Face(found.name or "Rate", BRAND, (sheet,))
+
+
+STUDY = View(_face, _plot, _rows)
+EXPERIMENT = View(_experiment_face, _plot_experiments, lambda found, level: (HEADINGS, list(_experiment_rows(found))))
+RANKING = View(_ranking_face, rows=lambda ranking, level: ranking.rows())
+ESTIMATE = View(_estimate_face)
