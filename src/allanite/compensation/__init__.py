@@ -5,9 +5,9 @@ from .fit import FitSettings as FitSettings
 from .fit import compensate as compensate
 from .gain import Gain as Gain
 from .mixture import Mixture as Mixture
-from .prediction import gain_on as gain_on
-from .regression import Effect as Effect
 from .regression import Regression as Regression
+from .regression import gain_on as gain_on
 from .regression import load as load
 from .regression import save as save
+from .regressor import Effect as Effect
 from .regressor import Regressor as Regressor

@@ -5,9 +5,9 @@ from typing import Any
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Record, Recording
+from allanite.core.record import Header, Record, Recording
 from allanite.study.channels import Job
-from allanite.study.noise import Noise
+from allanite.study.noise import ChannelResult, Noise
 
 from .design import DesignSettings
 from .fit import FitSettings
@@ -16,7 +16,7 @@ from .regression import Regression
 from .restricted import FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CompensationSettings(DesignSettings):
     """What is fitted on what.
 
@@ -49,7 +49,7 @@ class CompensationSettings(DesignSettings):
                 "--rate-of)"
             )
 
-    def to_dict(self) -> dict[str, Any]:
+    def choices(self) -> dict[str, Any]:
         """Plain data, under the names of the command line; the noise terms are the recipe's."""
         own = asdict(self)
         own |= own.pop("fit")
@@ -57,8 +57,8 @@ class CompensationSettings(DesignSettings):
         return {k: list(v) if isinstance(v, tuple) else v for k, v in own.items() if v not in (None, ())}
 
 
-@dataclass(frozen=True, eq=False)
-class Compensated:
+@dataclass(frozen=True, eq=False, repr=False)
+class Compensated(ChannelResult):
     """A channel before and after its correction; `refusal` says why there is none.
 
     Attributes
@@ -66,8 +66,6 @@ class Compensated:
     record : Record
     regression : Regression or None
     corrected : Record or None
-    error : array or None
-        What was taken off: rate, SI.
     before, after : Curve or None
     noise : Noise or None
         Of the record before, on which the limits of `before` rest.
@@ -77,10 +75,8 @@ class Compensated:
     refusal : str
     """
 
-    record: Record
     regression: Regression | None = None
-    corrected: Record | None = None
-    error: FloatArray | None = None
+    corrected: Record | Header | None = None
     before: Curve | None = None
     after: Curve | None = None
     noise: Noise | None = None
@@ -88,27 +84,19 @@ class Compensated:
     alerts: tuple[str, ...] = ()
     refusal: str = ""
 
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data; the regression stands once, with the channel it was fitted on."""
-        noise = self.noise
-        return {
-            "name": self.record.name,
-            "rate": self.record.rate,
-            "size": self.record.size,
-            "history": list((self.corrected or self.record).history),
-            "before": None if self.before is None else self.before.to_dict(level),
-            "after": None if self.after is None else self.after.to_dict(level),
-            "fit": None if noise is None else noise.fit.to_dict(level),
-            "explained": None if noise is None else noise.explained,
-            "gain": None if self.gain is None else self.gain.to_dict() | {"met": self.gain.met},
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
+    @property
+    def rates(self) -> tuple[FloatArray, FloatArray] | None:
+        """Rate before and after, SI; None without a correction, or without readings: they are not stored."""
+        if not (isinstance(self.record, Record) and isinstance(self.corrected, Record)):
+            return None
+        return self.record.rate_values, self.corrected.rate_values
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CompensationStudy(Job[Compensated]):
     """The channels that were fitted, and in `applied` those of another file that were corrected."""
+
+    _channel = Compensated
 
     applied: tuple[Compensated, ...]
     settings: CompensationSettings
@@ -127,7 +115,7 @@ class CompensationStudy(Job[Compensated]):
         DataError
             There are none.
         """
-        kept = tuple(c.corrected for c in self.applied or self.channels if c.corrected is not None)
+        kept = tuple(c.corrected for c in self.applied or self.channels if isinstance(c.corrected, Record))
         if not kept:
             raise DataError("no channel was corrected: there is nothing to write")
         return Recording(kept)
@@ -135,12 +123,4 @@ class CompensationStudy(Job[Compensated]):
     def choices(self) -> dict[str, Any]:
         """The recipe and the settings that were really used, as plain data."""
         other = self.provenance.get("applied to")
-        return super().choices() | self.settings.to_dict() | ({"apply_to": other} if other else {})
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        level = self.recipe.level
-        return super().to_dict() | {
-            "regressions": [regression.to_dict(level) for regression in self.regressions],
-            "applied": [channel.to_dict(level) for channel in self.applied],
-        }
+        return super().choices() | self.settings.choices() | ({"apply_to": other} if other else {})

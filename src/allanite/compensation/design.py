@@ -1,33 +1,29 @@
 """The columns of a regression: what was asked for, what may be added, and whether they can be told apart."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.identification.likelihood.likelihood import Likelihood
 
 from .regressor import TREND, Regressor, readings
-from .restricted import FloatArray, Stretch
+from .restricted import FloatArray, Stretch, restricted
 
 SHORTEST = 64
 """Readings of a stretch between gaps below which it is left out."""
 
-CONDITION = 30.0
-"""Scaled condition number above which coefficients cannot be told apart (Belsley, Kuh, Welsch 1980)."""
-
 SAME = 1e-10
 """Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
 
-TRENDING = 0.9
-"""Share of a ramp that the regressors explain, above which they are confounded with it."""
 
-
-@dataclass(frozen=True)
-class DesignSettings:
+@dataclass(frozen=True, repr=False)
+class DesignSettings(Value):
     """What a regression is made of.
 
     Attributes
@@ -90,7 +86,7 @@ class Design:
     stretches: tuple[Stretch, ...]
     rate: float
     optional: NDArray[np.bool_]
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...]
 
     def only(self, kept: Sequence[int]) -> "Design":
         """The design with some of the columns, at all readings where these have values."""
@@ -104,6 +100,21 @@ class Design:
         """Names of the columns."""
         return tuple(regressor.label for regressor in self.regressors)
 
+    @property
+    def taken(self) -> list[int]:
+        """Columns that a correction takes off: all but a trend."""
+        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
+
+    @property
+    def count(self) -> int:
+        """Readings that count."""
+        return sum(b - a for a, b in self.stretches)
+
+    def likelihood(self, symbols: str, *, y: FloatArray | None = None, stretches: Sequence[Stretch] = ()) -> Likelihood:
+        """Restricted likelihood of these noise terms, of other rates or stretches if they are given."""
+        rates = self.y if y is None else y
+        return restricted(rates, self.X, stretches or self.stretches, rate=self.rate, symbols=symbols)
+
 
 def design(record: Record, along: Recording, settings: DesignSettings, *, smooth: float, split_gaps: bool) -> Design:
     """The columns of a record.
@@ -115,10 +126,14 @@ def design(record: Record, along: Recording, settings: DesignSettings, *, smooth
     DataError
         One never changes, or is a sum of others; readings are lost and not split at; nothing is left.
     """
-    listed = list(_regressors(record, along, settings, smooth))
-    X = np.column_stack([regressor.column(record, along) for regressor, _ in listed])
+    named = dict.fromkeys((*settings.regressors, *settings.rate_of))
+    channels = {name: _measured(name, record, along) for name in named}
+    listed = list(_regressors(record, channels, settings, smooth))
+    regressors, optional = tuple(r for r, _ in listed), np.array([o for _, o in listed])
+    X = np.column_stack([regressor.column(record, along) for regressor in regressors])
     y = record.rate_values
-    lost = int(np.isnan(y).sum()), int(np.isnan(_base(record, along, settings)).sum())
+    # NaN of the named channels are losses, those of a lag are not
+    lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
     if any(lost) and not split_gaps:
         raise DataError(
             f"{lost[0]} readings of {record.name!r} and {lost[1]} of its regressors are lost; take the stretches "
@@ -128,30 +143,42 @@ def design(record: Record, along: Recording, settings: DesignSettings, *, smooth
     used = np.zeros(y.size, dtype=bool)
     for a, b in stretches:
         used[a:b] = True
-    inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
-    size = np.sqrt((inner**2).sum(axis=0) / used.sum())
-    for regressor, rms in zip((r for r, _ in listed), size, strict=True):
-        if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
-            raise DataError(f"the regressor {regressor.label!r} never changes: it can explain nothing; leave it out")
-    regressors = tuple(regressor for regressor, _ in listed)
-    found = Design(y, X / size, regressors, size, stretches, record.rate, np.array([o for _, o in listed]), notes)
+    size = _sizes(regressors, X, used)
+    found = Design(y, X / size, regressors, size, stretches, record.rate, optional, notes)
     _demand_different(found, used)
     return found
 
 
+def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool_]) -> FloatArray:
+    """Root mean square of each column about its mean."""
+    inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
+    size = np.sqrt((inner**2).sum(axis=0) / used.sum())
+    for regressor, rms in zip(regressors, size, strict=True):
+        if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
+            raise DataError(f"the regressor {regressor.label!r} never changes: it can explain nothing; leave it out")
+    return np.asarray(size)
+
+
+class _Channel(NamedTuple):
+    """Unit, mean and readings of a channel."""
+
+    unit: str
+    centre: float
+    x: FloatArray
+
+
 def _regressors(
-    record: Record, along: Recording, settings: DesignSettings, smooth: float
+    record: Record, channels: Mapping[str, _Channel], settings: DesignSettings, smooth: float
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
     for name in settings.regressors:
-        unit, centre = _measured(name, record, along)
-        yield Regressor(name, unit, centre), False
+        yield Regressor(name, channels[name].unit, channels[name].centre), False
     for name in settings.rate_of:
-        yield Regressor(name, _measured(name, record, along)[0], smooth=smooth), False
+        yield Regressor(name, channels[name].unit, smooth=smooth), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
     for name in settings.regressors:
-        unit, centre = _measured(name, record, along)
+        unit, centre, _ = channels[name]
         yield from ((Regressor(name, unit, centre, power), True) for power in range(2, settings.degree + 1))
         for lag in settings.lags:
             if round(lag * record.rate) < 1:
@@ -159,26 +186,20 @@ def _regressors(
             yield Regressor(name, unit, centre, lag=lag), True
 
 
-def _measured(name: str, record: Record, along: Recording) -> tuple[str, float]:
-    """Unit and mean of a channel; the mean rounded to four digits of its spread, so that it can be written down."""
+def _measured(name: str, record: Record, along: Recording) -> _Channel:
+    """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
     if name not in along.channels:
         raise UsageError(f"the regressor {name!r} is missing: there are {', '.join(along.channels)}")
     channel = along[name]
     unit = channel.unit if channel.kind == "rate" else channel.signal.unit
     x = readings(name, unit, record, along)
-    x = x[np.isfinite(x)]
-    if not x.size:
+    there = x[np.isfinite(x)]
+    if not there.size:
         raise DataError(f"the regressor {name!r} has no finite reading")
-    mean, spread = float(x.mean()), float(x.std())
-    if x.min() == x.max():
-        raise DataError(f"the regressor {name!r} never changes (always {x[0]:g} {unit}): it can explain nothing")
-    return unit, round(mean, int(4 - np.floor(np.log10(spread))))
-
-
-def _base(record: Record, along: Recording, settings: DesignSettings) -> FloatArray:
-    """Readings of the named channels, shape (n, channels): their NaN are losses, those of a lag are not."""
-    names = dict.fromkeys((*settings.regressors, *settings.rate_of))
-    return np.column_stack([readings(name, _measured(name, record, along)[0], record, along) for name in names])
+    mean, spread = float(there.mean()), float(there.std())
+    if there.min() == there.max():
+        raise DataError(f"the regressor {name!r} never changes (always {there[0]:g} {unit}): it can explain nothing")
+    return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
@@ -202,45 +223,3 @@ def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
     share = np.abs(vectors[:, 0])
     names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
     raise DataError(f"the regressors {', '.join(map(repr, names))} are collinear: leave one of them out")
-
-
-@dataclass(frozen=True, eq=False)
-class Collinearity:
-    """How well columns can be told apart: scaled condition number, variance inflation of each, share of a ramp."""
-
-    condition: float
-    inflation: FloatArray
-    ramp: float
-
-
-def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> Collinearity:
-    """As the noise sees the columns: whitened."""
-    A = information(likelihood, theta)
-    size = np.sqrt(np.diag(A))
-    values = np.linalg.eigvalsh(A / np.outer(size, size))
-    inverse = np.linalg.inv(A / np.outer(size, size))
-    condition = float(np.sqrt(values[-1] / max(values[0], 1e-300)))
-    return Collinearity(condition, np.diag(inverse).copy(), _of_ramp(design, likelihood, theta))
-
-
-def information(likelihood: Likelihood, theta: FloatArray) -> FloatArray:
-    """X' C^-1 X of the flat directions, shape (p, p), the edges known."""
-    m = likelihood.expectation(theta)
-    flat = np.flatnonzero(likelihood.flat)
-    return np.asarray(np.einsum("bij,b->ij", likelihood.UU[:, flat][:, :, flat], 1 / m))
-
-
-def _of_ramp(design: Design, likelihood: Likelihood, theta: FloatArray) -> float:
-    """Share of a ramp that the columns explain, whitened; 0 where time is one of them."""
-    from .restricted import restricted
-
-    if any(regressor.is_trend for regressor in design.regressors):
-        return 0.0
-    ramp = np.linspace(-1.0, 1.0, design.y.size)
-    # the ramp takes the place of the rates: its products with the columns are all that is wanted
-    seen = restricted(ramp, design.X, design.stretches, rate=design.rate, symbols="N")
-    m = likelihood.expectation(theta)
-    flat = np.flatnonzero(seen.flat)
-    b = (1 / m) @ seen.Uc[:, flat]
-    whole = float((1 / m) @ (seen.count * seen.power))
-    return float(b @ np.linalg.solve(information(likelihood, theta), b) / whole)

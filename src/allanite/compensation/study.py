@@ -29,8 +29,7 @@ from allanite.study.recipe import Recipe
 from .clocks import aligned
 from .compensated import Compensated, CompensationSettings, CompensationStudy
 from .fit import compensate
-from .prediction import gain_on
-from .regression import Regression, load
+from .regression import Regression, gain_on, load
 
 PathLike = str | os.PathLike[str]
 
@@ -82,17 +81,19 @@ def compensate_file(
     UsageError
         No regressor is named, or it is not in the file.
     """
-    settings, tell = settings or CompensationSettings(), progress or (lambda what, fraction: None)
-    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings)
+    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings or CompensationSettings())
     saved = {} if settings.use is None else {r.name: r for r in load(settings.use)}
     keys = _keys(settings, saved)
-    tell("reading", 0.0)
+    if progress is not None:
+        progress("reading", 0.0)
     here = _open(source, recipe, settings, keys)
 
     def regression_of(record: Record) -> Regression:
         return _saved(saved, record.name) if saved else _fitted(record, here, settings)
 
-    fitted = _each(here, regression_of, recipe, held=bool(saved), progress=progress)
+    fitted = _each(
+        here, regression_of, recipe, held=bool(saved), progress=_part(progress, 0, 1 if apply_to is None else 2)
+    )
     demand_result(here.signals.channels, fitted)
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
@@ -107,7 +108,7 @@ def _applied(
     """The study with what its regressions do to another file."""
     there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
-    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=progress)
+    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=_part(progress, 1, 2))
     findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.findings)
     return replace(
         study,
@@ -116,6 +117,11 @@ def _applied(
         notes=tuple(dict.fromkeys((*study.notes, *there.notes))),
         provenance=study.provenance | {"applied to": os.fspath(path), "sha256 applied to": there.signals.digest},
     )
+
+
+def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
+    """What tells the progress of one of several parts of the job."""
+    return progress and (lambda what, fraction: progress(what, (part + fraction) / parts))
 
 
 def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[Recipe, CompensationSettings]:
@@ -217,7 +223,7 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
         return deviation(part, "oadev", taus="octave", noise=model)
 
     curves = curve(before, noise.fit.model if noise else regression.noise), curve(after, regression.noise)
-    return Compensated(record, regression, corrected, error, *curves, noise, alerts=alerts)
+    return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
 
 
 def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:

@@ -69,8 +69,8 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     assert "could be expected" in done.stdout
     assert done.stdout.splitlines()[-1] == f"corrected: {paths['corrected']}"
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    assert [r["name"] for r in data["regressions"]] == ["gx"]
-    effect = data["regressions"][0]["effects"][0]
+    assert [c["regression"]["name"] for c in data["channels"]] == ["gx"]
+    effect = data["channels"][0]["regression"]["effects"][0]
     assert effect["low"] < np.radians(20 / 3600) < effect["high"]
     assert data["channels"][0]["explained"] is False
     assert any("no model" in alert for alert in data["channels"][0]["alerts"])
@@ -147,7 +147,7 @@ def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
     np.savetxt(beside, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--from", 300, "--until", 2100)
     effects = [
-        json.loads(run(*asked, *more, "--json", "-").stdout)["regressions"][0]["effects"]
+        json.loads(run(*asked, *more, "--json", "-").stdout)["channels"][0]["regression"]["effects"]
         for more in ((), ("--beside", beside))
     ]
     assert effects[0] == effects[1]

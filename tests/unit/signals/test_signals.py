@@ -153,7 +153,7 @@ def test_a_path_of_several_stages_from_the_current_on():
     assert second.codes is None
     headings, rows = found.rows()
     assert len(headings) == len(rows[0]) == len(rows[1])
-    assert [s["makes"] for s in found.to_dict()["stages"]] == ["N", "N"]
+    assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
     with pytest.raises(al.UsageError, match="say what rate it means"):
         al.budget(recorded, stages)
     with pytest.raises(al.UsageError, match="at least one stage"):

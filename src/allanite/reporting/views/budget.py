@@ -5,7 +5,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.fit import Fit
-from allanite.core.record import Record
+from allanite.core.record import Header, Record
 from allanite.reporting import words
 from allanite.reporting.sheet import (
     Column,
@@ -92,7 +92,7 @@ def _scale(scale: TorqueScale | float | None) -> list[str]:
 
 
 def _face(study: BudgetStudy, level: float) -> Face:
-    notes = (*_scale(study.settings.scale), *study.notes)
+    notes = (*_scale(study.settings.torquer), *study.notes)
     return Face(
         f"Rounding in {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
         BRAND,
@@ -114,7 +114,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     return Sheet(name, (words.about(channel.record),), (Note(refusal, "alert"),), (f"{name}: {refusal}",), doubt=True)
 
 
-def _budget_sheet(budget: Budget, record: Record, alerts: Sequence[str]) -> Sheet:
+def _budget_sheet(budget: Budget, record: Record | Header, alerts: Sequence[str]) -> Sheet:
     parts: tuple[Part, ...] = (
         *(Note(alert, "alert") for alert in alerts),
         *(Note(sentence(s), where="text") for s in budget.stages),

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.compensation.compensated import Compensated, CompensationStudy
 from allanite.compensation.gain import Gain
-from allanite.compensation.regression import Effect, Regression
+from allanite.compensation.regression import Regression
+from allanite.compensation.regressor import Effect
 from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.reporting import words
