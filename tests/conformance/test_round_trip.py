@@ -12,8 +12,7 @@ import pytest
 
 import allanite as al
 from allanite.compensation import FitSettings, compensate
-from allanite.compensation.compensated import CompensationSettings
-from allanite.compensation.design import DesignSettings
+from allanite.compensation.settings import CompensationSettings
 from allanite.compensation.study import compensate_file
 from allanite.core.correction import Correction
 from allanite.core.finding import Finding
@@ -144,7 +143,6 @@ MAKERS = {
     "Curve without limits": lambda: curve(noise=None),
     "Curve of many points": lambda: curve(taus="all"),
     "Densities": lambda: Densities(bins=5),
-    "DesignSettings": lambda: DesignSettings(("temp",), degree=2, trend=True),
     "Deviations": lambda: Deviations(("adev",), m=(1, 2)),
     "Effect": lambda: regression().effect(0, LEVEL),
     "Estimate": lambda: fit()["N"],

@@ -1,7 +1,6 @@
 """Compensation by regressors: the part of a rate that follows a temperature, a displacement, a flux, taken off."""
 
 from .clocks import aligned as aligned
-from .fit import FitSettings as FitSettings
 from .fit import compensate as compensate
 from .gain import Gain as Gain
 from .mixture import Mixture as Mixture
@@ -11,3 +10,4 @@ from .regression import load as load
 from .regression import save as save
 from .regressor import Effect as Effect
 from .regressor import Regressor as Regressor
+from .settings import FitSettings as FitSettings

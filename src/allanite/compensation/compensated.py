@@ -1,60 +1,18 @@
-"""What a compensation of files is made of, and what comes of it."""
+"""What comes of a compensation of files."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from allanite.core.curve import Curve
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.record import Header, Record, Recording
 from allanite.study.channels import Job
 from allanite.study.noise import ChannelResult, Noise
 
-from .design import DesignSettings
-from .fit import FitSettings
 from .gain import Gain
 from .regression import Regression
 from .restricted import FloatArray
-
-
-@dataclass(frozen=True, repr=False)
-class CompensationSettings(DesignSettings):
-    """What is fitted on what.
-
-    Attributes
-    ----------
-    regressors, degree, lags, rate_of, trend
-        As of `compensate`.
-    fit : FitSettings
-        Its noise terms are those of the recipe, unless it names some.
-    beside : path or None
-        File that holds the regressors, and says their units and times itself; the file of the record if left out.
-    interpolate : bool
-        Bring regressors of another time base onto the record's.
-    use : path or None
-        A saved regression, which is taken instead of a new fit.
-    """
-
-    regressors: tuple[str, ...] = ()
-    fit: FitSettings = field(default_factory=FitSettings)
-    beside: str | None = None
-    interpolate: bool = False
-    use: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.use is None:
-            super().__post_init__()
-        elif self.regressors or self.rate_of:
-            raise UsageError(
-                "a saved regression (--use) has its own regressors: leave out regressors and rate_of (--regressors, "
-                "--rate-of)"
-            )
-
-    def choices(self) -> dict[str, Any]:
-        """Plain data, under the names of the command line; the noise terms are the recipe's."""
-        own = asdict(self)
-        own |= own.pop("fit")
-        del own["terms"]
-        return {k: list(v) if isinstance(v, tuple) else v for k, v in own.items() if v not in (None, ())}
+from .settings import CompensationSettings
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,56 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.prepare.view import stretches
 
 from .regressor import TREND, Regressor, readings
 from .restricted import FloatArray, Stretch, restricted
+from .settings import CompensationSettings
 
 SHORTEST = 64
 """Readings of a stretch between gaps below which it is left out."""
 
 SAME = 1e-10
 """Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
-
-
-@dataclass(frozen=True, repr=False)
-class DesignSettings(Value):
-    """What a regression is made of.
-
-    Attributes
-    ----------
-    regressors : tuple of str
-        Channels whose readings enter in the first power.
-    degree : int
-        Highest power that may be added.
-    lags : tuple of float
-        Seconds by which earlier readings may be added.
-    rate_of : tuple of str
-        Channels whose rate of change enters.
-    trend : bool
-        Estimate a steady drift along, which is never taken off.
-    """
-
-    regressors: tuple[str, ...]
-    degree: int = 1
-    lags: tuple[float, ...] = ()
-    rate_of: tuple[str, ...] = ()
-    trend: bool = False
-
-    def __post_init__(self) -> None:
-        if not (self.regressors or self.rate_of):
-            raise UsageError("name at least one regressor, for example regressors=('temp',) (--regressors temp)")
-        for names in (self.regressors, self.rate_of):
-            if len(set(names)) < len(names):
-                raise UsageError(f"a regressor is named twice: {', '.join(names)}")
-        if TREND in self.regressors:
-            raise UsageError("a steady drift is not taken off; it is estimated along with trend=True (--trend)")
-        if isinstance(self.degree, bool) or not isinstance(self.degree, int) or not 1 <= self.degree <= 6:
-            raise UsageError(f"a degree is a whole number from 1 to 6, not {self.degree!r}")
-        if len(set(self.lags)) < len(self.lags) or not all(np.isfinite(lag) and lag > 0 for lag in self.lags):
-            raise UsageError(f"lags are different positive numbers of seconds, not {self.lags!r}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +55,8 @@ class Design:
         """The design with some of the columns, at all readings where these have values."""
         some = list(kept)
         X, regressors = self.X[:, some], tuple(self.regressors[i] for i in some)
-        stretches, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
-        return Design(self.y, X, regressors, self.size[some], stretches, self.rate, self.optional[some], notes)
+        parts, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
+        return Design(self.y, X, regressors, self.size[some], parts, self.rate, self.optional[some], notes)
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -110,13 +73,13 @@ class Design:
         """Readings that count."""
         return sum(b - a for a, b in self.stretches)
 
-    def likelihood(self, symbols: str, *, y: FloatArray | None = None, stretches: Sequence[Stretch] = ()) -> Likelihood:
+    def likelihood(self, symbols: str, *, y: FloatArray | None = None, parts: Sequence[Stretch] = ()) -> Likelihood:
         """Restricted likelihood of these noise terms, of other rates or stretches if they are given."""
         rates = self.y if y is None else y
-        return restricted(rates, self.X, stretches or self.stretches, rate=self.rate, symbols=symbols)
+        return restricted(rates, self.X, parts or self.stretches, rate=self.rate, symbols=symbols)
 
 
-def design(record: Record, along: Recording, settings: DesignSettings, *, smooth: float, split_gaps: bool) -> Design:
+def design(record: Record, along: Recording, settings: CompensationSettings) -> Design:
     """The columns of a record.
 
     Raises
@@ -128,23 +91,23 @@ def design(record: Record, along: Recording, settings: DesignSettings, *, smooth
     """
     named = dict.fromkeys((*settings.regressors, *settings.rate_of))
     channels = {name: _measured(name, record, along) for name in named}
-    listed = list(_regressors(record, channels, settings, smooth))
+    listed = list(_regressors(record, channels, settings))
     regressors, optional = tuple(r for r, _ in listed), np.array([o for _, o in listed])
     X = np.column_stack([regressor.column(record, along) for regressor in regressors])
     y = record.rate_values
     # NaN of the named channels are losses, those of a lag are not
     lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
-    if any(lost) and not split_gaps:
+    if any(lost) and not settings.fit.split_gaps:
         raise DataError(
             f"{lost[0]} readings of {record.name!r} and {lost[1]} of its regressors are lost; take the stretches "
             "between them, each with its own constant, with FitSettings(split_gaps=True) (--split-gaps)"
         )
-    stretches, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
+    parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
-    for a, b in stretches:
+    for a, b in parts:
         used[a:b] = True
     size = _sizes(regressors, X, used)
-    found = Design(y, X / size, regressors, size, stretches, record.rate, optional, notes)
+    found = Design(y, X / size, regressors, size, parts, record.rate, optional, notes)
     _demand_different(found, used)
     return found
 
@@ -168,13 +131,13 @@ class _Channel(NamedTuple):
 
 
 def _regressors(
-    record: Record, channels: Mapping[str, _Channel], settings: DesignSettings, smooth: float
+    record: Record, channels: Mapping[str, _Channel], settings: CompensationSettings
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
     for name in settings.regressors:
         yield Regressor(name, channels[name].unit, channels[name].centre), False
     for name in settings.rate_of:
-        yield Regressor(name, channels[name].unit, smooth=smooth), False
+        yield Regressor(name, channels[name].unit, smooth=settings.fit.smooth), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
     for name in settings.regressors:
@@ -203,9 +166,7 @@ def _measured(name: str, record: Record, along: Recording) -> _Channel:
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], fine, [False])).astype(np.int8)))
-    whole = [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
-    kept = tuple((a, b) for a, b in whole if b - a >= SHORTEST)
+    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
     count = sum(b - a for a, b in kept)
     if not kept:
         raise DataError(f"no stretch of {SHORTEST} readings is without a loss in the record or its regressors")

@@ -2,76 +2,26 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model, Term
-from allanite.core.plain import Value
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
 from .collinearity import collinearity
-from .design import Design, DesignSettings, design
+from .design import Design, design
 from .gain import Gain
 from .mixture import mixture
 from .regression import Regression
 from .restricted import FloatArray
 from .selection import Fold, choose, folds
-
-ORDINARY = "QNBK"
-"""Noise terms that may be there where none are named."""
+from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11
 """What is left, over the record, at which only rounding is left."""
-
-
-@dataclass(frozen=True, repr=False)
-class FitSettings(Value):
-    """How a regression is made.
-
-    Attributes
-    ----------
-    terms : str
-        Noise terms that may be there, for example "NK"; "auto" stands for QNBK. A ramp is no noise, see `trend`.
-    smooth : float
-        Seconds of the Hann window in which a rate of change is taken, 60 or more.
-    blocks : int
-        Blocks of the cross-validation.
-    every : bool
-        Keep every column, whether held-back blocks gain from it or not.
-    split_gaps : bool
-        Where readings are lost, fit the stretches between them, each with its own constant.
-    least : float
-        Effective samples that a regressor needs.
-    """
-
-    terms: str = "auto"
-    smooth: float = 60.0
-    blocks: int = 5
-    every: bool = False
-    split_gaps: bool = False
-    least: float = 10.0
-
-    def __post_init__(self) -> None:
-        symbols = self.symbols
-        wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
-        if wrong or not symbols or len(set(symbols)) < len(symbols):
-            raise UsageError(
-                f"terms are different noise terms such as QNBK, not {self.terms!r}; a steady drift is estimated with "
-                "trend=True (--trend)"
-            )
-        if isinstance(self.blocks, bool) or not isinstance(self.blocks, int) or not 3 <= self.blocks <= 50:
-            raise UsageError(f"blocks of the cross-validation are a whole number from 3 to 50, not {self.blocks!r}")
-        if not (math.isfinite(self.least) and self.least > 0):
-            raise UsageError(f"the least number of effective samples is positive, not {self.least!r}")
-
-    @property
-    def symbols(self) -> str:
-        """The noise terms, one letter each."""
-        return ORDINARY if self.terms == "auto" else self.terms
 
 
 USUAL = FitSettings()
@@ -149,8 +99,8 @@ def compensate(
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
         raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
-    wanted = DesignSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
-    whole = design(record, beside, wanted, smooth=settings.smooth, split_gaps=settings.split_gaps)
+    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend, settings)
+    whole = design(record, beside, wanted)
     _demand_noise(whole, record)
     terms = settings.symbols
     theta, _ = whole.likelihood(terms).minimise(np.ones(len(terms), dtype=bool))

@@ -11,6 +11,7 @@ import numpy as np
 
 from allanite.core.correction import Correction
 from allanite.core.errors import DataError, UsageError
+from allanite.core.files import write
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
 from allanite.core.units import Signal
@@ -217,8 +218,6 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
 
 def save(regressions: tuple[Regression, ...], path: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write regressions as one JSON file; errors as those of `Regression.save`."""
-    from allanite.core.files import write
-
     write(path, to_json(regressions).encode(), force=force)
 
 

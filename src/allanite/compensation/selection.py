@@ -74,7 +74,7 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
     for a, b in pairwise(edges.tolist()):
         parts = [_within(design.stretches, windows) for windows in ([(first, a), (b, last)], [(a, b)])]
         if all(parts):
-            found.append(Fold(*(Products.of(design.likelihood(symbols, stretches=p), theta) for p in parts)))
+            found.append(Fold(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
     return found
 
 

@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
-from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.prepare import inspect, trim
+from allanite.prepare.view import stretches
 from allanite.statistics import deviation
 from allanite.study.channels import (
     Inspected,
@@ -22,14 +21,15 @@ from allanite.study.channels import (
     each_channel,
     open_recording,
     provenance_of,
-)
+)  # fmt: skip
 from allanite.study.noise import Noise, noise_of
 from allanite.study.recipe import Recipe
 
 from .clocks import aligned
-from .compensated import Compensated, CompensationSettings, CompensationStudy
+from .compensated import Compensated, CompensationStudy
 from .fit import compensate
 from .regression import Regression, gain_on, load
+from .settings import CompensationSettings
 
 PathLike = str | os.PathLike[str]
 
@@ -185,24 +185,18 @@ def _each(
     def refused(seen: Inspected, why: str) -> Compensated:
         return Compensated(seen.record, refusal=why)
 
-    channels = [(record.name, (record,)) for record in source.signals]
     return each_channel(
-        channels, work, refused,
+        [(record.name, (record,)) for record in source.signals], work, refused,
         findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
     )  # fmt: skip
 
 
 def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
+    regressors, rate_of = ([source.named[key] for key in keys] for keys in (settings.regressors, settings.rate_of))
     return compensate(
-        record,
-        source.along,
-        [source.named[key] for key in settings.regressors],
-        degree=settings.degree,
-        lags=settings.lags,
-        rate_of=[source.named[key] for key in settings.rate_of],
-        trend=settings.trend,
-        settings=settings.fit,
-    )
+        record, source.along, regressors, degree=settings.degree, lags=settings.lags, rate_of=rate_of,
+        trend=settings.trend, settings=settings.fit,
+    )  # fmt: skip
 
 
 def _saved(there: Mapping[str, Regression], name: str) -> Regression:
@@ -212,28 +206,25 @@ def _saved(there: Mapping[str, Regression], name: str) -> Regression:
 
 
 def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
-    error = regression.rate_error(record, along)
     corrected = regression.apply(record, along)
-    before, after = (_longest(part, np.isfinite(error)) for part in (record, corrected))
+    there = np.isfinite(regression.rate_error(record, along))
+    before, after = (_longest(part, there) for part in (record, corrected))
     if before.size < SHORTEST:
         raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
     noise, alerts = _noise(before, recipe)
-
-    def curve(part: Record, model: Model) -> Curve:
-        return deviation(part, "oadev", taus="octave", noise=model)
-
-    curves = curve(before, noise.fit.model if noise else regression.noise), curve(after, regression.noise)
+    models = noise.fit.model if noise else regression.noise, regression.noise
+    curves = [
+        deviation(part, "oadev", taus="octave", noise=model)
+        for part, model in zip((before, after), models, strict=True)
+    ]
     return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
 
 
 def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:
     """The rates of the longest stretch without a loss, in SI."""
     rates = record.rate_values
-    padded = np.concatenate(([False], fine & np.isfinite(rates), [False]))
-    edges = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)
-    if not edges.size:
-        return Record(np.zeros(2), record.rate, record.signal.unit, name=record.name)
-    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()]
+    edges = stretches(fine & np.isfinite(rates))
+    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
     kept = rates[a:b] if b - a > 2 else np.zeros(2)
     return Record(kept, record.rate, record.signal.unit, name=record.name)
 

@@ -113,22 +113,6 @@ class Budget(ChannelResult):
         """What must stand beside the numbers."""
         return (*self.noise.doubts, *(str(finding) for finding in self.findings))
 
-    def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows, the coefficients in data-sheet units."""
-        headings = [
-            "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured", "coefficient_unit",
-            "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped",
-        ]  # fmt: skip
-        rows = []
-        for s in self.stages:
-            seen = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
-            share = None if s.share is None else 100 * s.share
-            rows.append([
-                s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
-                s.to(s.coefficient), s.to(s.measured), s.sheet_unit, share, s.enough, *seen, s.clipped,
-            ])  # fmt: skip
-        return headings, rows
-
 
 def budget(
     record: Record,

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.compensation.compensated import CompensationSettings
+from allanite.compensation.settings import CompensationSettings
 from allanite.reporting import table
 from allanite.reporting.sheet import toml
 from allanite.signals.study import PathSettings

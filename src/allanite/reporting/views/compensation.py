@@ -26,7 +26,7 @@ from allanite.reporting.sheet import (
     printed_number,
     printed_unit,
     toml,
-)
+)  # fmt: skip
 
 from . import Rows, View
 
@@ -84,7 +84,7 @@ def _cells(e: Effect, unit: str) -> list[str]:
 
 def _status(effect: Effect) -> str:
     parts = ("found" if effect.significant else "not shown", "chosen" * effect.chosen)
-    return ", ".join(filter(None, (*parts, "not taken off" * effect.regressor.is_trend)))
+    return ", ".join(filter(None, (*parts, "not taken off" * (not effect.taken_off))))
 
 
 def probability(p: float) -> str:
@@ -114,7 +114,7 @@ def verdict(channel: Compensated) -> str:
 
 
 def _found(name: str, regression: Regression) -> str:
-    own = [e for e in regression if not e.regressor.is_trend]
+    own = [e for e in regression if e.taken_off]
     if not regression.significant:
         return f"{name} shows no dependence on {_names(own)}: the correction would take off noise only."
     gain, held = regression.inside, regression.held
