@@ -200,6 +200,8 @@ def text_of(value):
 
 def same(one, other):
     """Whether two values have equal fields, as far as they can be compared."""
+    if callable(one) or callable(other):  # worked out when asked for: the values are in the text
+        return all(part is None or callable(part) for part in (one, other))
     if isinstance(one, Portable) and not isinstance(one, al.Record):
         return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one) if f.compare)
     if isinstance(one, al.Record):
@@ -208,7 +210,7 @@ def same(one, other):
         return len(one) == len(other) and all(map(same, one, other))
     if isinstance(one, (np.ndarray, float)):
         return np.array_equal(one, other, equal_nan=True) and np.shape(one) == np.shape(other)
-    return callable(one) == callable(other) if callable(one) else one == other
+    return one == other
 
 
 def intervals(value):

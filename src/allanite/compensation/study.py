@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -212,11 +212,8 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
     if before.size < SHORTEST:
         raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
     noise, alerts = _noise(before, recipe)
-    models = noise.fit.model if noise else regression.noise, regression.noise
-    curves = [
-        deviation(part, "oadev", taus="octave", noise=model)
-        for part, model in zip((before, after), models, strict=True)
-    ]
+    curve = partial(deviation, statistic="oadev", taus="octave")
+    curves = curve(before, noise=noise.fit.model if noise else regression.noise), curve(after, noise=regression.noise)
     return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
 
 
