@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
@@ -169,12 +170,10 @@ def _each(
 
     def look(record: Record) -> Quality:
         quality = inspect(record)
-        if not any(finding.fatal and finding.name == "moving" for finding in quality.findings):
-            return quality
-        try:
-            return inspect(regression_of(record).apply(record, source.along))
-        except DataError:  # what cannot be corrected stays refused, because it moves
-            return quality
+        if any(finding.fatal and finding.name == "moving" for finding in quality.findings):
+            with suppress(DataError):  # what cannot be corrected stays refused, because it moves
+                return inspect(regression_of(record).apply(record, source.along))
+        return quality
 
     def work(seen: Inspected) -> Compensated:
         regression = regression_of(seen.record)
