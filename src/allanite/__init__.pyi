@@ -13,7 +13,7 @@ from .comparison.study import pool as pool
 from .comparison.study import truncation as truncation
 from .compensation import Regression as Regression
 from .compensation import compensate as compensate
-from .compensation.compensated import CompensationSettings as CompensationSettings
+from .compensation.settings import CompensationSettings as CompensationSettings
 from .compensation.study import compensate_file as compensate_file
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve

@@ -8,7 +8,7 @@ from .deliver import Extra, deliver, demand_recording, outputs, progress, recipe
 from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, Separated, options
 
 if TYPE_CHECKING:
-    from allanite.compensation.compensated import CompensationSettings
+    from allanite.compensation.settings import CompensationSettings
 
 SECONDS = Separated(float, "seconds", example="60,300")
 
@@ -63,8 +63,7 @@ def _settings(choices: dict[str, Any]) -> "CompensationSettings":
     """What is left of the options: those of the fit, and the others."""
     from dataclasses import fields
 
-    from allanite.compensation import FitSettings
-    from allanite.compensation.compensated import CompensationSettings
+    from allanite.compensation.settings import CompensationSettings, FitSettings
 
     given = {key: value for key, value in choices.items() if value is not None}
     fit = FitSettings(**{f.name: given.pop(f.name) for f in fields(FitSettings) if f.name in given})

@@ -1,13 +1,13 @@
 """Compensation by regressors: the part of a rate that follows a temperature, a displacement, a flux, taken off."""
 
 from .clocks import aligned as aligned
-from .fit import FitSettings as FitSettings
 from .fit import compensate as compensate
 from .gain import Gain as Gain
 from .mixture import Mixture as Mixture
-from .prediction import gain_on as gain_on
-from .regression import Effect as Effect
 from .regression import Regression as Regression
+from .regression import gain_on as gain_on
 from .regression import load as load
 from .regression import save as save
+from .regressor import Effect as Effect
 from .regressor import Regressor as Regressor
+from .settings import FitSettings as FitSettings

@@ -37,16 +37,13 @@ def _aligned(other: Record, record: Record) -> Record:
     when = np.arange(record.size) / record.rate
     since = (record.start or 0.0) - (other.start or 0.0)
     x = np.asarray(other.values, dtype=np.float64)
-    values = (
-        _means(x, other.rate, when + since, record.rate)
-        if other.rate > record.rate
-        else _lines(x, other.rate, when + since)
-    )
+    faster = other.rate > record.rate
+    at = when + since
+    values = _means(x, other.rate, at, record.rate) if faster else _lines(x, other.rate, at)
     if np.isnan(values).all():
         raise DataError(f"{other.name!r} and {record.name!r} have no time in common")
-    what = f"brought from {other.rate:.9g} Hz onto the clock of {record.name!r} by " + (
-        "means" if other.rate > record.rate else "straight lines"
-    )
+    way = "means" if faster else "straight lines"
+    what = f"brought from {other.rate:.9g} Hz onto the clock of {record.name!r} by {way}"
     return Record(
         values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
         history=(*other.history, what),

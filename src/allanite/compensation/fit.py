@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,64 +11,17 @@ from allanite.core.record import SHORTEST, Record, Recording
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
-from .design import CONDITION, TRENDING, Collinearity, Design, DesignSettings, collinearity, design
+from .collinearity import collinearity
+from .design import Design, design
 from .gain import Gain
 from .mixture import mixture
 from .regression import Regression
-from .restricted import FloatArray, restricted
-from .selection import choose, folds
-
-ORDINARY = "QNBK"
-"""Noise terms that may be there where none are named."""
+from .restricted import FloatArray
+from .selection import Fold, choose, folds
+from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11
 """What is left, over the record, at which only rounding is left."""
-
-
-@dataclass(frozen=True)
-class FitSettings:
-    """How a regression is made.
-
-    Attributes
-    ----------
-    terms : str
-        Noise terms that may be there, for example "NK"; "auto" stands for QNBK. A ramp is no noise, see `trend`.
-    smooth : float
-        Seconds of the Hann window in which a rate of change is taken, 60 or more.
-    blocks : int
-        Blocks of the cross-validation.
-    every : bool
-        Keep every column, whether held-back blocks gain from it or not.
-    split_gaps : bool
-        Where readings are lost, fit the stretches between them, each with its own constant.
-    least : float
-        Effective samples that a regressor needs.
-    """
-
-    terms: str = "auto"
-    smooth: float = 60.0
-    blocks: int = 5
-    every: bool = False
-    split_gaps: bool = False
-    least: float = 10.0
-
-    def __post_init__(self) -> None:
-        symbols = self.symbols
-        wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
-        if wrong or not symbols or len(set(symbols)) < len(symbols):
-            raise UsageError(
-                f"terms are different noise terms such as QNBK, not {self.terms!r}; a steady drift is estimated with "
-                "trend=True (--trend)"
-            )
-        if isinstance(self.blocks, bool) or not isinstance(self.blocks, int) or not 3 <= self.blocks <= 50:
-            raise UsageError(f"blocks of the cross-validation are a whole number from 3 to 50, not {self.blocks!r}")
-        if not (math.isfinite(self.least) and self.least > 0):
-            raise UsageError(f"the least number of effective samples is positive, not {self.least!r}")
-
-    @property
-    def symbols(self) -> str:
-        """The noise terms, one letter each."""
-        return ORDINARY if self.terms == "auto" else self.terms
 
 
 USUAL = FitSettings()
@@ -147,59 +99,56 @@ def compensate(
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
         raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
-    wanted = DesignSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend)
-    whole = design(record, beside, wanted, smooth=settings.smooth, split_gaps=settings.split_gaps)
+    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend, settings)
+    whole = design(record, beside, wanted)
     _demand_noise(whole, record)
-    theta, _ = _noise(whole, settings.symbols)
-    blocks = folds(whole, theta, settings.symbols, settings.blocks)
-    validated = len(blocks) > 2
-    kept = choose(whole, blocks) if validated and not settings.every else list(range(len(whole.regressors)))
-    notes = () if validated else ("the record is too short for cross-validation: every column is kept",)
-    taken = [i for i in kept if not whole.regressors[i].is_trend]
-    squares = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0) if validated else None
-    count = sum(b - a for a, b in whole.stretches)
-    held = None if squares is None else Gain(float(squares[0]) / count, float(squares[1]) / count, 0.0)
-    return _regression(record, whole, kept, settings, held=held, notes=notes)
+    terms = settings.symbols
+    theta, _ = whole.likelihood(terms).minimise(np.ones(len(terms), dtype=bool))
+    blocks = folds(whole, theta, terms, settings.blocks)
+    if len(blocks) < 3:
+        notes = ("the record is too short for cross-validation: every column is kept",)
+        return _regression(record, whole, list(range(len(whole.regressors))), settings, notes=notes)
+    kept = list(range(len(whole.regressors))) if settings.every else choose(whole, blocks)
+    return _regression(record, whole, kept, settings, held=_held(whole, blocks, kept))
 
 
-def _noise(part: Design, terms: str) -> tuple[FloatArray, Likelihood]:
-    """The most likely noise, its coefficients integrated out."""
-    seen = restricted(part.y, part.X, part.stretches, rate=part.rate, symbols=terms)
-    return seen.minimise(np.ones(len(terms), dtype=bool))[0], seen
+def _held(whole: Design, blocks: Sequence[Fold], kept: list[int]) -> Gain:
+    """Mean squares of the blocks that were held back."""
+    taken = [i for i in kept if i in whole.taken]
+    before, after = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0)
+    return Gain(float(before) / whole.count, float(after) / whole.count, 0.0)
 
 
 def _regression(
-    record: Record, whole: Design, kept: list[int], settings: FitSettings, *, held: Gain | None, notes: tuple[str, ...]
+    record: Record,
+    whole: Design,
+    kept: list[int],
+    settings: FitSettings,
+    *,
+    held: Gain | None = None,
+    notes: tuple[str, ...] = (),
 ) -> Regression:
     part = whole.only(kept)
     first = _plain(part)
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is taken out
-    seen = restricted(part.y - part.X @ first, part.X, part.stretches, rate=part.rate, symbols=settings.symbols)
+    seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, found = mixture(seen, settings.symbols)
-    seen_by_noise = collinearity(part, seen, theta)
-    taken = [i for i, regressor in enumerate(part.regressors) if not regressor.is_trend]
+    alike = collinearity(part, seen, theta)
     inside, effective = _inside(part, seen, theta, found.values + first)
-    if effective < settings.least * len(taken):
+    if effective < settings.least * len(part.taken):
         raise DataError(
             f"the noise of {record.name!r} has {effective:.3g} effective samples, because most of it is slow: too few "
-            f"for {len(taken)} regressors, each of which wants {settings.least:g}. Name fewer, record for longer, or "
-            "accept fewer samples for each with FitSettings(least=...) (--least)"
+            f"for {len(part.taken)} regressors, each of which wants {settings.least:g}. Name fewer, record for longer, "
+            "or accept fewer samples for each with FitSettings(least=...) (--least)"
         )
     return Regression(
-        signal=record.signal,
-        name=record.name,
-        regressors=part.regressors,
-        mixture=found.scaled(1 / part.size, first),
+        record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
         chosen=tuple(bool(o) and not settings.every for o in part.optional),
         candidates=int(whole.optional.sum()),
-        inflation=seen_by_noise.inflation,
-        condition=seen_by_noise.condition,
-        noise=_model(record, settings.symbols, mean),
-        effective=effective,
-        inside=inside,
-        held=held,
-        notes=(*part.notes, *notes, *_warnings(part, seen_by_noise)),
-    )
+        inflation=alike.inflation, condition=alike.condition,
+        noise=_model(record, settings.symbols, mean), effective=effective,
+        inside=inside, held=held, notes=(*part.notes, *notes, *alike.notes),
+    )  # fmt: skip
 
 
 def _demand_noise(part: Design, record: Record) -> None:
@@ -228,11 +177,10 @@ def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArra
     of the noise. That sum has (sum m)^2 / sum m^2 degrees of freedom, m being the spectrum of the noise: as many as
     there are samples for white noise, two or three for a random walk.
     """
-    taken = [i for i, regressor in enumerate(part.regressors) if not regressor.is_trend]
+    taken = part.taken
     flat = np.flatnonzero(seen.flat)[taken]
     V = seen.directions(theta)[1][np.ix_(flat, flat)]
     S = seen.UU[:, flat][:, :, flat].sum(axis=0)
-    chance = float(np.trace(V @ S))
     m = seen.expectation(theta)
     effective = float(seen.count @ m) ** 2 / float(seen.count @ m**2)
     before = after = 0.0
@@ -240,30 +188,9 @@ def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArra
         left = part.y[a:b] - part.X[a:b][:, taken] @ values[taken]
         before += float(((part.y[a:b] - part.y[a:b].mean()) ** 2).sum())
         after += float(((left - left.mean()) ** 2).sum())
-    count = sum(b - a for a, b in part.stretches)
-    return Gain(before / count, after / count, chance / count), effective
+    return Gain(before / part.count, after / part.count, float(np.trace(V @ S)) / part.count), effective
 
 
 def _model(record: Record, symbols: str, theta: FloatArray) -> Model:
     sizes = ((s, math.sqrt(value) * record.rate ** -TERMS[s].power) for s, value in zip(symbols, theta, strict=True))
     return Model(tuple(Term(s, size, record.signal) for s, size in sizes if size > 0))
-
-
-def _warnings(part: Design, seen: Collinearity) -> list[str]:
-    found = []
-    if seen.condition > CONDITION:
-        worst = ", ".join(
-            f"{label} ({factor:.3g})" for label, factor in zip(part.labels, seen.inflation, strict=True) if factor > 10
-        )
-        found.append(
-            f"the regressors can hardly be told apart: scaled condition number {seen.condition:.3g}, above "
-            f"{CONDITION:g}; variance inflation {worst or 'spread over all'}. Their sum "
-            "may be right where none of them is"
-        )
-    if seen.ramp > TRENDING:
-        found.append(
-            f"the regressors trend: they explain {100 * seen.ramp:.3g} % of a steady drift, so that a rate ramp R "
-            "cannot be told from their effect in this record (trend=True, --trend, estimates one along); a record in "
-            "which they come back would tell"
-        )
-    return found

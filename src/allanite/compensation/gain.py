@@ -1,12 +1,13 @@
 """What a correction takes off: mean squares before and after, and what could be expected."""
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+
+from allanite.core.plain import Value
 
 
-@dataclass(frozen=True)
-class Gain:
+@dataclass(frozen=True, repr=False)
+class Gain(Value):
     """Mean squares of the rate about its mean, before and after a correction, SI.
 
     Attributes
@@ -24,6 +25,8 @@ class Gain:
     >>> gain.reduction, gain.explained
     (1.0, 0.25)
     """
+
+    _also = ("explained", "met")
 
     before: float
     after: float
@@ -45,13 +48,3 @@ class Gain:
     def met(self) -> bool | None:
         """Whether the reduction lies within its limits; None where there are none."""
         return None if self.low is None or self.high is None else self.low <= self.reduction <= self.high
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self) | {"explained": self.explained if math.isfinite(self.explained) else None}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Gain":
-        """The gain that `to_dict` has written."""
-        limits = (None if data[name] is None else float(data[name]) for name in ("low", "high"))
-        return cls(*(float(data[name]) for name in ("before", "after", "expected")), *limits)

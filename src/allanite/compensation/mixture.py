@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
+from allanite.core.errors import DataError
+from allanite.core.plain import Value
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
@@ -23,8 +25,8 @@ sensor pass as noise too often where there is little slow noise, 1/c lets false 
 see benchmarks/compensation.py."""
 
 
-@dataclass(frozen=True, eq=False)
-class Mixture:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mixture(Value):
     """Normal distributions of p coefficients under several noises, and the weight of each noise.
 
     Attributes
@@ -84,22 +86,18 @@ class Mixture:
             self.weights, by * (self.centres + shift), size * self.spreads, self.covariance * np.outer(by, by)
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        names = ("weights", "centres", "spreads", "covariance")
-        return {name: getattr(self, name).tolist() for name in names}
-
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Mixture":
-        """The mixture that `to_dict` has written."""
-        names = ("weights", "centres", "spreads", "covariance")
-        found = cls(*(np.array(data[name], dtype=np.float64) for name in names))
-        k, p = found.centres.shape
-        shapes = (found.weights.shape, found.spreads.shape, found.covariance.shape)
-        finite = all(np.isfinite(getattr(found, name)).all() for name in names)
-        if shapes != ((k,), (k, p), (p, p)) or not (finite and (found.spreads > 0).all()):
-            raise ValueError("mixture")
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The mixture that `to_dict` has written; DataError if it was changed so that it makes no sense."""
+        found = super().from_dict(data)
+        (k, p), parts = found.centres.shape, (found.weights, found.centres, found.spreads, found.covariance)
+        fine = [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
+        if not (fine and all(np.isfinite(part).all() for part in parts)):
+            raise DataError("a mixture of such numbers makes no sense")
         return found
+
+    def _summary(self) -> str:
+        return f"of {self.weights.size} noises: {', '.join(f'{value:g}' for value in self.values)}"
 
 
 def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArray, Mixture]:

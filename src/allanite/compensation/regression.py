@@ -1,73 +1,32 @@
 """Regression: the part of a sensor's error that follows other channels, as a correction."""
 
 import json
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from allanite.core.correction import Correction
 from allanite.core.errors import DataError, UsageError
+from allanite.core.files import write
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
-from allanite.core.units import Signal, signal_named
+from allanite.core.units import Signal
+from allanite.statistics.moments.gls import Covariance
 
 from .gain import Gain
 from .mixture import Mixture
-from .regressor import Regressor
+from .regressor import Effect, Regressor
 from .restricted import FloatArray
 
-SIGNIFICANT = 0.05
-"""Probability below which an effect is not put down to chance."""
+WITHIN = 1.959964
+"""Standard errors of 95 % limits."""
 
 
-@dataclass(frozen=True)
-class Effect:
-    """One coefficient: rate per unit of its regressor, SI.
-
-    Attributes
-    ----------
-    regressor : Regressor
-    value, standard_error : float
-    p : float
-        Probability of a coefficient as far from zero if there is no dependence; for a column that was chosen among
-        several, times their number.
-    low, high : float
-        95 % limits.
-    inflation : float
-        Variance inflation factor: how much the other regressors widen its variance.
-    chosen : bool
-        Whether cross-validation chose the column; otherwise it was asked for.
-    """
-
-    regressor: Regressor
-    value: float
-    standard_error: float
-    p: float
-    low: float
-    high: float
-    inflation: float
-    chosen: bool
-
-    @property
-    def label(self) -> str:
-        """Name of the column."""
-        return self.regressor.label
-
-    @property
-    def t(self) -> float:
-        """Value over its standard error."""
-        return self.value / self.standard_error
-
-    @property
-    def significant(self) -> bool:
-        """Whether it is not put down to chance."""
-        return self.p < SIGNIFICANT
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Regression(Correction):
     """Coefficients of regressors, how sure they are, and what they gained; see `compensate`.
 
@@ -139,16 +98,18 @@ class Regression(Correction):
 
     def effect(self, which: int, level: float = 0.95) -> Effect:
         """The coefficient of a column, with limits at `level`."""
-        p = self.mixture.p(which)
+        p, regressor = self.mixture.p(which), self.regressors[which]
         return Effect(
-            self.regressors[which],
+            regressor,
             float(self.mixture.values[which]),
             float(self.mixture.errors[which]),
+            f"{self.signal.unit} per {regressor.column_unit}",
             min(1.0, p * self.candidates) if self.chosen[which] else p,
             self.mixture.quantile((1 - level) / 2, which),
             self.mixture.quantile((1 + level) / 2, which),
             float(self.inflation[which]),
             self.chosen[which],
+            level,
         )
 
     def rate_error(self, record: Record, along: Recording | None = None) -> FloatArray:
@@ -176,44 +137,12 @@ class Regression(Correction):
         return np.concatenate(([0.0], np.cumsum(rate / record.rate)))
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, from which `from_dict` makes the regression again."""
-        return {
-            "allanite": 1,
-            "type": "Regression",
-            "signal": self.signal.name,
-            "name": self.name,
-            "effects": [self._effect_data(i, level) for i in range(len(self.regressors))],
-            "level": level,
-            "candidates": self.candidates,
-            "condition": self.condition,
-            "effective_samples": self.effective,
-            "mixture": self.mixture.to_dict(),
-            "noise": self.noise.to_dict(),
-            "inside": self.inside.to_dict(),
-            "held": None if self.held is None else self.held.to_dict(),
-            "significant": self.significant,
-            "notes": list(self.notes),
-        }
-
-    def _effect_data(self, which: int, level: float) -> dict[str, Any]:
-        e = self.effect(which, level)
-        return {
-            "label": e.label,
-            "regressor": e.regressor.to_dict(),
-            "value": e.value,
-            "standard_error": e.standard_error,
-            "t": e.t,
-            "p": e.p,
-            "low": e.low,
-            "high": e.high,
-            "unit": f"{self.signal.unit} per {e.regressor.column_unit}",
-            "inflation": e.inflation,
-            "chosen": e.chosen,
-            "taken_off": not e.regressor.is_trend,
-        }
+        """Plain data, SI, with the `effects` at `level` for the reader."""
+        effects = [self.effect(i, level).to_dict(level) for i in range(len(self.regressors))]
+        return super().to_dict(level) | {"effects": effects, "significant": self.significant}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Regression":
+    def from_dict(cls, data: dict[str, Any]) -> Self:
         """The regression that `to_dict` has written.
 
         Raises
@@ -222,29 +151,12 @@ class Regression(Correction):
             It is none, or was changed so that it makes no sense.
         """
         try:
-            if data["type"] != "Regression":
-                raise ValueError(data["type"])
-            effects = data["effects"]
-            found = cls(
-                signal=signal_named(str(data["signal"])),
-                name=str(data["name"]),
-                regressors=tuple(Regressor.from_dict(e["regressor"]) for e in effects),
-                mixture=Mixture.from_dict(data["mixture"]),
-                chosen=tuple(bool(e["chosen"]) for e in effects),
-                candidates=int(data["candidates"]),
-                inflation=np.array([float(e["inflation"]) for e in effects]),
-                condition=float(data["condition"]),
-                noise=Model.from_dict(data["noise"]),
-                effective=float(data["effective_samples"]),
-                inside=Gain.from_dict(data["inside"]),
-                held=None if data["held"] is None else Gain.from_dict(data["held"]),
-                notes=tuple(str(note) for note in data["notes"]),
-            )
-        except (KeyError, TypeError, ValueError, StopIteration, IndexError) as error:
+            found = super().from_dict(data)
+        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration) as error:
             raise DataError(
                 f"this is no regression that was saved, or it was changed ({type(error).__name__}: {error})"
             ) from None
-        if found.mixture.centres.shape[1] != len(found.regressors):
+        if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
             raise DataError("this regression has not as many coefficients as regressors: it was changed")
         return found
 
@@ -273,10 +185,39 @@ class Regression(Correction):
         return found[0]
 
 
+def gain_on(regression: Regression, record: Record, along: Recording | None) -> Gain:
+    r"""Mean squares of another record about its mean, before and after, and what was to be expected of it.
+
+    With S = X'X of the regressors there (about their means), b the coefficients, V their covariance and C that of the
+    noise, the sum of squares falls by 2 y'Xb - b'Sb. Its expectation b'Sb - 2 tr(VS) is without bias, and it scatters
+    about that with the variance 4 (b'SVSb + tr(VSVS) + (Xb)'C(Xb)).
+
+    Raises
+    ------
+    DataError
+        The record and its regressors have no readings in common.
+    """
+    taken = regression.taken
+    X = np.column_stack([regression.regressors[i].column(record, along) for i in taken])
+    y = record.rate_values
+    fine = np.isfinite(y) & np.isfinite(X).all(axis=1)
+    count = int(fine.sum())
+    if count < 2:
+        raise DataError(f"{record.name!r} and its regressors have no readings in common")
+    X = np.where(fine[:, None], X - X[fine].mean(axis=0), 0.0)
+    y = np.where(fine, y - y[fine].mean(), 0.0)
+    b, V = regression.mixture.values[taken], regression.mixture.covariance[np.ix_(taken, taken)]
+    S, v = X.T @ X, X @ b
+    before, after = float(y @ y), float((y - v) @ (y - v))
+    expected = float(b @ S @ b - 2 * np.trace(V @ S))
+    noise = Covariance(regression.noise.terms, y.size, record.rate).variance(v)
+    spread = WITHIN * math.sqrt(4 * (float(b @ S @ V @ S @ b) + float(np.trace(V @ S @ V @ S)) + noise))
+    sums = (before, after, expected, expected - spread, expected + spread)
+    return Gain(*(total / count for total in sums))
+
+
 def save(regressions: tuple[Regression, ...], path: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write regressions as one JSON file; errors as those of `Regression.save`."""
-    from allanite.core.files import write
-
     write(path, to_json(regressions).encode(), force=force)
 
 

@@ -1,13 +1,13 @@
-"""Regressor: a column that an error may depend on, made of a channel by a few plain rules."""
+"""Regressor: a column that an error may depend on, made of a channel by a few plain rules. Effect: its coefficient."""
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 
@@ -15,12 +15,15 @@ from .slope import local_slope
 
 FloatArray = NDArray[np.float64]
 
+SIGNIFICANT = 0.05
+"""Probability below which an effect is not put down to chance."""
+
 TREND = "time"
 """Name of the regressor that is no channel: seconds, counted from the middle of the record."""
 
 
-@dataclass(frozen=True)
-class Regressor:
+@dataclass(frozen=True, repr=False)
+class Regressor(Value):
     """One column of a regression: a power of a channel less its centre, perhaps of earlier, or its rate of change.
 
     Attributes
@@ -47,12 +50,18 @@ class Regressor:
     [0.0, 1.0, 9.0]
     """
 
+    _also = ("label", "column_unit")
+
     channel: str
     unit: str
     centre: float = 0.0
     power: int = 1
     lag: float = 0.0
     smooth: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.centre) and math.isfinite(self.lag) and self.power >= 1):
+            raise UsageError(f"a regressor has a finite centre and lag, and a power from 1 on, not {self!r}")
 
     @property
     def is_trend(self) -> bool:
@@ -97,29 +106,60 @@ class Regressor:
             x = np.concatenate((np.full(steps, np.nan), x[:-steps]))
         return np.asarray((x - self.centre) ** self.power)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
 
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Regressor":
-        """The regressor that `to_dict` has written."""
-        smooth = data["smooth"]
-        return cls(
-            str(data["channel"]),
-            str(data["unit"]),
-            _number(data["centre"]),
-            int(data["power"]),
-            _number(data["lag"]),
-            None if smooth is None else _number(smooth),
-        )
+@dataclass(frozen=True, repr=False)
+class Effect(Value):
+    """One coefficient: rate per unit of its regressor, SI.
 
+    Attributes
+    ----------
+    regressor : Regressor
+    value, standard_error : float
+    unit : str
+        Of both.
+    p : float
+        Probability of a coefficient as far from zero if there is no dependence; for a column that was chosen among
+        several, times their number.
+    low, high : float
+        Limits at `level`.
+    inflation : float
+        Variance inflation factor: how much the other regressors widen its variance.
+    chosen : bool
+        Whether cross-validation chose the column; otherwise it was asked for.
+    """
 
-def _number(value: Any) -> float:
-    number = float(value)
-    if not math.isfinite(number):
-        raise ValueError(value)
-    return number
+    _also = ("label", "t", "significant", "taken_off")
+
+    regressor: Regressor
+    value: float
+    standard_error: float
+    unit: str
+    p: float
+    low: float
+    high: float
+    inflation: float
+    chosen: bool
+    level: float = 0.95
+
+    @property
+    def label(self) -> str:
+        """Name of the column."""
+        return self.regressor.label
+
+    @property
+    def t(self) -> float:
+        """Value over its standard error."""
+        return self.value / self.standard_error
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is not put down to chance."""
+        return self.p < SIGNIFICANT
+
+    @property
+    def taken_off(self) -> bool:
+        """Whether the correction takes it off: all but a steady drift."""
+        return not self.regressor.is_trend
 
 
 def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:

@@ -8,8 +8,9 @@ import numpy as np
 
 from allanite.identification.likelihood.likelihood import Likelihood
 
+from .collinearity import information
 from .design import SHORTEST, Design
-from .restricted import FloatArray, Stretch, restricted
+from .restricted import FloatArray, Stretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class Products:
         UU, Uc, m = likelihood.UU[:, flat][:, :, flat], likelihood.Uc[:, flat], likelihood.expectation(theta)
         squares = likelihood.count * likelihood.power
         return cls(
-            np.einsum("bij,b->ij", UU, 1 / m), (1 / m) @ Uc, float((1 / m) @ squares),
+            information(likelihood, theta), (1 / m) @ Uc, float((1 / m) @ squares),
             UU.sum(axis=0), Uc.sum(axis=0), float(squares.sum()),
         )  # fmt: skip
 
@@ -71,21 +72,15 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
     edges = np.linspace(first, last, blocks + 1).astype(int)
     found = []
     for a, b in pairwise(edges.tolist()):
-        held = _within(design.stretches, [(a, b)])
-        rest = _within(design.stretches, [(first, a), (b, last)])
-        if held and rest:
-            found.append(Fold(*(_products(design, part, theta, symbols) for part in (rest, held))))
+        parts = [_within(design.stretches, windows) for windows in ([(first, a), (b, last)], [(a, b)])]
+        if all(parts):
+            found.append(Fold(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
     return found
 
 
 def _within(stretches: Sequence[Stretch], windows: Sequence[Stretch]) -> list[Stretch]:
     cut = [(max(a, c), min(b, d)) for a, b in stretches for c, d in windows]
     return [(a, b) for a, b in cut if b - a >= SHORTEST]
-
-
-def _products(design: Design, stretches: Sequence[Stretch], theta: FloatArray, symbols: str) -> Products:
-    seen = restricted(design.y, design.X, stretches, rate=design.rate, symbols=symbols)
-    return Products.of(seen, theta)
 
 
 def choose(design: Design, folds: Sequence[Fold]) -> list[int]:

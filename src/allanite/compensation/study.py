@@ -2,18 +2,18 @@
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
-from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
-from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.prepare import inspect, trim
+from allanite.prepare.view import stretches
 from allanite.statistics import deviation
 from allanite.study.channels import (
     Inspected,
@@ -22,15 +22,15 @@ from allanite.study.channels import (
     each_channel,
     open_recording,
     provenance_of,
-)
+)  # fmt: skip
 from allanite.study.noise import Noise, noise_of
 from allanite.study.recipe import Recipe
 
 from .clocks import aligned
-from .compensated import Compensated, CompensationSettings, CompensationStudy
+from .compensated import Compensated, CompensationStudy
 from .fit import compensate
-from .prediction import gain_on
-from .regression import Regression, load
+from .regression import Regression, gain_on, load
+from .settings import CompensationSettings
 
 PathLike = str | os.PathLike[str]
 
@@ -82,17 +82,19 @@ def compensate_file(
     UsageError
         No regressor is named, or it is not in the file.
     """
-    settings, tell = settings or CompensationSettings(), progress or (lambda what, fraction: None)
-    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings)
+    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings or CompensationSettings())
     saved = {} if settings.use is None else {r.name: r for r in load(settings.use)}
     keys = _keys(settings, saved)
-    tell("reading", 0.0)
+    if progress is not None:
+        progress("reading", 0.0)
     here = _open(source, recipe, settings, keys)
 
     def regression_of(record: Record) -> Regression:
         return _saved(saved, record.name) if saved else _fitted(record, here, settings)
 
-    fitted = _each(here, regression_of, recipe, held=bool(saved), progress=progress)
+    fitted = _each(
+        here, regression_of, recipe, held=bool(saved), progress=_part(progress, 0, 1 if apply_to is None else 2)
+    )
     demand_result(here.signals.channels, fitted)
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
@@ -107,7 +109,7 @@ def _applied(
     """The study with what its regressions do to another file."""
     there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
-    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=progress)
+    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=_part(progress, 1, 2))
     findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.findings)
     return replace(
         study,
@@ -116,6 +118,11 @@ def _applied(
         notes=tuple(dict.fromkeys((*study.notes, *there.notes))),
         provenance=study.provenance | {"applied to": os.fspath(path), "sha256 applied to": there.signals.digest},
     )
+
+
+def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
+    """What tells the progress of one of several parts of the job."""
+    return progress and (lambda what, fraction: progress(what, (part + fraction) / parts))
 
 
 def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[Recipe, CompensationSettings]:
@@ -163,12 +170,10 @@ def _each(
 
     def look(record: Record) -> Quality:
         quality = inspect(record)
-        if not any(finding.fatal and finding.name == "moving" for finding in quality.findings):
-            return quality
-        try:
-            return inspect(regression_of(record).apply(record, source.along))
-        except DataError:  # what cannot be corrected stays refused, because it moves
-            return quality
+        if any(finding.fatal and finding.name == "moving" for finding in quality.findings):
+            with suppress(DataError):  # what cannot be corrected stays refused, because it moves
+                return inspect(regression_of(record).apply(record, source.along))
+        return quality
 
     def work(seen: Inspected) -> Compensated:
         regression = regression_of(seen.record)
@@ -179,24 +184,18 @@ def _each(
     def refused(seen: Inspected, why: str) -> Compensated:
         return Compensated(seen.record, refusal=why)
 
-    channels = [(record.name, (record,)) for record in source.signals]
     return each_channel(
-        channels, work, refused,
+        [(record.name, (record,)) for record in source.signals], work, refused,
         findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
     )  # fmt: skip
 
 
 def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
+    regressors, rate_of = ([source.named[key] for key in keys] for keys in (settings.regressors, settings.rate_of))
     return compensate(
-        record,
-        source.along,
-        [source.named[key] for key in settings.regressors],
-        degree=settings.degree,
-        lags=settings.lags,
-        rate_of=[source.named[key] for key in settings.rate_of],
-        trend=settings.trend,
-        settings=settings.fit,
-    )
+        record, source.along, regressors, degree=settings.degree, lags=settings.lags, rate_of=rate_of,
+        trend=settings.trend, settings=settings.fit,
+    )  # fmt: skip
 
 
 def _saved(there: Mapping[str, Regression], name: str) -> Regression:
@@ -206,28 +205,22 @@ def _saved(there: Mapping[str, Regression], name: str) -> Regression:
 
 
 def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
-    error = regression.rate_error(record, along)
     corrected = regression.apply(record, along)
-    before, after = (_longest(part, np.isfinite(error)) for part in (record, corrected))
+    there = np.isfinite(regression.rate_error(record, along))
+    before, after = (_longest(part, there) for part in (record, corrected))
     if before.size < SHORTEST:
         raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
     noise, alerts = _noise(before, recipe)
-
-    def curve(part: Record, model: Model) -> Curve:
-        return deviation(part, "oadev", taus="octave", noise=model)
-
-    curves = curve(before, noise.fit.model if noise else regression.noise), curve(after, regression.noise)
-    return Compensated(record, regression, corrected, error, *curves, noise, alerts=alerts)
+    curve = partial(deviation, statistic="oadev", taus="octave")
+    curves = curve(before, noise=noise.fit.model if noise else regression.noise), curve(after, noise=regression.noise)
+    return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
 
 
 def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:
     """The rates of the longest stretch without a loss, in SI."""
     rates = record.rate_values
-    padded = np.concatenate(([False], fine & np.isfinite(rates), [False]))
-    edges = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)
-    if not edges.size:
-        return Record(np.zeros(2), record.rate, record.signal.unit, name=record.name)
-    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()]
+    edges = stretches(fine & np.isfinite(rates))
+    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
     kept = rates[a:b] if b - a > 2 else np.zeros(2)
     return Record(kept, record.rate, record.signal.unit, name=record.name)
 

@@ -1,9 +1,11 @@
 """Which codes of a converter occur in a record."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from allanite.core.plain import Value
 
 FloatArray = NDArray[np.float64]
 
@@ -17,17 +19,13 @@ MOST = 1 << 24
 """Codes between the least and the largest up to which they are counted out."""
 
 
-@dataclass(frozen=True)
-class Codes:
+@dataclass(frozen=True, repr=False)
+class Codes(Value):
     """How many different codes occur, between how many there are, and how many are missing among frequent ones."""
 
     distinct: int
     span: int
     missing: int
-
-    def to_dict(self) -> dict[str, int]:
-        """Plain data."""
-        return asdict(self)
 
 
 def codes(readings: FloatArray) -> Codes | None:
@@ -36,7 +34,7 @@ def codes(readings: FloatArray) -> Codes | None:
     Examples
     --------
     >>> codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50) + 0.3)
-    Codes(distinct=4, span=5, missing=1)
+    <Codes distinct=4 span=5 missing=1>
     >>> codes(np.linspace(0.0, 3.0, 50)) is None
     True
     """

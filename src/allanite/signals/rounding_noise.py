@@ -9,24 +9,25 @@ from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.model import coefficient_factor
+from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
 from allanite.prepare.rounding import NO_DITHER, rounding
 from allanite.prepare.view import View
-from allanite.study.noise import Noise, noise_of
+from allanite.study.noise import ChannelResult, Noise, noise_of
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 from .codes import Codes, codes
 from .stage import Stage, demand_unclipped
-from .torque import TorqueScale, positive, rate_from_current
+from .torque import TorqueScale, electric, factor_of, gain_of, rate_from_current
 
 MATTERS = 0.01
 """Share of the measured noise's square below which a stage does not matter."""
 
 
-@dataclass(frozen=True)
-class StageNoise:
+@dataclass(frozen=True, repr=False)
+class StageNoise(Value):
     """What one stage adds.
 
     Attributes
@@ -50,6 +51,8 @@ class StageNoise:
     codes : Codes or None
         Readings on its grid; None if they lie on no grid of its step.
     """
+
+    _also = ("share", "shown")
 
     stage: Stage
     symbol: str
@@ -81,37 +84,21 @@ class StageNoise:
         """Data-sheet unit of the coefficient."""
         return self.signal.sheet[TERMS[self.symbol].power]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        shown = {name: self.to(getattr(self, name)) for name in ("coefficient", "measured", "limit")}
-        return {
-            "name": self.stage.name,
-            "bits": self.stage.bits,
-            "full_scale": self.stage.full_scale,
-            "unit": self.stage.unit,
-            "step": self.stage.step,
-            "makes": self.symbol,
-            "step_SI": self.step,
-            "coefficient": self.coefficient,
-            "measured": self.measured,
-            "limit": self.limit,
-            "share": self.share,
-            "bits_enough": self.enough,
-            "clipped": self.clipped,
-            "codes": None if self.codes is None else self.codes.to_dict(),
-            "shown": {**shown, "unit": self.sheet_unit},
-        }
+    @property
+    def shown(self) -> dict[str, Any]:
+        """The coefficients in their data-sheet unit."""
+        names = ("coefficient", "measured", "limit")
+        return {"unit": self.sheet_unit} | {name: self.to(getattr(self, name)) for name in names}
 
 
-@dataclass(frozen=True, eq=False)
-class Budget:
+@dataclass(frozen=True, eq=False, repr=False)
+class Budget(ChannelResult):
     """Noise of rounding beside the noise of a rate record; see `budget`.
 
     `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known
     beside them.
     """
 
-    record: Record
     noise: Noise
     stages: tuple[StageNoise, ...]
     findings: tuple[Finding, ...] = ()
@@ -125,37 +112,6 @@ class Budget:
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers."""
         return (*self.noise.doubts, *(str(finding) for finding in self.findings))
-
-    def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows, the coefficients in data-sheet units."""
-        headings = [
-            "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured", "coefficient_unit",
-            "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped",
-        ]  # fmt: skip
-        rows = []
-        for s in self.stages:
-            seen = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
-            share = None if s.share is None else 100 * s.share
-            rows.append([
-                s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
-                s.to(s.coefficient), s.to(s.measured), s.sheet_unit, share, s.enough, *seen, s.clipped,
-            ])  # fmt: skip
-        return headings, rows
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with data-sheet units under "shown"."""
-        return {
-            "allanite": 1,
-            "type": "Budget",
-            "name": self.record.name,
-            "rate": self.record.rate,
-            "size": self.record.size,
-            "history": list(self.record.history),
-            "stages": [s.to_dict() for s in self.stages],
-            "findings": [f.to_dict() for f in self.findings],
-            "fit": self.fit.to_dict(level),
-            "explained": self.noise.explained,
-        }
 
 
 def budget(
@@ -212,11 +168,10 @@ def budget(
         raise UsageError("name at least one stage, for example Stage('ADC', 12, 5.0, 'V') (--stage 'ADC 12 5V')")
     rate = _rate(record, stages[0], scale, sense)
     noise = noise_of(rate, recipe or Recipe())
-    clipped = [demand_unclipped(record, stage) for stage in stages]
-    rows = [
-        _noise(stage, rate, noise.fit, _per(stage, scale, sense), n) for stage, n in zip(stages, clipped, strict=True)
-    ]
-    return Budget(rate, noise, tuple(rows), tuple(f for row in rows for f in _findings(row, rate)))
+    counts = [demand_unclipped(record, stage) for stage in stages]
+    pers = [_per(stage, scale, sense) for stage in stages]
+    rows = tuple(_noise(rate, noise.fit, *row) for row in zip(stages, pers, counts, strict=True))
+    return Budget(rate, noise, rows, tuple(f for row in rows for f in _findings(row, rate)))
 
 
 def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense: float | None) -> Record:
@@ -232,27 +187,19 @@ def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense
 
 def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -> float:
     """SI rate (angle) per unit of the stage."""
-    unit = unit_of(stage.unit)
-    if unit.dimension in (unit_of("A").dimension, unit_of("V").dimension):
-        if scale is None:
-            raise UsageError(
-                f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale (scale=)"
-            )
-        factor = scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
-        if unit.dimension == unit_of("V").dimension:
-            if sense is None:
-                raise UsageError(f"the stage {stage.name!r} is in {stage.unit}: pass sense= (--sense) in V per A")
-            factor /= positive(sense, "sense gain", "V per A")
-        return factor * unit.factor
-    return unit.factor
+    factor = unit_of(stage.unit).factor
+    if not electric(stage.unit):
+        return factor
+    if scale is None:
+        raise UsageError(f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale (scale=)")
+    return factor_of(scale) / gain_of(stage.unit, sense) * factor
 
 
-def _noise(stage: Stage, rate: Record, fit: Fit, per: float, clipped: int) -> StageNoise:
+def _noise(rate: Record, fit: Fit, stage: Stage, per: float, clipped: int) -> StageNoise:
     symbol = "Q" if stage.rounds_angle else "N"
     step = stage.step * per
     coefficient = step / math.sqrt(12) * (1.0 if symbol == "Q" else math.sqrt(rate.interval))
-    there = {e.symbol: e for e in fit}
-    measured, limit = (there[symbol].value, there[symbol].upper) if symbol in there else (None, None)
+    measured, limit = next(((e.value, e.upper) for e in fit if e.symbol == symbol), (None, None))
     beside = measured if measured is not None else limit
     enough = None
     if beside:

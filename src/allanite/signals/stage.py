@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import convert, signal_with, unit_of
 
@@ -16,8 +17,8 @@ CLIPPED = 1e-3
 """Share of clipped readings above which no noise coefficient means anything."""
 
 
-@dataclass(frozen=True)
-class Stage:
+@dataclass(frozen=True, repr=False)
+class Stage(Value):
     """A converter or register of so many bits over -full_scale to +full_scale.
 
     What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white noise of the rate; or
@@ -37,6 +38,8 @@ class Stage:
     >>> str(Stage.parse("ADC 12 5V"))
     'ADC, 12 bits over +-5 V'
     """
+
+    _also = ("step",)
 
     name: str
     bits: int

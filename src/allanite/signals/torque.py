@@ -6,13 +6,15 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.plain import Value
 from allanite.core.record import Record
+from allanite.core.units import unit_of
 
 from .stage import Stage, demand_unclipped
 
 
-@dataclass(frozen=True)
-class TorqueScale:
+@dataclass(frozen=True, repr=False)
+class TorqueScale(Value):
     r"""Scale factor of a Lorentz-force torquer: the rate that a current means.
 
     The torque of the coils, k_L n B L l_m i, turns the angular momentum J_z Omega of the rotor at the rate w, so that
@@ -55,6 +57,8 @@ class TorqueScale:
     0.2
     """
 
+    _also = ("factor",)
+
     turns: float
     field: float
     span: float
@@ -65,10 +69,7 @@ class TorqueScale:
 
     def __post_init__(self) -> None:
         for constant in fields(self):
-            value = getattr(self, constant.name)
-            fine = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-            if not (fine and math.isfinite(value) and value > 0):
-                raise UsageError(f"the {constant.name} of a torquer is a positive number, not {value!r}")
+            positive(getattr(self, constant.name), f"{constant.name} of a torquer")
 
     @classmethod
     def parse(cls, text: str) -> "TorqueScale":
@@ -142,11 +143,9 @@ def rate_from_current(
     >>> rate.values.round(12).tolist(), rate.unit, rate.history
     ([0.0002, -0.0004, 0.0001], 'rad/s', ('rate from current: 0.2 rad/s per A',))
     """
-    factor = scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
+    factor = factor_of(scale)
     per_unit, said = _ampere(record, sense, stage)
-    clipped = 0
-    if stage is not None:
-        clipped = demand_unclipped(record, stage)
+    clipped = 0 if stage is None else demand_unclipped(record, stage)
     words = f"rate from {said}: {factor:.6g} rad/s per A" + (f", {clipped} readings clipped" if clipped else "")
     readings = record.values if record.kind == "count" else np.asarray(record.values, dtype=np.float64)
     worth = 1.0 if record.scale is None else record.scale
@@ -158,36 +157,41 @@ def rate_from_current(
 
 def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
     """A per unit of the readings, and where that is known from."""
-    from allanite.core.units import unit_of
-
-    own = unit_of(record.unit).factor
-    if record.signal.name == "current":
-        return own, "current"
+    if record.signal.name in ("current", "voltage"):
+        per = unit_of(record.unit).factor / gain_of(record.unit, sense)
+        return per, "current" if record.signal.name == "current" else f"voltage at {sense:g} V per A"
     if record.signal.name == "dimensionless" and stage is not None:
-        unit = unit_of(stage.unit)
-        volts = unit.dimension == unit_of("V").dimension
-        if not volts and unit.dimension != unit_of("A").dimension:
+        if not electric(stage.unit):
             raise UsageError(f"codes become a current by a full scale in A or V, not in {stage.unit}")
-        size = stage.step * unit.factor
-        return (size / _sense(sense) if volts else size), f"codes of {stage}"
-    if record.signal.name == "voltage":
-        return own / _sense(sense), f"voltage at {sense:g} V per A"
+        return stage.step * unit_of(stage.unit).factor / gain_of(stage.unit, sense), f"codes of {stage}"
     raise UsageError(
         f"{record.name!r} is in {record.unit!r}: a rate is made of a current (A), of a voltage (V) with the gain of "
         "its sensor in V per A, or of codes (unit '1') with the bits and full scale of their converter"
     )
 
 
-def _sense(sense: float | None) -> float:
+def electric(unit: str) -> bool:
+    """Whether a unit is that of a current or a voltage."""
+    return unit_of(unit).dimension in (unit_of("A").dimension, unit_of("V").dimension)
+
+
+def gain_of(unit: str, sense: float | None) -> float:
+    """V per A of the sensor where the unit is that of a voltage; 1 for a current."""
+    if unit_of(unit).dimension != unit_of("V").dimension:
+        return 1.0
     if sense is None:
         raise UsageError("a voltage becomes a current by its sensor's gain: pass sense=0.5 (--sense 0.5) in V per A")
     return positive(sense, "sense gain", "V per A")
 
 
-def positive(value: float, what: str, unit: str) -> float:
+def factor_of(scale: TorqueScale | float) -> float:
+    """Rate of a current, rad/s per A."""
+    return scale.factor if isinstance(scale, TorqueScale) else positive(scale, "scale", "rad/s per A")
+
+
+def positive(value: float, what: str, unit: str = "") -> float:
     """`value`, once it is found to be a positive number."""
-    if isinstance(value, bool) or not (
-        isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0
-    ):
-        raise UsageError(f"the {what} is a positive number of {unit}, not {value!r}")
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not (number and math.isfinite(value) and value > 0):
+        raise UsageError(f"the {what} is a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
     return float(value)

@@ -155,7 +155,7 @@ def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ())
     source : Recording, Record or path
         A path is read with the recipe's options.
     along : sequence of str
-        Other columns of the file that are read too, as the last channels.
+        Other columns of the file that are read too, as the last channels; their outliers are not marked.
 
     Raises
     ------
@@ -168,7 +168,8 @@ def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ())
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":
         return part
-    return replace(part, records=tuple(mark_outliers(record) for record in part))
+    own = part.records[: len(part.records) - len(along)]
+    return replace(part, records=(*map(mark_outliers, own), *part.records[len(own) :]))
 
 
 def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:

@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
+from allanite.core.encoding import plain, read, write
 from allanite.core.fit import Fit
 from allanite.core.limits import Stored
-from allanite.core.plain import Portable
-from allanite.core.record import Record
+from allanite.core.plain import Portable, Value, stored_fields
+from allanite.core.record import Header, Record, header_dict, header_from
 from allanite.core.residuals import Residuals
 from allanite.identification import METHODS, identify
 from allanite.identification.checks.residuals import residuals
@@ -118,3 +119,31 @@ def noise_from(data: dict[str, Any]) -> Noise | None:
         return None
     left = data["residuals"]
     return Noise(Fit.from_dict(data["fit"]), None if left is None else Stored(Residuals.from_dict(left)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelResult(Value):
+    """What a job gives for one channel, after its `record`; a child adds its fields.
+
+    Stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
+    """
+
+    record: Record | Header
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        data = header_dict(self.record, type(self).__name__)
+        for name, hint in stored_fields(type(self))[1:]:
+            value = getattr(self, name)
+            data |= noise_dict(value, level) if name == "noise" else {name: write(value, hint, level)}
+        return data | {name: plain(getattr(self, name), level) for name in self._also}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """What `to_dict` has written."""
+        own = {name: hint for name, hint in stored_fields(cls) if name != "record"}
+        values = {n: noise_from(data) if n == "noise" else read(data[n], hint) for n, hint in own.items()}
+        return cls(header_from(data), **values)
+
+    def _summary(self) -> str:
+        return ": ".join(filter(None, (repr(self.record.name), getattr(self, "refusal", ""))))

@@ -10,10 +10,11 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.compensation.compensated import CompensationSettings
+from allanite.compensation.settings import CompensationSettings, FitSettings
 from allanite.reporting import table
 from allanite.reporting.sheet import toml
 from allanite.signals.study import PathSettings
+from allanite.study.channels import open_recording
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 STAGE = "ADC 12 5V"
@@ -69,8 +70,8 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     assert "could be expected" in done.stdout
     assert done.stdout.splitlines()[-1] == f"corrected: {paths['corrected']}"
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    assert [r["name"] for r in data["regressions"]] == ["gx"]
-    effect = data["regressions"][0]["effects"][0]
+    assert [c["regression"]["name"] for c in data["channels"]] == ["gx"]
+    effect = data["channels"][0]["regression"]["effects"][0]
     assert effect["low"] < np.radians(20 / 3600) < effect["high"]
     assert data["channels"][0]["explained"] is False
     assert any("no model" in alert for alert in data["channels"][0]["alerts"])
@@ -147,10 +148,32 @@ def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
     np.savetxt(beside, rows, delimiter=",", fmt="%.9g", header="time [s],temp [degC]", comments="")
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--from", 300, "--until", 2100)
     effects = [
-        json.loads(run(*asked, *more, "--json", "-").stdout)["regressions"][0]["effects"]
+        json.loads(run(*asked, *more, "--json", "-").stdout)["channels"][0]["regression"]["effects"]
         for more in ((), ("--beside", beside))
     ]
     assert effects[0] == effects[1]
+
+
+def test_outliers_of_regressors_are_not_marked(days, tmp_path):
+    rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 1, 3]]
+    rows[500, 1] += 1e6
+    rows[700, 2] += 500
+    path = tmp_path / "spikes.csv"
+    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],temp [degC]", comments="")
+    both = open_recording(path, al.Recipe(outliers="mark"), along=("temp",))
+    assert np.flatnonzero(np.isnan(both["gx"].values)).tolist() == [500]
+    assert np.isfinite(both["temp"].values).all()
+
+
+def test_progress_of_a_correction_of_another_file_ends_once(days):
+    told = []
+    settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
+    al.compensate_file(
+        days[0], al.Recipe(channels=("gx",)), settings, apply_to=days[1],
+        progress=lambda what, fraction: told.append(fraction),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert (told[0], told[-1], told.count(1.0)) == (0.0, 1.0, 1)
 
 
 def test_a_channel_that_does_not_follow_is_said_to(days):

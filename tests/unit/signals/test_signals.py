@@ -1,5 +1,7 @@
 """From a torquer's current to a rate, and what rounding adds to its noise."""
 
+import csv
+import io
 import math
 from dataclasses import replace
 
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 import allanite as al
 from allanite.core.units import convert
+from allanite.reporting import to_csv
 from allanite.signals import TorqueScale, rate_from_current
 from allanite.signals.codes import Codes, codes
 
@@ -151,9 +154,9 @@ def test_a_path_of_several_stages_from_the_current_on():
     assert second.to(second.coefficient) == pytest.approx(coefficient(stages[1]), rel=1e-9)
     assert first.codes.distinct > 500
     assert second.codes is None
-    headings, rows = found.rows()
-    assert len(headings) == len(rows[0]) == len(rows[1])
-    assert [s["makes"] for s in found.to_dict()["stages"]] == ["N", "N"]
+    headings, *rows = csv.reader(io.StringIO(to_csv(found)))
+    assert [len(row) for row in rows] == 2 * [len(headings)]
+    assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
     with pytest.raises(al.UsageError, match="say what rate it means"):
         al.budget(recorded, stages)
     with pytest.raises(al.UsageError, match="at least one stage"):

@@ -55,15 +55,17 @@ def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) ->
 def _draw_rates(ax: Axes, channel: Compensated) -> None:
     unit = channel.record.signal.sheet[0]
     factor = unit_of(unit).factor
-    assert channel.error is not None  # noqa: S101 - only what was corrected is drawn
-    y, error = channel.record.rate_values / factor, channel.error / factor
-    bias = float(np.nanmean(y - error))
+    if channel.rates is None:  # read from what was stored, without readings
+        ax.set_axis_off()
+        return
+    y, left = (rate / factor for rate in channel.rates)
+    bias = float(np.nanmean(left))
     m = max(1, y.size // POINTS)
     t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
     style.grid(ax)
     ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label="before")
-    ax.plot(t, _means(y - bias - error, m), color=AFTER, lw=0.9, label="after")
-    ax.plot(t, _means(error, m), color=TAKEN, lw=1.5, label="what is taken off")
+    ax.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label="after")
+    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label="what is taken off")
     means = f", means of {m / channel.record.rate:.3g} s" if m > 1 else ""
     ax.set(xlabel="time (min)", ylabel=f"rate less the bias ({printed_unit(unit)}){means}")
     ax.legend(loc="best")

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.fit import Fit
-from allanite.core.record import Record
+from allanite.core.record import Header, Record
 from allanite.reporting import words
 from allanite.reporting.sheet import (
     Column,
@@ -19,7 +18,7 @@ from allanite.reporting.sheet import (
     printable,
     printed_unit,
     toml,
-)
+)  # fmt: skip
 from allanite.signals import Budget, StageNoise, TorqueScale
 from allanite.signals.study import BudgetChannel, BudgetStudy
 
@@ -46,6 +45,12 @@ COLUMNS = (
     Column("stage", "name"), Column("bits"), Column("full scale", aside=True), Column("step", aside=True),
     Column("makes", "symbol"), Column("adds"), Column("measured"), Column("unit", "unit"), Column("share"),
     Column("bits enough"), Column("codes", aside=True), Column("missing", aside=True), Column("clipped", aside=True),
+)  # fmt: skip
+
+
+HEADINGS = (
+    "channel", "stage", "bits", "full_scale", "step", "unit", "makes", "coefficient", "measured", "coefficient_unit",
+    "share_percent", "bits_enough", "distinct_codes", "missing_codes", "clipped",
 )  # fmt: skip
 
 
@@ -92,7 +97,7 @@ def _scale(scale: TorqueScale | float | None) -> list[str]:
 
 
 def _face(study: BudgetStudy, level: float) -> Face:
-    notes = (*_scale(study.settings.scale), *study.notes)
+    notes = (*_scale(study.settings.torquer), *study.notes)
     return Face(
         f"Rounding in {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
         BRAND,
@@ -114,7 +119,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     return Sheet(name, (words.about(channel.record),), (Note(refusal, "alert"),), (f"{name}: {refusal}",), doubt=True)
 
 
-def _budget_sheet(budget: Budget, record: Record, alerts: Sequence[str]) -> Sheet:
+def _budget_sheet(budget: Budget, record: Record | Header, alerts: Sequence[str]) -> Sheet:
     parts: tuple[Part, ...] = (
         *(Note(alert, "alert") for alert in alerts),
         *(Note(sentence(s), where="text") for s in budget.stages),
@@ -131,13 +136,22 @@ def _draw(budgets: Sequence[Budget]) -> "Figure":
     return plot_budgets(budgets)
 
 
-def _plot(values: Sequence[BudgetStudy], fit: Fit | None, level: float) -> "Figure":
-    return _draw([channel.budget for study in values for channel in study.channels if channel.budget is not None])
+def _found(study: BudgetStudy) -> list[Budget]:
+    return [channel.budget for channel in study.channels if channel.budget is not None]
 
 
-def _rows(study: BudgetStudy, level: float) -> Rows:
-    found = [channel.budget for channel in study.channels if channel.budget is not None]
-    return ("channel", *found[0].rows()[0]), [[b.record.name, *row] for b in found for row in b.rows()[1]]
+def _rows(budgets: Sequence[Budget]) -> Rows:
+    """The coefficients in data-sheet units."""
+    return HEADINGS, [[budget.record.name, *_numbers(s)] for budget in budgets for s in budget.stages]
+
+
+def _numbers(s: StageNoise) -> list[Any]:
+    seen = (None, None) if s.codes is None else (s.codes.distinct, s.codes.missing)
+    return [
+        s.stage.name, s.stage.bits, s.stage.full_scale, s.stage.step, s.stage.unit, s.symbol,
+        s.to(s.coefficient), s.to(s.measured), s.sheet_unit, None if s.share is None else 100 * s.share, s.enough,
+        *seen, s.clipped,
+    ]  # fmt: skip
 
 
 def _budget_face(budget: Budget, level: float) -> Face:
@@ -145,13 +159,9 @@ def _budget_face(budget: Budget, level: float) -> Face:
     return Face(f"Rounding in {budget.record.name or 'a record'}", BRAND, (sheet,))
 
 
-def _plot_budgets(values: Sequence[Budget], fit: Fit | None, level: float) -> "Figure":
-    return _draw(values)
-
-
-def _budget_rows(budget: Budget, level: float) -> tuple[Sequence[str], list[list[Any]]]:
-    return budget.rows()
-
-
-STUDY = View(_face, _plot, _rows)
-BUDGET = View(_budget_face, _plot_budgets, _budget_rows)
+STUDY = View(
+    _face,
+    lambda values, fit, level: _draw([budget for study in values for budget in _found(study)]),
+    lambda study, level: _rows(_found(study)),
+)
+BUDGET = View(_budget_face, lambda values, fit, level: _draw(values), lambda budget, level: _rows([budget]))

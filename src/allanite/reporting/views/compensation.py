@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.compensation.compensated import Compensated, CompensationStudy
 from allanite.compensation.gain import Gain
-from allanite.compensation.regression import Effect, Regression
+from allanite.compensation.regression import Regression
+from allanite.compensation.regressor import Effect
 from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.reporting import words
@@ -25,7 +26,7 @@ from allanite.reporting.sheet import (
     printed_number,
     printed_unit,
     toml,
-)
+)  # fmt: skip
 
 from . import Rows, View
 
@@ -74,27 +75,17 @@ def _cells(e: Effect, unit: str) -> list[str]:
     scale = 1 / unit_of(unit).factor
     value, interval = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
     error = digits(e.standard_error * scale, figures=2).plain()[0]
+    p = "< 0.0001" if e.p < 1e-4 else f"{e.p:.2g}"
     per = "" if e.regressor.column_unit == "1" else f" per {e.regressor.column_unit}"
     return [
-        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", probability(e.p),
+        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", p,
         f"{e.inflation:.3g}",
     ]  # fmt: skip
 
 
 def _status(effect: Effect) -> str:
     parts = ("found" if effect.significant else "not shown", "chosen" * effect.chosen)
-    return ", ".join(filter(None, (*parts, "not taken off" * effect.regressor.is_trend)))
-
-
-def probability(p: float) -> str:
-    """A p value.
-
-    Examples
-    --------
-    >>> probability(0.0213), probability(1e-9)
-    ('0.021', '< 0.0001')
-    """
-    return "< 0.0001" if p < 1e-4 else f"{p:.2g}"
+    return ", ".join(filter(None, (*parts, "not taken off" * (not effect.taken_off))))
 
 
 def _beside(regression: Regression) -> str:
@@ -113,37 +104,29 @@ def verdict(channel: Compensated) -> str:
 
 
 def _found(name: str, regression: Regression) -> str:
-    own = [e for e in regression if not e.regressor.is_trend]
+    own = [e for e in regression if e.taken_off]
     if not regression.significant:
-        return f"{name} shows no dependence on {_names(own)}: the correction would take off noise only."
+        labels = ", ".join(e.label for e in own)
+        return f"{name} shows no dependence on {labels}: the correction would take off noise only."
     gain, held = regression.inside, regression.held
     # by chance the sum of squares falls a little even where nothing is found
     also = f"{_share(gain.expected, gain)} expected by chance"
-    also += "" if held is None else f"; {_percent(held)} in cross-validation"
-    said = f"{name} depends on {_names([e for e in own if e.significant])}. The correction reduces the variance by "
-    said += f"{_percent(gain)} ({also})."
-    rest = [e for e in own if not (e.chosen or e.significant)]
-    said += f" Leave out {_names(rest)}: no dependence on it is shown." if rest else ""
+    also += "" if held is None else f"; {100 * held.explained:.3g} % in cross-validation"
+    shown = ", ".join(e.label for e in own if e.significant)
+    said = f"{name} depends on {shown}. The correction reduces the variance by {100 * gain.explained:.3g} % ({also})."
+    rest = ", ".join(e.label for e in own if not (e.chosen or e.significant))
+    said += f" Leave out {rest}: no dependence on it is shown." if rest else ""
     return said + (" In cross-validation it does harm: do not use it." if held and held.explained < 0 else "")
 
 
 def _elsewhere(name: str, gain: Gain) -> str:
-    did = f"reduces the variance of {name} by {_percent(gain)}"
-    if gain.explained < 0:
-        did = f"increases the variance of {name} by {100 * -gain.explained:.3g} %"
+    does = "increases" if gain.explained < 0 else "reduces"
+    did = f"{does} the variance of {name} by {100 * abs(gain.explained):.3g} %"
     if gain.low is None or gain.high is None:
         return f"The correction {did}."
     low, high = (_share(v, gain) for v in (gain.low, gain.high))
     met = "" if gain.met else ", and it does not: the dependence is another one here"
     return f"The correction {did}; {_share(gain.expected, gain)} ({low} .. {high}) could be expected{met}."
-
-
-def _names(effects: Sequence[Effect]) -> str:
-    return ", ".join(e.label for e in effects)
-
-
-def _percent(gain: Gain) -> str:
-    return f"{100 * gain.explained:.3g} %"
 
 
 def _share(part: float, gain: Gain) -> str:
@@ -210,7 +193,8 @@ def _curves(channel: Compensated, level: float) -> Table:
         before, after = numbers[:3], numbers[3:]
         cells = [*digits(*before).plain(), *digits(*after).plain()]
         ratio = after[0] / before[0] if before[0] > 0 else math.nan
-        rows.append([f"{tau:.6g}", *cells, _finite(ratio, ".3f"), _finite(edf, ".3g")])
+        known = [f"{v:{form}}" if math.isfinite(v) else "" for v, form in ((ratio, ".3f"), (edf, ".3g"))]
+        rows.append([f"{tau:.6g}", *cells, *known])
     heads = (
         Column("tau [s]"), Column("before"), Column("limits before", "interval", aside=True), Column("after"),
         Column("limits after", "interval", aside=True), Column("after / before"), Column("edf after"),
@@ -218,10 +202,6 @@ def _curves(channel: Compensated, level: float) -> Table:
     unit = channel.record.signal.sheet[0]
     title = f"overlapping Allan deviation in {unit}, with {words.percent(level)} limits"
     return Table(heads, rows, title, details=True)
-
-
-def _finite(value: float, form: str) -> str:
-    return f"{value:{form}}" if math.isfinite(value) else ""
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> "Figure":
@@ -252,10 +232,6 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
         yield [channel.record.name, of, tau, int(before.m[i]), *values, unit, float(before.edf[i]), float(after.edf[i])]
 
 
-def _channel_face(channel: Compensated, level: float) -> Face:
-    return Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),))
-
-
 def _regression_face(regression: Regression, level: float) -> Face:
     sheet = Sheet(regression.name, parts=tuple(_regression_parts(regression, level)))
     said = _found(printable(regression.name) or "the channel", regression)
@@ -263,5 +239,8 @@ def _regression_face(regression: Regression, level: float) -> Face:
 
 
 STUDY = View(_face, _plot, _rows)
-CHANNEL = View(_channel_face, lambda values, fit, level: _draw(values, level))
+CHANNEL = View(
+    lambda channel, level: Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),)),
+    lambda values, fit, level: _draw(values, level),
+)
 REGRESSION = View(_regression_face)
