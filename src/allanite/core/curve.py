@@ -74,7 +74,7 @@ class Curve(Value):
     @property
     def edf(self) -> FloatArray:
         """Equivalent degrees of freedom of each variance under `noise`."""
-        return self._limits(0.95)[0]
+        return self._limits(getattr(self.law, "level", None) or 0.95)[0]  # the same at every level
 
     def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Two-sided confidence limits (low, high) of the deviation under `noise`.

@@ -84,7 +84,6 @@ TYPES: dict[str, str] = {
     "Survey": "study.survey",
     "Sway": "angle.sway",
     "Term": "core.model",
-    "TermCheck": "planning.selfcheck",
     "TermCheck": "planning.termcheck",
     "TorqueScale": "signals.torque",
     "Windows": "study.survey",
