@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import allanite as al
-from allanite.kernels.allan import second
+from allanite.kernels.allan import overlapped
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
 from speed import INCORE, one_difference
@@ -215,7 +215,11 @@ def errors(size: int = 1_000_000) -> list[tuple[str, float, float]]:
         some = np.unique(np.geomspace(1, k.size, 30).astype(int)) - 1
         theo = al.STATISTICS["theo1"].sums(part, k)[some]
         rows.append(
-            (name, float(np.abs(every / second(x, m) - 1).max()), float(np.abs(theo / theo1(part, k[some]) - 1).max()))
+            (
+                name,
+                float(np.abs(every / overlapped(x, m, 2) - 1).max()),
+                float(np.abs(theo / theo1(part, k[some]) - 1).max()),
+            )
         )
     return rows
 

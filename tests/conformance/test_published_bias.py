@@ -9,7 +9,7 @@ from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES
 
 import allanite as al
-from allanite.statistics.confidence.published import published_bias
+from allanite.statistics.confidence.bias import published_bias
 
 PAGE = Page((ROOT / "docs" / "published_formulas.md").read_text(encoding="utf-8"))
 SIZE = 256

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.simulation.gimbal import readout_noise
+from allanite.simulation.record import readout_noise
 
 from .design import NUISANCES
 from .geometry import ANGLES, Gimbals

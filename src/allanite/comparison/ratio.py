@@ -17,12 +17,12 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
 from allanite.core.record import Record
-from allanite.statistics.angle import integrated
 from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
-from allanite.statistics.confidence.limits import Points, mixtures
+from allanite.statistics.confidence.limits import mixtures
+from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import GRIDS
 from allanite.statistics.row import FloatArray, IntArray
-from allanite.statistics.table import statistic_named
+from allanite.statistics.table import Points, statistic_named
 
 ALIKE = 0.005
 """Relative difference up to which two averaging times count as the same."""

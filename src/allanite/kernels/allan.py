@@ -2,10 +2,6 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # the sum may be reordered (SIMD); NaN and infinity keep their meaning
 FAST = {"reassoc", "nsz", "contract"}
@@ -30,28 +26,22 @@ def integrate(values, constant):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def first_squares(a, b):  # type: ignore[no-untyped-def]
-    """Sum of (b - a)^2."""
+def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
+    """Sum over i = start .. stop - 1 of the squared difference of order 1, 2 or 3 of x[i], x[i+m], x[i+2m], x[i+3m]."""
+    a, b = x[start:stop], x[start + m : stop + m]
     total = 0.0
-    for i in range(a.size):
-        total += (b[i] - a[i]) * (b[i] - a[i])
-    return total
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def second_squares(a, b, c):  # type: ignore[no-untyped-def]
-    """Sum of (c - 2 b + a)^2."""
-    total = 0.0
-    for i in range(a.size):
-        difference = (c[i] - b[i]) - (b[i] - a[i])
-        total += difference * difference
-    return total
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def third_squares(a, b, c, d):  # type: ignore[no-untyped-def]
-    """Sum of (d - 3 c + 3 b - a)^2."""
-    total = 0.0
+    if order == 1:
+        for i in range(a.size):
+            difference = b[i] - a[i]
+            total += difference * difference
+        return total
+    c = x[start + 2 * m : stop + 2 * m]
+    if order == 2:
+        for i in range(a.size):
+            difference = (c[i] - b[i]) - (b[i] - a[i])
+            total += difference * difference
+        return total
+    d = x[start + 3 * m : stop + 3 * m]
     for i in range(a.size):
         difference = (d[i] - a[i]) - 3.0 * (c[i] - b[i])
         total += difference * difference
@@ -59,66 +49,35 @@ def third_squares(a, b, c, d):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def first(x, m):  # type: ignore[no-untyped-def]
-    """Sum over i of (x[i+m] - x[i])^2 for every m[j], shape of m."""
-    sums = np.zeros(m.size)
-    for j in range(m.size):
-        if m[j] < x.size:
-            sums[j] = first_squares(x[: x.size - m[j]], x[m[j] :])
-    return sums
-
-
-@njit(cache=True, nogil=True)
-def second(x, m):  # type: ignore[no-untyped-def]
-    """Sum over i of (x[i+2m] - 2 x[i+m] + x[i])^2 for every m[j], shape of m; all in one pass over x."""
+def overlapped(x, m, order):  # type: ignore[no-untyped-def]
+    """Sum of the squared differences at every i for every m[j], shape of m; all in one pass over x."""
     sums = np.zeros(m.size)
     for start in range(0, x.size, BLOCK):
         for j in range(m.size):
-            k = m[j]
-            stop = min(start + BLOCK, x.size - 2 * k)
+            stop = min(start + BLOCK, x.size - order * m[j])
             if stop > start:
-                sums[j] += second_squares(x[start:stop], x[start + k : stop + k], x[start + 2 * k : stop + 2 * k])
+                sums[j] += squares(x, m[j], order, start, stop)
     return sums
 
 
 @njit(cache=True, nogil=True)
-def third(x, m):  # type: ignore[no-untyped-def]
-    """Sum over i of (x[i+3m] - 3 x[i+2m] + 3 x[i+m] - x[i])^2 for every m[j], shape of m; all in one pass over x."""
-    sums = np.zeros(m.size)
-    for start in range(0, x.size, BLOCK):
-        for j in range(m.size):
-            k = m[j]
-            stop = min(start + BLOCK, x.size - 3 * k)
-            if stop > start:
-                sums[j] += third_squares(
-                    x[start:stop],
-                    x[start + k : stop + k],
-                    x[start + 2 * k : stop + 2 * k],
-                    x[start + 3 * k : stop + 3 * k],
-                )
-    return sums
-
-
-@njit(cache=True, nogil=True)
-def strided_second(x, m):  # type: ignore[no-untyped-def]
-    """Sum over j of (x[(j+2)m] - 2 x[(j+1)m] + x[jm])^2 for every m, shape of m."""
+def strided(x, m, order):  # type: ignore[no-untyped-def]
+    """Sum of the squared differences at every m[j]-th i, shape of m."""
     sums = np.zeros(m.size)
     for k in range(m.size):
         points = x[:: m[k]].copy()
-        if points.size > 2:
-            sums[k] = second_squares(points[:-2], points[1:-1], points[2:])
+        if points.size > order:
+            sums[k] = squares(points, 1, order, 0, points.size - order)
     return sums
 
 
-@njit(cache=True, nogil=True)
-def strided_third(x, m):  # type: ignore[no-untyped-def]
-    """Sum over j of (x[(j+3)m] - 3 x[(j+2)m] + 3 x[(j+1)m] - x[jm])^2 for every m, shape of m."""
-    sums = np.zeros(m.size)
-    for k in range(m.size):
-        points = x[:: m[k]].copy()
-        if points.size > 3:
-            sums[k] = third_squares(points[:-3], points[1:-2], points[2:-1], points[3:])
-    return sums
+@njit(cache=True, nogil=True, fastmath=FAST)
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """Sum of a b, over the length of a."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)

@@ -3,24 +3,7 @@
 import numpy as np
 from numba import njit
 
-_FAST = {"reassoc", "nsz", "contract"}
-
-
-@njit(cache=True, nogil=True, fastmath=_FAST)
-def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
-    """Sum over i in start ... stop - 1 of the squared second or third difference x[i], x[i+m], x[i+2m] (, x[i+3m])."""
-    a, b, c = x[start:stop], x[start + m : stop + m], x[start + 2 * m : stop + 2 * m]
-    total = 0.0
-    if order == 2:
-        for i in range(a.size):
-            difference = (c[i] - b[i]) - (b[i] - a[i])
-            total += difference * difference
-    else:
-        d = x[start + 3 * m : stop + 3 * m]
-        for i in range(a.size):
-            difference = (d[i] - a[i]) - 3 * (c[i] - b[i])
-            total += difference * difference
-    return total
+from .allan import squares
 
 
 @njit(cache=True, nogil=True)

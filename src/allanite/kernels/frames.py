@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from .allan import FAST
+from .allan import FAST, dot
 from .summed import running_sum
 
 STRETCH = 1024
@@ -107,14 +107,6 @@ def running_squares(z):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _dot(a, b):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
-
-
 @njit(cache=True, nogil=True)
 def add_leaves(out, e, sign, steps, leaf):  # type: ignore[no-untyped-def]
     """out[m] += sign times the sum of e[i] e[i + d m + offset] over a m0 <= i < a m, steps = a, d, offset.
@@ -125,4 +117,4 @@ def add_leaves(out, e, sign, steps, leaf):  # type: ignore[no-untyped-def]
     for m0 in range(0, out.size, leaf):
         for m in range(m0 + 1, min(m0 + leaf, out.size)):
             far = d * m + offset
-            out[m] += sign * _dot(e[a * m0 : a * m], e[a * m0 + far : a * m + far])
+            out[m] += sign * dot(e[a * m0 : a * m], e[a * m0 + far : a * m + far])

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from .allan import FAST, third_squares
+from .allan import FAST, squares
 from .summed import running_sum
 
 
@@ -47,14 +47,14 @@ def one_by_one(x, m):  # type: ignore[no-untyped-def]
             rest = w.size - (reach + 3 * m + 1)
             at = top - (n + 3 * m - 1)
             _mirrored(w[reach + 3 * m + 1 :], backward[at : at + rest], 3 * m - 1, line, m)
-            squares = third_squares(w[:places], w[m : m + places], w[2 * m : 2 * m + places], w[3 * m :])
+            half_round = squares(w, m, 3, 0, places)
             if odd:
-                total += 2.0 * squares
+                total += 2.0 * half_round
             else:
                 ends = (w[3 * m] - w[0]) - 3.0 * (w[2 * m] - w[m])
                 last = places - 1
                 far = (w[last + 3 * m] - w[last]) - 3.0 * (w[last + 2 * m] - w[last + m])
-                total += 2.0 * squares - ends * ends - far * far
+                total += 2.0 * half_round - ends * ends - far * far
     return total / (6.0 * m) / (float(m) * m)
 
 

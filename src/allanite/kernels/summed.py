@@ -6,7 +6,7 @@ A running sum of the whole record would lose (record / window)^1.5 to ^2.5 digit
 import numpy as np
 from numba import njit
 
-from .allan import BLOCK, FAST, third_squares
+from .allan import BLOCK, FAST, squares
 
 REACH = 8
 """Averaging factors that share a segment differ by less than this factor."""
@@ -74,9 +74,7 @@ def modified(x, m):  # type: ignore[no-untyped-def]
                     k = m[j]
                     stop = min(t + BLOCK, length, x.size + 1 - 3 * k - start)
                     if stop > t:
-                        sums[j] += third_squares(
-                            S[t:stop], S[t + k : stop + k], S[t + 2 * k : stop + 2 * k], S[t + 3 * k : stop + 3 * k]
-                        )
+                        sums[j] += squares(S, k, 3, t, stop)
         first = after
     return sums
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from .allan import FAST
+from .allan import FAST, dot
 
 _BLOCK = 2048
 
@@ -63,14 +63,6 @@ def _add_mirrored(D, e, f, weights):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _weighed(weights, values):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for i in range(weights.size):
-        total += weights[i] * values[i]
-    return total
-
-
 @njit(cache=True, nogil=True)
 def every_theo1(A, D, edges, signs):  # type: ignore[no-untyped-def]
     """Sum over v of (A_m[v] + A_m[m-v]) / v and of D_m[k-v] / v, v = 1 .. k = m/2, for all m = 2, 4 ...: two arrays.
@@ -98,5 +90,5 @@ def every_theo1(A, D, edges, signs):  # type: ignore[no-untyped-def]
             # beside the new centre, with its sign in the points on the left
             left, right = (signed[b, end - k :], signed[b + 1, end - k :]), (e[k - 1 : m - 1], f[k - 1 : m - 1])
             second[k] = _add_mirrored(D[:k], (left[0], right[0]), (left[1], right[1]), falling[most - k :])
-        first[k] = _weighed(weights[:k], A[1 : k + 1]) + _weighed(falling[most - k :], A[k:m])
+        first[k] = dot(weights[:k], A[1 : k + 1]) + dot(falling[most - k :], A[k:m])
     return first, second

@@ -18,7 +18,7 @@ that of a frame of a few windows, less a parabola, which V does not hold: little
 import numpy as np
 from numba import njit
 
-from .allan import FAST
+from .allan import FAST, dot
 from .frames import cut
 from .reflected import one_by_one
 
@@ -99,18 +99,10 @@ def _mirrored(P, sums, place, count):  # type: ignore[no-untyped-def]
     s, w = place
     end = backward.size
     # the partners u' run from the larger of u - w and 2 s + w - u to the smaller of u + w and 2 (s + count - 1) + w - u
-    total = _dot(P[s : s + count], every[s + w + 2 : s + w + 2 + count])
-    total += _dot(P[s + count : s + count + w], backward[end - 1 - (s + w + count) : end - (s + count + 1)])
-    total -= _dot(P[s : s + w], backward[end - 1 - (s + w) : end - (s + 1)])
-    return total - _dot(P[s + w : s + w + count], every[s : s + count])
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _dot(a, b):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
+    total = dot(P[s : s + count], every[s + w + 2 : s + w + 2 + count])
+    total += dot(P[s + count : s + count + w], backward[end - 1 - (s + w + count) : end - (s + count + 1)])
+    total -= dot(P[s : s + w], backward[end - 1 - (s + w) : end - (s + 1)])
+    return total - dot(P[s + w : s + w + count], every[s : s + count])
 
 
 @njit(cache=True, nogil=True)

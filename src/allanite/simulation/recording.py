@@ -10,18 +10,9 @@ from allanite.core.record import Header, Recording
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Value):
-    """The truth of a simulated recording.
+    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of readings.
 
-    Attributes
-    ----------
-    model : Model
-        The noise of every channel.
-    seed : int
-        Of the random numbers.
-    rate, size : float, int
-        Sampling rate, Hz, and number of readings.
-    channels : tuple of Header
-        What the channels hold; their histories say which faults were put in.
+    `channels` are what the channels hold; their histories say which faults were put in.
     """
 
     model: Model
@@ -38,12 +29,7 @@ class Simulation(Value):
 
 
 def readings(rate: float, duration: float | None, samples: int | None) -> int:
-    """Number of readings of a length that is given by one of the two, s or a number.
-
-    Raises
-    ------
-    UsageError
-        Both are given, or neither; the rate is not above 0.
+    """Number of readings of a length that is given by just one of the two, s or a number.
 
     Examples
     --------

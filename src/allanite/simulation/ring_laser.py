@@ -4,15 +4,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, N, Q
 from allanite.core.record import Record
+from allanite.statistics.row import FloatArray
 
 from .record import simulate
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

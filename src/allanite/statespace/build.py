@@ -1,21 +1,40 @@
-"""From a model whose terms are states to matrices."""
+"""From a model whose terms are states to matrices, and their Allan variance."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms import TERMS
-from allanite.terms.block import Block, integrators, joined
+from allanite.terms.powers import integrators
+from allanite.terms.row import Block
 
-from .allan import Steps, allan_variance
 from .markov import MarkovSum
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Some steps together: x' = A x + w, sum of the outputs = c x + n, with the covariances of w and n."""
+
+    A: FloatArray
+    c: FloatArray
+    Qww: FloatArray
+    Qwn: FloatArray
+    qnn: float
+
+    def then(self, other: "Steps") -> "Steps":
+        """These steps, and then those."""
+        A, c = other.A, other.c
+        return Steps(
+            A=A @ self.A,
+            c=self.c + c @ self.A,
+            Qww=A @ self.Qww @ A.T + other.Qww,
+            Qwn=A @ (self.Qww @ c + self.Qwn) + other.Qwn,
+            qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +48,33 @@ class Matrices:
     P0: FloatArray
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the readings at averaging factors `m`."""
+        """Allan variance of the readings at averaging factors `m`, exactly, shape of m.
+
+        With the sums s_1 and s_2 of the readings over m steps and the m steps after them, it is the variance of
+        s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
+        """
         h = self.H[0]
         noise = self.Qd @ h
         one = Steps(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
-        return allan_variance(one, self.P0, m)
+        found = []
+        for factor in m.tolist():
+            steps = _power(one, factor)
+            start = steps.c @ (steps.A - np.eye(len(self.P0)))
+            variance = start @ self.P0 @ start + steps.c @ steps.Qww @ steps.c - 2 * steps.c @ steps.Qwn + 2 * steps.qnn
+            found.append(variance / (2 * factor**2))
+        return np.array(found)
+
+
+def _power(one: Steps, m: int) -> Steps:
+    """So many steps, by doubling."""
+    whole, doubled = None, one
+    while m:
+        if m & 1:
+            whole = doubled if whole is None else whole.then(doubled)
+        m >>= 1
+        doubled = doubled.then(doubled) if m else doubled
+    assert whole is not None  # noqa: S101 - m is at least 1
+    return whole
 
 
 def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
@@ -49,13 +90,7 @@ def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
 
 
 def blocks_of(model: Model, h: float) -> list[Block]:
-    """The terms as states, in the order of `TERMS`.
-
-    Raises
-    ------
-    UsageError
-        A term has no states.
-    """
+    """The terms as states, in the order of `TERMS`; a term without states is a UsageError."""
     known = list(TERMS)
     return [_block(t, h) for t in sorted(model, key=lambda t: known.index(t.symbol))]
 
@@ -77,6 +112,22 @@ def states_of(blocks: list[Block], turn_on: float, h: float) -> list[Block]:
     others = [block for block in blocks if block.names and not block.bias]
     others.sort(key=lambda block: not block.output.any())
     return ([joined(bias)] if bias else []) + others
+
+
+def joined(blocks: Sequence[Block]) -> Block:
+    """One block of the bias and its derivatives in place of several; those that add nothing leave no name."""
+    longest = max(blocks, key=lambda block: len(block.names))
+    s = len(longest.names)
+    names, Qc, P0, Q = list(longest.names), np.zeros((s, s)), np.zeros((s, s)), np.zeros((s + 1, s + 1))
+    for block in blocks:
+        k = len(block.names)
+        at = np.append(np.arange(k), s)
+        Qc[:k, :k] += block.Qc
+        P0[:k, :k] += block.P0
+        Q[np.ix_(at, at)] += block.Q
+        if block.Qc.any():
+            names[k - 1] = block.names[-1]
+    return replace(longest, names=tuple(names), Qc=Qc, P0=P0, Q=Q)
 
 
 def sampled(blocks: list[Block], R: FloatArray) -> Matrices:

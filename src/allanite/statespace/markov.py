@@ -4,13 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
+from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 from allanite.terms.markov import gauss_markov
-
-FloatArray = NDArray[np.float64]
 
 PER_DECADE = 40
 """Averaging times at which the sum is compared with flicker."""
@@ -26,14 +24,8 @@ TOP = 1.892
 class MarkovSum:
     """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times.
 
-    Attributes
-    ----------
-    time_constants : array, shape (k,)
-        s.
-    sizes : array, shape (k,)
-        Effective values, over B.
-    ripple : float
-        Largest relative deviation from the Allan deviation of flicker in the range.
+    `time_constants` in s, effective values `sizes` over B; `ripple` is the largest relative deviation from the Allan
+    deviation of flicker in the range.
     """
 
     time_constants: FloatArray

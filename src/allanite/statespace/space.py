@@ -6,23 +6,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.statistics import expected
-from allanite.terms.block import Block
+from allanite.statistics.row import FloatArray, IntArray
+from allanite.terms.row import Block
 
 from .build import MEASUREMENTS, Matrices, blocks_of, continuous, equivalent, states_of
 from .markov import MarkovSum, flicker_sum
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 NEGLIGIBLE = 0.01
 """Relative deviation of the Allan variance below which the mean over an interval is taken for the rate at its end."""
-
 
 PER_OCTAVE = 4
 """Averaging times at which a state space is compared with the model."""

@@ -10,19 +10,19 @@ from allanite.core.model import Model, ModelLike, noise_choice
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.bias import correction, demand_bias
-from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, Points, power_laws, unit_term
+from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 
-from .angle import Angle
-from .angle import integrated as integrated
-from .estimator import estimate
+from .estimator import Angle, estimate
+from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
 from .table import STATISTICS as STATISTICS
+from .table import Points
 from .table import statistic_named as statistic_named
 
 PATIENCE = 60.0

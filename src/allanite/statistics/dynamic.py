@@ -11,8 +11,7 @@ from allanite.core.record import KINDS, Record
 from allanite.core.surface import Surface
 from allanite.statistics import deviation
 
-from .angle import integrated
-from .estimator import Estimate, estimate
+from .estimator import Estimate, estimate, integrated
 from .row import Statistic
 from .table import statistic_named
 

@@ -1,14 +1,75 @@
-"""Estimates of a row from the pieces of a record: windows are dropped, never stretched, at its gaps."""
+"""The angle of a record, cut at its gaps, and estimates from it: windows are dropped there, never stretched."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record
 
-from .angle import Angle, Piece
 from .grids import part_of
 from .row import FloatArray, IntArray, Statistic
+
+
+class Piece(NamedTuple):
+    """The angle over a stretch without gaps: the sample at which it starts, and its points (one more than samples)."""
+
+    start: int
+    x: FloatArray
+
+
+class Angle(NamedTuple):
+    """The angle of a record in the steps of its readings: its pieces and its length in sample intervals, gaps included.
+
+    `scale` is what x must be multiplied with to be SI.
+    """
+
+    pieces: tuple[Piece, ...]
+    size: int
+    scale: float
+
+    @property
+    def runs(self) -> list[tuple[int, int]]:
+        """(samples, 1) of every piece."""
+        return [(piece.x.size - 1, 1) for piece in self.pieces]
+
+
+def integrated(record: Record, order: int) -> Angle:
+    """The angle of a record, for statistics that take differences of `order`.
+
+    A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
+    record without two neighbouring samples that are finite is a DataError.
+    """
+    from allanite.kernels.allan import integrate
+
+    values, constant = record.values, record.constant if order > 1 else 0
+    pieces = [
+        Piece(
+            a,
+            (values[a:b] - values[a]).astype(np.float64)
+            if record.kind == "angle"
+            else integrate(values[a:b], constant),
+        )
+        for a, b in stretches(values)
+    ]
+    long = tuple(piece for piece in pieces if piece.x.size > 2)
+    if not long:
+        raise DataError(f"{record.name!r} has no two neighbouring readings that are finite; nothing can be differenced")
+    return Angle(long, record.size, record.factor * (record.interval if record.kind == "rate" else 1.0))
+
+
+def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
+    """Begin and end of the stretches of finite values.
+
+    Examples
+    --------
+    >>> stretches(np.array([np.nan, 1.0, 2.0, np.nan, 3.0]))
+    [(1, 3), (4, 5)]
+    """
+    if values.dtype.kind != "f" or np.isfinite(values.sum(dtype=np.float64)):
+        return [(0, len(values))]
+    edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 class Estimate(NamedTuple):
@@ -22,10 +83,7 @@ class Estimate(NamedTuple):
 def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor: int, threads: int = 1) -> Estimate:
     """A statistic of a record at averaging factors `m`, for a unit sample interval.
 
-    Raises
-    ------
-    DataError
-        The record has gaps and the statistic no meaning there, or is too short for the bias ratio of a hybrid.
+    DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
     """
     if not row.parts:
         return windows(row, angle, m, threads)
@@ -86,14 +144,8 @@ def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArra
 
 
 def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -> float:
-    """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3.
-
-    Raises
-    ------
-    DataError
-        The record is too short for a single ratio.
-    """
-    from .allan import OADEV
+    """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3."""
+    from .differences import OADEV
 
     if divisor not in (6, 30):
         raise UsageError(

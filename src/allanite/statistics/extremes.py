@@ -6,9 +6,9 @@ from .row import FloatArray, IntArray, Statistic, binomial_window
 
 
 def _first(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import first
+    from allanite.kernels.allan import overlapped
 
-    return first(x, m)  # type: ignore[no-any-return]
+    return overlapped(x, m, 1)  # type: ignore[no-any-return]
 
 
 def _largest(x: FloatArray, m: IntArray) -> FloatArray:

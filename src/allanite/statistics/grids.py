@@ -21,13 +21,7 @@ def part_of(row: Statistic, m: IntArray, size: int, join: float) -> IntArray:
 
 
 def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float, join: float) -> IntArray:
-    """Averaging factors of a named grid or of times in seconds.
-
-    Raises
-    ------
-    UsageError
-        The grid has no name, or a time is no multiple of the interval; it is never rounded.
-    """
+    """Averaging factors of a named grid or of times in seconds, which are never rounded to a multiple."""
     if not isinstance(taus, str):
         return _of_seconds(np.atleast_1d(np.asarray(taus, dtype=np.float64)), row, (size, rate), join)
     if taus not in GRIDS:
@@ -62,13 +56,7 @@ def _of_seconds(taus: FloatArray, row: Statistic, clock: tuple[int, float], join
 
 
 def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float) -> IntArray:
-    """Averaging factors that the statistic allows for a record of `size` intervals.
-
-    Raises
-    ------
-    UsageError
-        A factor is no integer, too small, too large, or not even where it must be; the largest possible is named.
-    """
+    """Averaging factors, if the statistic allows them for a record of `size` intervals; an error names the largest."""
     factors = np.atleast_1d(np.asarray(m))
     if factors.size and factors.dtype.kind not in "iu":
         raise UsageError(f"averaging factors are integers, not {factors.dtype}; give times in seconds as taus")

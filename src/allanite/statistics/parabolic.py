@@ -6,10 +6,10 @@ from .row import FloatArray, IntArray, Scheme, Statistic, Window, binomial_windo
 
 
 def _parabolic(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import second
+    from allanite.kernels.allan import overlapped
     from allanite.kernels.summed import parabolic
 
-    return np.asarray(np.where(m == 1, second(x, m), parabolic(x, m)))
+    return np.asarray(np.where(m == 1, overlapped(x, m, 2), parabolic(x, m)))
 
 
 def _window(m: int) -> Window:

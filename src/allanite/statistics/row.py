@@ -1,12 +1,13 @@
 """What a row of the table of statistics holds."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.terms import NoiseTerm
+from allanite.terms.row import NoiseTerm
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -25,13 +26,8 @@ def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
 class Sharp:
     """How the ratios of white noise of the angle with the other terms, and with itself, depend on m.
 
-    Attributes
-    ----------
-    levels : tuple of int
-        Averaging factors of the reduced windows for even m; odd m takes the next ones.
-    scale : m -> scale
-    itself : (m, count) -> ratio, or None
-        The ratio with itself where it follows no power of m.
+    `levels` as of `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
+    it follows no power of m.
     """
 
     levels: tuple[int, ...]
@@ -67,17 +63,10 @@ class Scheme:
 
 @dataclass(frozen=True)
 class PublishedBias:
-    """The bias factors of a statistic as published.
+    """The bias factors of a statistic as published, and where (`limits`) they are known to fail.
 
-    Attributes
-    ----------
-    reference : str
-    limits : str
-        Where it is known to fail.
-    factor : (coefficients, m, size) -> E[estimate] / E[target], shape of m
-        For averaging factors m of a record of `size` intervals.
-    coefficients : dict
-        By the exponent alpha of the spectrum; a power law that is not here has no published factor.
+    ``factor(coefficients, m, size)`` is E[estimate] / E[target] at averaging factors m of a record of `size` intervals;
+    a power law whose exponent alpha has no `coefficients` has no published factor.
     """
 
     reference: str
@@ -214,13 +203,17 @@ def constant(value: float) -> Callable[[IntArray], FloatArray]:
     return lambda m: np.full(np.shape(m), value)
 
 
+def binomials(order: int) -> FloatArray:
+    """Coefficients of a difference: 1, -2, 1 or 1, -3, 3, -1 (up to its sign)."""
+    return np.array([(-1.0) ** k * math.comb(order, k) for k in range(order + 1)])
+
+
 def binomial_window(order: int) -> Callable[[int], Window]:
     """The window of a difference of the angle at stride m."""
-    import math
 
     def window(m: int) -> Window:
         row = np.zeros((1, order * m + 1))
-        row[0, ::m] = [(-1.0) ** k * math.comb(order, k) for k in range(order + 1)]
+        row[0, ::m] = binomials(order)
         return np.ones(1), row
 
     return window

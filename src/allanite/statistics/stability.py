@@ -20,17 +20,10 @@ KNOWN = 10.0
 
 
 class Stability(NamedTuple):
-    """Standard deviation of N-second means.
+    """Standard deviation `value` of N-second means, SI, and what a model leads one to expect, exactly (`expected`).
 
-    Attributes
-    ----------
-    value : float
-        SI.
-    seconds, blocks, duration : float, int, float
-        Length of a mean, how many there are, and of the record: for all but white noise the value grows with it.
-    unit : str
-    expected : float or None
-        What a model leads one to expect, exactly, for this length.
+    There are `blocks` means over `seconds`; `duration` is that of the record, s: for all but white noise the value
+    grows with it.
     """
 
     value: float
@@ -42,16 +35,10 @@ class Stability(NamedTuple):
 
 
 class Minimum(NamedTuple):
-    """The lowest point of a curve, and the bias instability that it would be if all of it were flicker: at most this.
+    """The lowest point of a curve, and the bias instability if all of it were flicker: at most this.
 
-    Attributes
-    ----------
-    value : float
-        ``min / 0.66428``, in the curve's unit.
-    deviation, tau : float
-        The point.
-    inside : bool
-        Whether the curve rises again; else the minimum is its last point and only a limit.
+    `value` is ``deviation / 0.66428``, in the curve's unit. `inside` says whether the curve rises again beyond `tau`;
+    else the minimum is its last point and only a limit.
     """
 
     value: float

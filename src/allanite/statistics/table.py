@@ -1,34 +1,23 @@
-"""The table of statistics."""
+"""The table of statistics, and the points of a curve."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from allanite.core.errors import UsageError
 
-from .allan import ADEV, HAAR, OADEV
+from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
 from .extremes import MTIE, TIERMS
-from .hadamard import HDEV, OHDEV
-from .modified import MDEV, TDEV
 from .parabolic import PDEV
-from .row import Statistic
+from .row import IntArray, Statistic
 from .theo import THEO1, THEOBR, THEOH
 from .total import HTOTDEV, MTOTDEV, TOTDEV, TTOTDEV
 
 STATISTICS: dict[str, Statistic] = {
-    "adev": ADEV,
-    "oadev": OADEV,
-    "mdev": MDEV,
-    "tdev": TDEV,
-    "hdev": HDEV,
-    "ohdev": OHDEV,
-    "totdev": TOTDEV,
-    "mtotdev": MTOTDEV,
-    "ttotdev": TTOTDEV,
-    "htotdev": HTOTDEV,
-    "theo1": THEO1,
-    "theobr": THEOBR,
-    "theoh": THEOH,
-    "pdev": PDEV,
-    "haar": HAAR,
-    "mtie": MTIE,
-    "tierms": TIERMS,
+    row.name: row
+    for row in (
+        *(ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV, TOTDEV, MTOTDEV, TTOTDEV, HTOTDEV),
+        *(THEO1, THEOBR, THEOH, PDEV, HAAR, MTIE, TIERMS),
+    )
 }
 
 
@@ -37,3 +26,27 @@ def statistic_named(name: str) -> Statistic:
     if name not in STATISTICS:
         raise UsageError(f"unknown statistic {name!r}; known are {', '.join(STATISTICS)}")
     return STATISTICS[name]
+
+
+class Points(NamedTuple):
+    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
+
+    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed.
+    """
+
+    row: Statistic
+    m: IntArray
+    runs: Sequence[tuple[int, int]]
+    size: int
+    rate: float
+    join: float
+    scattered: bool = True
+
+    @classmethod
+    def of(cls, name: str, *rest: Any) -> "Points":
+        """The points of the statistic called `name`."""
+        return cls(statistic_named(name), *rest)
+
+    def __reduce__(self) -> tuple[Callable[..., "Points"], tuple[Any, ...]]:
+        """With the name of the row: what comes back from another process has the row of `STATISTICS` itself."""
+        return Points.of, (self.row.name, *self[1:])

@@ -7,8 +7,8 @@ import numpy as np
 from allanite.statistics.fast.theofft import split, theo1_sums
 from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
 
-from .allan import OADEV
-from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
+from .differences import OADEV
+from .row import PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
 def _window(m: int) -> Window:
@@ -19,10 +19,6 @@ def _window(m: int) -> Window:
     for column, sign in ((0 * v, 1), (v, -1), (m - v, -1), (0 * v + m, 1)):
         filters[rows, column] += sign
     return 1 / v, filters
-
-
-def _published(c: tuple[float, ...], m: IntArray, size: int) -> FloatArray:
-    return np.asarray(1 / (c[0] + c[1] / (0.75 * m) ** c[2]))
 
 
 KEPT_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
@@ -75,7 +71,7 @@ THEO1 = Statistic(
         reference="D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 section 5.2.15: AVAR = Theo1 (a + b/t^c), "
         "t = 0.75 m",
         limits="m of 10 or more",
-        factor=_published,
+        factor=lambda c, m, size: np.asarray(1 / (c[0] + c[1] / (0.75 * m) ** c[2])),
         coefficients={
             2: (0.09, 0.74, 0.40),
             1: (0.14, 0.82, 0.30),

@@ -20,11 +20,11 @@ def _modified_total(x: FloatArray, m: IntArray) -> FloatArray:
 
 
 def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import third
+    from allanite.kernels.allan import overlapped
 
     sums = _modified_total(np.diff(x), m)
     # SP 1065: at m = 1 the overlapped Hadamard form, whose windows are as many
-    return np.where(m == 1, third(x, m), sums)
+    return np.where(m == 1, overlapped(x, m, 3), sums)
 
 
 def folding(m: int) -> FloatArray:
@@ -52,21 +52,6 @@ def _rate_window(m: int) -> Window:
     return np.full(6 * m, 1 / (6 * m)), np.hstack((edge, filters)) - np.hstack((filters, edge))
 
 
-Coefficients = tuple[float, ...]
-
-
-def _linear(c: Coefficients, m: IntArray, size: int) -> FloatArray:
-    return np.asarray(1 - c[0] * m / size)
-
-
-def _constant(c: Coefficients, m: IntArray, size: int) -> FloatArray:
-    return np.full(m.shape, c[0])
-
-
-def _beyond_one(c: Coefficients, m: IntArray, size: int) -> FloatArray:
-    return np.where(m > 1, c[0], 1.0)
-
-
 TOTDEV = Statistic(
     name="totdev",
     title="total deviation",
@@ -89,7 +74,7 @@ TOTDEV = Statistic(
     published=PublishedBias(
         reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
         limits="tau up to half the record; nothing for noise of the angle, where the variance is high by 1.34 tau/T",
-        factor=_linear,
+        factor=lambda c, m, size: np.asarray(1 - c[0] * m / size),
         coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
     ),
 )
@@ -117,7 +102,7 @@ MTOTDEV = Statistic(
         reference="D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 section 5.2.12",
         limits="one number for every m: at m = 1 the statistic is half its target for any noise, and beyond m = 8 the "
         "published factors are 2 to 6 % low (high by 2 % for random walk)",
-        factor=_constant,
+        factor=lambda c, m, size: np.full(m.shape, c[0]),
         coefficients={2: (0.94,), 1: (0.83,), 0: (0.73,), -1: (0.70,), -2: (0.69,)},
     ),
 )
@@ -155,7 +140,7 @@ HTOTDEV = replace(
     published=PublishedBias(
         reference="D. A. Howe et al., PTTI 2000; NIST SP 1065 section 5.2.14",
         limits="nothing for noise of the angle; m = 1 is the overlapped Hadamard variance, without bias",
-        factor=_beyond_one,
+        factor=lambda c, m, size: np.where(m > 1, c[0], 1.0),
         coefficients={0: (0.995,), -1: (0.851,), -2: (0.771,), -3: (0.717,), -4: (0.679,)},
     ),
 )

@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .block import markov
-from .row import FloatArray, NoiseTerm, Parameter
+from .row import Block, FloatArray, NoiseTerm, Parameter
 
 SMALL = 0.05
 """t / T below which differences of exponentials are taken from their series."""
@@ -127,8 +126,33 @@ def gauss_markov(T: float) -> NoiseTerm:
         "Phi = exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). Do not call it flicker because the top of the hump "
         "is flat: the ranking of both by the likelihood tells them apart where the record can.",
         color="#5D6B00",
-        block=lambda size, shape, h: markov(size, shape[0], h),
+        block=lambda size, shape, h: markov_block(size, shape[0], h),
     )
+
+
+def markov_block(size: float, T: float, h: float) -> Block:
+    """Gauss-Markov noise of effective value `size` and time constant `T`."""
+    u = h / T
+    loss = -math.expm1(-u)
+    var_mean = size**2 * _mean_variance(u)
+    Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
+    return Block(
+        names=((f"Gauss-Markov rate, T = {T:.6g} s", 0),),
+        F=np.array([[-1 / T]]),
+        Qc=np.array([[2 * size**2 / T]]),
+        Phi=np.array([[math.exp(-u)]]),
+        mean=np.array([loss / u]),
+        Q=Q,
+        P0=np.array([[size**2]]),
+        output=np.ones(1),
+    )
+
+
+def _mean_variance(u: float) -> float:
+    """(2u - 3 + 4 exp(-u) - exp(-2u)) / u^2, without cancellation: what the noise within the interval adds."""
+    if u > 0.3:
+        return (2 * u - 3 + 4 * math.exp(-u) - math.exp(-2 * u)) / u**2
+    return math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
 
 
 def _cosine_sum(k: FloatArray, n: int, u: float) -> FloatArray:

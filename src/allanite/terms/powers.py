@@ -5,8 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .block import angle_noise, integrators, white_noise
-from .row import FloatArray, NoiseTerm
+from .row import Block, FloatArray, NoiseTerm
 
 
 def _monomial(coefficient: float, power: int) -> Callable[[int, FloatArray], FloatArray]:
@@ -45,6 +44,61 @@ def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
 
 def _ramp(n: int) -> FloatArray:
     return np.arange(n, dtype=np.float64) - (n - 1) / 2
+
+
+def white_noise(N: float, h: float) -> Block:
+    """White noise of the rate: no state, only noise of the reading."""
+    nothing, one = np.zeros((0, 0)), np.zeros(0)
+    return Block((), nothing, nothing, nothing, one, np.zeros((1, 1)), nothing, one, white=N**2 / h)
+
+
+def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start: float = 0.0, note: str = "") -> Block:
+    """The bias and its derivatives, the last of them driven by white noise of `density`.
+
+    `names` are those of the states; `start` is the standard deviation of the last one at the start.
+    """
+    s = len(names)
+    order = np.subtract.outer(np.arange(s), np.arange(s)).T  # how often state j is integrated to give state i
+    factorial = np.array([math.factorial(k) for k in range(s + 2)], dtype=np.float64)
+    Phi = np.where(order >= 0, h ** np.maximum(order, 0) / factorial[np.maximum(order, 0)], 0.0)
+    # after a time u an impulse has left u^a / a! in a state, and in the mean u^s / s! over h
+    a = np.append(np.arange(s - 1, -1, -1), s)
+    lost = np.append(np.zeros(s), 1)
+    power = 1 + np.add.outer(a, a)
+    Q = density * h ** (power - np.add.outer(lost, lost)) / (power * np.outer(factorial[a], factorial[a]))
+    Qc, P0 = np.zeros((s, s)), np.zeros((s, s))
+    Qc[-1, -1], P0[-1, -1] = density, start**2
+    return Block(
+        names=tuple((name, -float(k)) for k, name in enumerate(names)),
+        F=np.eye(s, k=1),
+        Qc=Qc,
+        Phi=Phi,
+        mean=h ** np.arange(s) / factorial[1 : s + 1],
+        Q=Q,
+        P0=P0,
+        output=np.eye(s)[0],
+        bias=True,
+        note=note,
+    )
+
+
+def angle_noise(Q: float, h: float) -> Block:
+    """White noise of the angle: the mean rate over an interval gets the difference of its ends' errors, over h.
+
+    A state of discrete time: the error of the angle at the end of the interval, new in every interval.
+    """
+    return Block(
+        names=(("error of the angle", 1),),
+        F=np.zeros((1, 1)),
+        Qc=np.zeros((1, 1)),
+        Phi=np.zeros((1, 1)),
+        mean=np.array([-1 / h]),
+        Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
+        P0=np.array([[Q**2]]),
+        output=np.zeros(1),
+        note="quantization is taken for white Gaussian noise of the angle; that it is bounded by half a step, and "
+        "depends on the angle itself, is left out",
+    )
 
 
 QUANTIZATION = NoiseTerm(

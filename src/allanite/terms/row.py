@@ -1,12 +1,10 @@
-"""What a noise term is: a row of the table."""
+"""What a noise term is: a row of the table, and what it is as states of a filter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from .block import Block
 
 FloatArray = NDArray[np.float64]
 
@@ -25,6 +23,52 @@ class Parameter:
     default: float | None = None
     letter: str = ""
     typical: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A noise term as states z of a filter: exact transition over a sample interval, and what the mean over it gets.
+
+    With dz = F z dt + w, the covariance of w being Qc per second, it is over an interval h
+
+        z(h) = Phi z(0) + noise,      mean of the first state over the interval = mean z(0) + noise,
+
+    with the joint covariance of both noises in closed form.
+
+    Attributes
+    ----------
+    names : tuple of (str, float)
+        Of each state: what it is, and the power of time that its unit carries beyond the signal.
+    F, Qc : arrays, shape (s, s)
+        Continuous time.
+    Phi : array, shape (s, s)
+    mean : array, shape (s,)
+        What a state at the start adds to the mean over the interval.
+    Q : array, shape (s + 1, s + 1)
+        Covariance of the noises of the states and, last, of the mean.
+    P0 : array, shape (s, s)
+        Covariance at the start.
+    output : array, shape (s,)
+        What a state adds to the rate at an instant; 0 for a state of discrete time.
+    white : float
+        Variance of the white noise that each reading gets besides.
+    bias : bool
+        Whether the states are the bias and its derivatives, which such blocks of a model have in common.
+    note : str
+        What a user of the filter should know.
+    """
+
+    names: tuple[tuple[str, float], ...]
+    F: FloatArray
+    Qc: FloatArray
+    Phi: FloatArray
+    mean: FloatArray
+    Q: FloatArray
+    P0: FloatArray
+    output: FloatArray
+    white: float = 0.0
+    bias: bool = False
+    note: str = ""
 
 
 @dataclass(frozen=True)

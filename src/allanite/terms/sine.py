@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from .block import oscillator
-from .row import FloatArray, NoiseTerm, Parameter
+from .row import Block, FloatArray, NoiseTerm, Parameter
 
 
 def _cosine_rest(x: FloatArray) -> FloatArray:
@@ -69,6 +68,23 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         "estimated, and it is taken out before the noise is identified.",
         color="#444B54",
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
+    )
+
+
+def oscillator(amplitude: float, frequency: float, h: float) -> Block:
+    """A sinusoid of unknown phase."""
+    w = 2 * math.pi * frequency
+    sine, cosine = math.sin(w * h), math.cos(w * h)
+    return Block(
+        names=((f"sinusoid of {frequency:.6g} Hz", 0), (f"sinusoid of {frequency:.6g} Hz, quadrature", 0)),
+        F=np.array([[0.0, w], [-w, 0.0]]),
+        Qc=np.zeros((2, 2)),
+        Phi=np.array([[cosine, sine], [-sine, cosine]]),
+        mean=np.array([sine, 2 * math.sin(w * h / 2) ** 2]) / (w * h),
+        Q=np.zeros((3, 3)),
+        P0=np.eye(2) * amplitude**2 / 2,
+        output=np.array([1.0, 0.0]),
+        note="a sinusoid is an oscillator without noise: its frequency must be known and steady",
     )
 
 

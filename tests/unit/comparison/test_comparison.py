@@ -16,8 +16,8 @@ from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.fit import Estimate
 from allanite.core.limits import Below
 from allanite.core.units import SIGNALS
-from allanite.statistics.confidence.limits import Points, mixtures
-from allanite.statistics.table import statistic_named
+from allanite.statistics.confidence.limits import mixtures
+from allanite.statistics.table import Points, statistic_named
 
 RATE = 100.0
 NK = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")

@@ -9,13 +9,16 @@ from scipy.linalg import expm
 
 import allanite as al
 from allanite.cli import main
+from allanite.statespace.build import joined
 from allanite.statespace.markov import flicker_sum
-from allanite.terms.block import angle_noise, integrators, joined, markov, oscillator
+from allanite.terms.markov import markov_block
+from allanite.terms.powers import angle_noise, integrators
+from allanite.terms.sine import oscillator
 
 BLOCKS = {
-    "slow": markov(2.0, 1e4, 0.01),
-    "near": markov(2.0, 0.05, 0.01),
-    "fast": markov(2.0, 0.003, 0.01),
+    "slow": markov_block(2.0, 1e4, 0.01),
+    "near": markov_block(2.0, 0.05, 0.01),
+    "fast": markov_block(2.0, 0.003, 0.01),
     "walk": integrators(("bias",), 0.5, density=0.09, start=1.0),
     "ramp": joined(
         [integrators(("bias",), 0.5, density=0.09), integrators(("bias", "ramp"), 0.5, density=0.04, start=0.2)]

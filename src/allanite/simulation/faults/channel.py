@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import KINDS, Record
 from allanite.core.units import signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
+from allanite.statistics.row import FloatArray
 
 
 def constant(record: Record, value: float, unit: str) -> Record:
@@ -155,10 +154,7 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
 def in_readings(record: Record, value: float, unit: str) -> float:
     """A rate, or what a rate gives in one interval, as the number that a reading of the record would be.
 
-    Raises
-    ------
-    UnitError
-        The unit is neither of this sensor's rate nor of these readings.
+    UnitError if the unit is neither of this sensor's rate nor of these readings.
     """
     found, signal = unit_of(unit), record.signal
     if signal_with(found.dimension) is signal:

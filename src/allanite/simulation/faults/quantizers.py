@@ -4,14 +4,11 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
-
+from allanite.statistics.row import FloatArray
 
 EXACT = 2.0**52
 """Steps beyond which a double cannot tell one from the next."""
@@ -88,10 +85,7 @@ def quantize_rate(
     if signal_with(found.dimension) is not record.signal:
         raise UnitError(f"{unit!r} is no unit of {record.signal.unit} readings")
     step = _step(lsb, unit) * found.factor / record.factor
-    added = None if dither is None else dither.at(record.size, record.rate, rng)
-    values = _rounded(np.asarray(record.values / step), added)
-    if dither is not None and added is not None and dither.stripped:
-        values -= added
+    values = _rounded(np.asarray(record.values / step), record.rate, dither, rng)
     return record.with_values(values * step, _words("rate", lsb, unit, dither), start=record.start)
 
 
@@ -140,22 +134,24 @@ def quantize_angle(
     if signal_with(found.dimension, 1) is not record.signal:
         raise UnitError(f"{unit!r} is no unit of the integral of {record.signal.unit}: for a gyro take arcsec")
     angle = record.angle / (_step(lsb, unit) * found.factor)
-    added = None if dither is None else dither.at(angle.size, record.rate, rng)
-    steps = _rounded(angle, added)
+    steps = _rounded(angle, record.rate, dither, rng)
     history = (*record.history, _words("angle", lsb, unit, dither))
-    if dither is not None and added is not None and dither.stripped:
-        values = np.diff(steps - added) * lsb
-        return replace(record, values=values, unit=unit, kind="increment", scale=None, history=history)
+    if dither is not None and dither.stripped:
+        return replace(record, values=np.diff(steps) * lsb, unit=unit, kind="increment", scale=None, history=history)
     counts = np.diff(steps).astype(np.int64)
     return replace(record, values=counts, unit=unit, kind="count", scale=lsb, history=history)
 
 
-def _rounded(values: FloatArray, added: FloatArray | None) -> FloatArray:
+def _rounded(values: FloatArray, rate: float, dither: Dither | None, rng: "np.random.Generator | None") -> FloatArray:
+    """Whole steps, less the dither if it is stripped."""
     if not np.isfinite(values).all():
         raise UsageError("some readings are not finite; round the record before readings are lost")
     if values.size and np.abs(values).max() > EXACT:
         raise UsageError(f"the readings are up to {np.abs(values).max():.3g} steps: take a larger step")
-    return np.rint(values if added is None else values + added)
+    if dither is None:
+        return np.rint(values)
+    added = dither.at(values.size, rate, rng)
+    return np.rint(values + added) - (added if dither.stripped else 0.0)
 
 
 def _step(lsb: float, unit: str) -> float:

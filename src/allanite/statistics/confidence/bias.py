@@ -8,23 +8,14 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Model
 from allanite.statistics.grids import part_of
 from allanite.statistics.moments.moments import by_term
-from allanite.statistics.row import FloatArray, Statistic
-from allanite.statistics.table import STATISTICS
-
-from .limits import Points
-from .published import published_bias
+from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.table import STATISTICS, Points
 
 BIASES = ("exact", "published", "model")
 
 
 def demand_bias(bias: str | None, row: Statistic) -> None:
-    """Refuse a correction that is unknown or that the row does not have.
-
-    Raises
-    ------
-    UsageError
-        The message says which there are.
-    """
+    """Refuse a correction that is unknown or that the row does not have; the message says which there are."""
     if bias is None:
         return
     if bias not in BIASES:
@@ -38,29 +29,19 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
 
 
 def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequence[int] | None) -> FloatArray:
-    """What the plain variance is multiplied with, one for each point.
+    """What the plain variance is multiplied with, one for each point, under one model for all points or one for each.
 
-    Parameters
-    ----------
-    points : Points
-    bias : {"exact", "published", "model"}
-        "model" replaces the bias ratio of a hybrid.
-    models : sequence of Model
-        One for all points, or one for each.
-    alpha : sequence of int or None
-        Power laws at the points, for the published tables.
+    `alpha` are the power laws at the points, for the published tables; "model" replaces the bias ratio of a hybrid.
     """
     row, m, size = points.row, points.m, points.size
     if bias == "published":
         if alpha is None:
             raise UsageError("published factors of bias go by a power law at each tau: take noise='auto'")
-        return np.array([1 / published_bias(row, a, np.array([k]), size)[0] for a, k in zip(alpha, m, strict=True)])
+        return 1 / published_bias(row, np.array(alpha), m, size)
     each = models if len(models) == len(m) else list(models) * len(m)
     made = part_of(row, m, size, points.join)
     parts = [row.parts[i] if row.parts else row for i in made]
-    return np.array(
-        [_exact(part, int(k), model, points) for part, k, model in zip(parts, m, each, strict=True)], dtype=np.float64
-    )
+    return np.array([_exact(part, int(k), model, points) for part, k, model in zip(parts, m, each, strict=True)])
 
 
 def _exact(row: Statistic, m: int, model: Model, points: Points) -> float:
@@ -74,3 +55,27 @@ def _exact(row: Statistic, m: int, model: Model, points: Points) -> float:
     else:
         aim = by_term(target, model, m, None, rate).sum()
     return float(aim / by_term(row, model, m, points.size, rate).sum())
+
+
+def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int) -> FloatArray:
+    """The published ratio of a statistic's expectation to that of its target, shape of m; an error if there is none.
+
+    `alpha` is the exponent of the spectrum of the rate, at all averaging factors or at each. A statistic without bias,
+    or whose bias is removed otherwise (theobr, theoh), has 1 for every noise. It is what tables and other programs
+    divide by, for comparison: the exact expectation under the noise at hand is `allanite.expected`.
+    """
+    alphas = np.broadcast_to(alpha, m.shape)
+    result = np.ones(m.shape)
+    published = row.published
+    if published is None:
+        return result
+    for law in np.unique(alphas).tolist():
+        if law not in published.coefficients:
+            known = ", ".join(map(str, sorted(published.coefficients)))
+            raise UsageError(
+                f"no bias of {row.name} is published for noise of alpha = {law}, only for {known}; "
+                "divide by the exact expectation instead, or take a statistic without bias"
+            )
+        here = alphas == law
+        result[here] = published.factor(published.coefficients[law], m[here], size)
+    return result

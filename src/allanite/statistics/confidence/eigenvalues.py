@@ -7,7 +7,7 @@ of freedom, known exactly, scale them. White noise of the angle is left to its o
 import numpy as np
 
 from allanite.statistics.moments import lagsums
-from allanite.statistics.moments.compact import white_level
+from allanite.statistics.moments.compact import averaged
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import NoiseTerm
 
@@ -60,8 +60,8 @@ def _windows(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
     at, points = _places(count, FEW), np.arange(filters.shape[1]) * (m / short)
     place = (at[:, None] + points).ravel()
-    lag, step = np.abs(np.subtract.outer(place, place)), m / short
-    D = np.asarray(sum(c * _averaged(term, lag, step) for c, term in terms))
+    lag = np.abs(np.subtract.outer(place, place)) * (short / m)
+    D = np.asarray(sum(c * averaged(term, short / m)(lag) for c, term in terms))
     blocks = D.reshape(at.size, points.size, at.size, points.size)
     C = -0.5 * np.einsum("ap,ipjq,bq->iajb", factors, blocks, factors, optimize=True)
     return np.asarray(C.reshape(at.size * factors.shape[0], -1))
@@ -77,16 +77,7 @@ def _folded(terms: Terms, m: int, size: int) -> FloatArray:
         place += [end, 2 * end - other]
         weight += [np.where(inside, 1.0, 2.0), np.where(inside, 0.0, -1.0)]
     places, weights = np.stack(place, axis=1), np.stack(weight, axis=1)
-    D = _structure(terms, np.abs(np.subtract.outer(places.ravel(), places.ravel())))
+    lag = np.abs(np.subtract.outer(places.ravel(), places.ravel()))
+    D = np.asarray(sum(c * term.structure(lag) for c, term in terms))
     blocks = D.reshape(*places.shape, *places.shape)
     return np.asarray(-0.5 * np.einsum("ip,ipjq,jq->ij", weights, blocks, weights, optimize=True))
-
-
-def _averaged(term: NoiseTerm, lag: FloatArray, step: float) -> FloatArray:
-    """The structure function; of white noise that of its means over a step."""
-    level, D = white_level(term), term.structure(lag)
-    return D - level * (lag > 0) + level / step * np.minimum(lag / step, 1.0) if level else D
-
-
-def _structure(terms: Terms, lag: FloatArray) -> FloatArray:
-    return np.asarray(sum(c * term.structure(lag) for c, term in terms))

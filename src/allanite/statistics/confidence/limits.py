@@ -6,52 +6,26 @@ and its upper limit is up to several times too wide. There the three largest eig
 for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.statistics.angle import Angle
+from allanite.statistics.estimator import Angle
 from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.compact import white_level
-from allanite.statistics.moments.moments import Runs, grouped, noise_of, shares
-from allanite.statistics.row import FloatArray, IntArray, Statistic
-from allanite.statistics.table import statistic_named
+from allanite.statistics.moments.moments import grouped, noise_of, shares
+from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.table import Points
 from allanite.terms import TERMS
 
 from .chisquares import Mixture, quantiles
 from .eigenvalues import is_sharp, spectrum_of
 from .powerlaw import PowerLaw, identify_power_law
-
-
-class Points(NamedTuple):
-    """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
-
-    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed.
-    """
-
-    row: Statistic
-    m: IntArray
-    runs: Runs
-    size: int
-    rate: float
-    join: float
-    scattered: bool = True
-
-    def __reduce__(self) -> tuple[Callable[..., "Points"], tuple[Any, ...]]:
-        """With the name of the row: what comes back from another process has the row of `STATISTICS` itself."""
-        return points_of, (self.row.name, *self[1:])
-
-
-def points_of(name: str, *rest: Any) -> Points:
-    """The points of the statistic called `name`."""
-    return Points(statistic_named(name), *rest)
-
 
 MANY = 60.0
 """Degrees of freedom from which on a chi-square of as many is the law."""

@@ -12,10 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.statistics.allan import OADEV
-from allanite.statistics.angle import Angle, Piece
-from allanite.statistics.estimator import windows
-from allanite.statistics.modified import MDEV
+from allanite.statistics.differences import MDEV, OADEV
+from allanite.statistics.estimator import Angle, Piece, windows
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import TERMS
 
@@ -68,17 +66,11 @@ def symbol_of(alpha: int) -> str:
 class PowerLaw(NamedTuple):
     """The power law of the noise at an averaging time.
 
-    Attributes
-    ----------
-    alpha : int
-        Exponent of the spectrum of the rate: 2 and 1 white and flicker noise of the angle, 0, -1, -2 white, flicker and
-        random walk noise of the rate, -3, -4 flicker and random walk of the ramp.
-    symbol : str
-        The term of `TERMS` with this exponent, or the nearest safe one (`symbol_of`).
-    method : {"lag1", "b1", "rn"}
-        Autocorrelation, ratio of variances, modified over plain Allan variance.
-    m : int
-        Averaging factor at which it was found; smaller than the one asked for where that leaves too few points.
+    `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker noise of the angle, 0, -1, -2 white,
+    flicker and random walk noise of the rate, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
+    nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
+    over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one asked for where
+    that leaves too few points.
     """
 
     alpha: int
@@ -88,23 +80,11 @@ class PowerLaw(NamedTuple):
 
 
 def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple[PowerLaw, ...]:
-    """The power law of a record's noise at averaging times.
+    """The power law of a record's noise at averaging times, in sample intervals (`grids.times`), which are rounded.
 
-    Parameters
-    ----------
-    angle : Angle
-        The record, `integrated` for this row or one of the same order.
-    row : Statistic
-        Its order says how steep a law it converges for: alpha >= -2, or -4 for third differences.
-    times : array, shape (k,)
-        Averaging times in sample intervals (`grids.times`); they are rounded.
+    The angle is `integrated` for this row or one of the same order, which says how steep a law the row converges for:
+    alpha >= -2, or -4 for third differences.
 
-    Returns
-    -------
-    tuple of PowerLaw, length k
-
-    Notes
-    -----
     Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until
     ``delta = r1 / (1 + r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then
     ``alpha = 2 - round(2 delta) - 2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola but for

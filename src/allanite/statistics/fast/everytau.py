@@ -9,13 +9,11 @@ averaging factors are dealt with in groups of a few octaves, and what is cut int
 windows: little cancels. The modified Allan variance is the third difference of the angle's running sum.
 """
 
-import math
-from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, IntArray, interleaved
+from allanite.statistics.row import FloatArray, IntArray, binomials, interleaved
 
 from .frames import Edges, framed, triangles
 
@@ -35,24 +33,13 @@ PAYS = 200
 """Averaging factors of a group that take as long directly."""
 
 
-def dense(
-    x: FloatArray, m: IntArray, order: int, *, summed: bool = False, direct: Callable[..., FloatArray]
-) -> FloatArray:
+def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> FloatArray:
     """Sums of squared differences at ascending averaging factors, however many, shape of m.
 
-    Parameters
-    ----------
-    x : array, shape (n,)
-        The angle.
-    m : array of int
-    order : {2, 3}
-    summed : bool
-        Whether the differences are those of the running sum, which has n + 1 points.
-    direct : (x, m) -> sums
-        By the definition; for small m, for those with few windows, and where they are few.
+    The differences are of `order` 2 or 3; of the running sum of x, which has one point more, if `summed`.
     """
     if m.size <= PAYS:
-        return np.asarray(direct(x, m))
+        return _direct(x, m, order, summed)
     points = x.size + summed
     result = np.empty(m.shape)
     todo = np.ones(m.shape, dtype=bool)
@@ -68,8 +55,16 @@ def dense(
             _less_edges(result[here], edges, m[here], order)
             # what is left of so much more has lost its digits: a strong vibration at whole periods
             todo[here] = result[here] < LEFT_OVER * squares
-    result[todo] = direct(x, m[todo])
+    result[todo] = _direct(x, m[todo], order, summed)
     return result
+
+
+def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
+    """By the definition: for small m, for those with few windows, and where they are few."""
+    from allanite.kernels.allan import overlapped
+    from allanite.kernels.summed import modified
+
+    return np.asarray(modified(x, m) if summed else overlapped(x, m, order))
 
 
 def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, int]]:
@@ -83,24 +78,18 @@ def groups(points: int, order: int, *, summed: bool = False) -> list[tuple[int, 
     return found
 
 
-def split(order: int, *, summed: bool = False) -> Callable[[int, IntArray, int], list[IntArray]]:
+def split(points: int, m: IntArray, threads: int, *, order: int, summed: bool = False) -> list[IntArray]:
     """Parts of many averaging factors that threads deal with apart, by places in m: the groups, the largest first."""
-
-    def parts(points: int, m: IntArray, threads: int) -> list[IntArray]:
-        ends = [np.searchsorted(m, high) for _, high in groups(points + summed, order, summed=summed)]
-        pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST), *ends])
-        return [piece for piece in pieces[::-1] if piece.size] if m.size > PAYS else interleaved(points, m, threads)
-
-    return parts
-
-
-def _coefficients(order: int) -> list[int]:
-    return [(-1) ** a * math.comb(order, a) for a in range(order + 1)]
+    if m.size <= PAYS:
+        return interleaved(points, m, threads)
+    ends = [np.searchsorted(m, high) for _, high in groups(points + summed, order, summed=summed)]
+    pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST), *ends])
+    return [piece for piece in pieces[::-1] if piece.size]
 
 
 def _by_lag(products: FloatArray, m: IntArray, order: int) -> FloatArray:
     """Sums over the windows, were there no edges."""
-    c = _coefficients(order)
+    c = binomials(order)
     total = np.full(m.shape, sum(v * v for v in c) * products[0])
     for a, b in combinations(range(order + 1), 2):
         total += 2 * c[a] * c[b] * products[(b - a) * m]
@@ -109,7 +98,7 @@ def _by_lag(products: FloatArray, m: IntArray, order: int) -> FloatArray:
 
 def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> None:
     """Take the windows that hang over the edges from the sums, in place."""
-    c = _coefficients(order)
+    c = binomials(order)
     for e, sign in zip(edges.edges, edges.signs, strict=True):
         squares = prefix(e)
         for a in range(1, order + 1):

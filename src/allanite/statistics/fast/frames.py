@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray
+from allanite.terms.row import FloatArray
 
 LEFT = 3
 """Windows' starts in a frame, over the length of the longest window."""
@@ -41,11 +41,7 @@ RADIX = 16
 class Edges(NamedTuple):
     """The first points of a record, its last ones backward, and what stands for the seams between frames.
 
-    Attributes
-    ----------
-    edges : list of arrays, shape (reach,)
-    signs : list of float
-        The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
+    The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
     """
 
     edges: list[FloatArray]
@@ -55,24 +51,10 @@ class Edges(NamedTuple):
 def framed(
     x: FloatArray, reach: int, degree: int, *, summed: bool = False, whole: bool = False
 ) -> tuple[FloatArray, Edges]:
-    """The products of a record at lags up to `reach`, and its edges.
+    """The products R(l) of a record at lags l = 0 .. `reach`, and its edges; in one frame if `whole`.
 
-    Parameters
-    ----------
-    x : array, shape (n,)
-        The angle; with `summed`, its running sum is framed, which has n + 1 points.
-    reach : int
-        Length of the longest window: it covers reach + 1 points.
-    degree : {1, 2}
-        Of the polynomials that the form does not see.
-    summed, whole : bool
-        `whole`: in one frame.
-
-    Returns
-    -------
-    products : array, shape (reach + 1,)
-        R(l).
-    edges : Edges
+    The record is the angle x or, with `summed`, its running sum, of one point more. The longest window covers reach + 1
+    points; the form does not see polynomials of `degree` 1 or 2.
     """
     from scipy.fft import next_fast_len
 
@@ -195,16 +177,10 @@ def _lagrange(nodes: np.ndarray[tuple[int], np.dtype[np.int64]], reach: int) -> 
 
 
 def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArray:
-    """Sum over edges e of sign sum over i < a m of e[i] e[i + d m + offset], m = 0 ... count - 1.
+    """Sum over edges e of sign sum over i < a m of e[i] e[i + d m + offset], m = 0 ... count - 1, steps = a, d, offset.
 
     Cut into blocks of h averaging factors: a block of m and a block of i that lies wholly below make a rectangle, which
     is a correlation; the blocks of i beside the block of m itself are triangles again, until they are small.
-
-    Parameters
-    ----------
-    edges : Edges
-    steps : (a, d, offset)
-    count : int
     """
     from allanite.kernels.frames import add_leaves
 

@@ -37,14 +37,9 @@ Structure = Callable[[FloatArray], FloatArray]
 class Compact:
     """The window of one averaging factor.
 
-    Attributes
-    ----------
-    mean : array, shape (2 points - 1,)
-        ``E = mean @ D(h)``, ``h = 1 - points, ..., points - 1``.
-    factor : array, shape (k, 2 points - 1)
-        ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product of ``factor @ D_i(l + h)`` and the like of D_j.
-    moment : float
-        ``sum_r w_r mu_r^2``, ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
+    ``E = mean @ D(h)``, h = 1 - points, ..., points - 1. ``sum_rs w_r w_s C^i_rs(l) C^j_rs(l)`` is the inner product of
+    ``factor @ D_i(l + h)`` and the like of D_j; `factor` has the shape (k, 2 points - 1). ``moment = sum_r w_r mu_r^2``
+    with ``mu_r = sum_j f_r[j] j^q / q!``: far apart C_rs is mu_r mu_s times a derivative of D.
     """
 
     mean: FloatArray

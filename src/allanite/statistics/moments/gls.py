@@ -15,13 +15,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Term
-from allanite.terms import NoiseTerm
-
-FloatArray = NDArray[np.float64]
+from allanite.terms.row import FloatArray, NoiseTerm
 
 FAR = 30
 """Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
@@ -34,20 +31,7 @@ MOST = 500
 
 
 def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
-    """Generalised covariance of mean rates at lags 0 to n - 1 samples.
-
-    Parameters
-    ----------
-    terms : Model or iterable of Term
-        Deterministic ones have none and are left out.
-    n : int
-    rate : float
-        Sampling rate, Hz.
-
-    Returns
-    -------
-    array, shape (n,)
-        SI, rate squared.
+    """Generalised covariance of mean rates at lags 0 to n - 1 samples, rate squared, SI; deterministic terms have none.
 
     Examples
     --------

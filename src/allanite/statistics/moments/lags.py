@@ -8,9 +8,8 @@ over the integers (Gram polynomials), whose size grows with the distance from th
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from allanite.terms.row import FloatArray
 
 GROWTH = 1.5
 """Size of a panel over its distance from the nearest kink."""
@@ -19,10 +18,7 @@ GROWTH = 1.5
 def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights whose weighted sum is that over the lattice from the first kink to `end`, end included.
 
-    Parameters
-    ----------
-    kinks : list of float
-        Lattice points (all integers, or all half-integers) at or below `end`, ascending.
+    Kinks are lattice points (all integers, or all half-integers) at or below `end`, ascending.
 
     Examples
     --------

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.row import FloatArray, Statistic, binomials
 from allanite.terms import NoiseTerm
 
 from .lags import lag_nodes
@@ -108,14 +108,9 @@ def _covariance(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> 
     return (-0.5 if order % 2 == 0 else 0.5) * C
 
 
-def _binomial(order: int) -> list[float]:
-    return [(-1.0) ** k * math.comb(order, k) for k in range(order + 1)]
-
-
 def _differences(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
-    weights = _binomial(order)
     offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
-    return np.asarray(np.array(weights) @ _one_difference(field, order, m[0], h + offsets))
+    return np.asarray(binomials(order) @ _one_difference(field, order, m[0], h + offsets))
 
 
 def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
@@ -124,7 +119,7 @@ def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArr
     near = t[~far]
     result = np.empty_like(t)
     points = np.abs(near + (order / 2 - np.arange(order + 1.0))[:, None] * m)
-    result[~far] = np.array(_binomial(order)) @ field.value(points)
+    result[~far] = binomials(order) @ field.value(points)
     if far.any():
         c1 = order / 24
         c2 = c1**2 / 2 - order / 2880

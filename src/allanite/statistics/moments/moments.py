@@ -8,6 +8,7 @@ coefficient of 1, T_ij the covariance of the window squares, p_i the share of te
 where r_ij depends on the statistic, m and the number of windows only; between deterministic terms (a ramp) it is 0.
 """
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 
@@ -18,7 +19,7 @@ from allanite.core.model import Model, ModelLike, model_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import NoiseTerm
 
-from . import lagsums, lines, windowed
+from . import lagsums, windowed
 
 Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
@@ -30,10 +31,7 @@ DISTINCT = 40
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
     """Expected variance of each term of a model, SI, shape (t,).
 
-    Raises
-    ------
-    UsageError
-        The statistic has no expectation under one of the terms, or none without the record's length.
+    UsageError where the statistic has no expectation under one of the terms, or none without the record's length.
     """
     E = _responses(row, [t.sampled(rate) for t in model], m, size) * np.array([t.power(rate) for t in model])
     return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
@@ -52,8 +50,23 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
     E = np.empty(len(terms))
     periodic = np.array([term.periodic for term in terms])
     E[~periodic] = windowed.response(row, [term for term in terms if not term.periodic], m, size or 0)
-    E[periodic] = [lines.response(row, term, m, size or 0) for term in terms if term.periodic]
+    E[periodic] = [_of_sinusoid(row, term, m, size or 0) for term in terms if term.periodic]
     return E
+
+
+def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:
+    """Mean over all phases of a row's variance under a sinusoid of amplitude 1, for a unit sample interval.
+
+    A quadratic form of ``cos(wt + phase)`` has as its mean over the phase half the sum of its values at cosine and
+    sine; one window is enough, but where the windows depend on the record.
+    """
+    n = row.span[0] * m + row.span[1] if row.span[0] else size
+    w = 2 * math.pi * term.shape[0]
+    angle = w * np.arange(n + 1.0)
+    factors = np.array([m])
+    sums: list[FloatArray] = [row.sums(wave / w, factors) for wave in (np.cos(angle), np.sin(angle))]
+    scale = row.norm(factors)[0] * float(m) ** 2 * row.count(n, factors)[0]
+    return float((sums[0][0] + sums[1][0]) / 2 / scale)
 
 
 def _stationary(order: int, term: NoiseTerm) -> bool:
@@ -77,13 +90,7 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
 
 
 def noise_of(model: Model) -> Model:
-    """The part of a model that scatters.
-
-    Raises
-    ------
-    UsageError
-        There is none.
-    """
+    """The part of a model that scatters; UsageError if there is none."""
     if model.noise is None:
         raise UsageError(f"{model} has no noise in it: confidence limits need at least one term of noise")
     return model.noise

@@ -23,14 +23,7 @@ EXACT = (32, 48, 64)
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Expected variance of each term for a sample interval of 1, shape (t,), without the factor tau^(2 power).
 
-    Parameters
-    ----------
-    row : Statistic
-        The total deviation or a row with a `window` that is no difference.
-    terms : sequence of NoiseTerm
-        With a coefficient of 1.
-    m, size : int
-        Averaging factor; intervals of the record, which matter to the total deviation alone.
+    Of the total deviation, or a row with a `window` that is no difference; `size` matters to the former alone.
     """
     if row.window is None:
         return folded.response(row, terms, m, size)
@@ -53,12 +46,7 @@ def _norm(row: Statistic, m: int) -> float:
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
     """r_ij = T_ij / (E_i E_j), shape (t, t): 1/EDF = p r p with p the terms' shares of the expected variance.
 
-    Parameters
-    ----------
-    row, terms, m, size
-        As for `response`.
-    count : int
-        Windows in one run without a gap; the total deviation has none but the whole record.
+    `count` windows in one run without a gap; the total deviation has none but the whole record.
     """
     if row.window is None:
         return folded.relative(terms, m, size)

@@ -88,14 +88,9 @@ class Multitaper:
 
 
 def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArray]:
-    """The first tapers, of unit energy, and the share of each one's power within the bandwidth.
+    """The first tapers, of unit energy, shape (count, size), and the share of each one's power within the bandwidth.
 
     As functions of t/T they depend on the bandwidth alone: those of a long record are interpolated.
-
-    Returns
-    -------
-    tapers : array, shape (count, size)
-    shares : array, shape (count,)
     """
     from scipy.signal.windows import dpss
 

@@ -8,18 +8,11 @@ from allanite.statistics.row import FloatArray
 
 
 class Raw(NamedTuple):
-    """Two-sided densities at the frequencies k df, k = first ... first + size - 1.
+    """Two-sided densities at the frequencies k df, Hz, k = first ... first + size - 1.
 
-    Attributes
-    ----------
-    first, df, period : int, float, int
-        The first k; spacing, Hz; number of frequencies in the sampling rate, so that k and period - k are mirrored.
-    density : array, shape (size,)
-    overlap : array
-        Covariance of two values over the square of their expectation, by the difference of their k; zero beyond its
-        end. The spectrum is taken as flat.
-    resolution : float
-        Equivalent noise bandwidth, Hz.
+    `period` is the number of frequencies in the sampling rate, so that k and period - k are mirrored. `overlap` is the
+    covariance of two values over the square of their expectation, by the difference of their k, for a flat spectrum;
+    zero beyond its end. `resolution` is the equivalent noise bandwidth, Hz.
     """
 
     first: int

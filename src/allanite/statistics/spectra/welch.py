@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.record import Record
+from allanite.statistics.estimator import stretches
 from allanite.statistics.row import FloatArray, IntArray
 
 from .raw_spectrum import Raw, demand_frequencies
@@ -66,7 +67,8 @@ class Welch:
 
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
-        runs = finite_runs(record.rate_values)
+        values = record.rate_values
+        runs = [values[a:b] for a, b in stretches(values)]
         length = self._length(record, runs)
         w = _window(self.window, length)
         hop = max(1, length // 2)
@@ -95,18 +97,6 @@ class Welch:
                 )
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return length
-
-
-def finite_runs(values: FloatArray) -> list[FloatArray]:
-    """Stretches without a lost sample.
-
-    Examples
-    --------
-    >>> [run.tolist() for run in finite_runs(np.array([np.nan, 1.0, 2.0, np.nan, 3.0]))]
-    [[1.0, 2.0], [3.0]]
-    """
-    edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False))
-    return [values[a:b] for a, b in edges.reshape(-1, 2)]
 
 
 def _window(name: str, length: int) -> FloatArray:
