@@ -92,7 +92,7 @@ class Listing:
             self.said["left"].append(path)
 
     def _chunks_fit(self, dataset: Any) -> bool:
-        return dataset.dtype.itemsize * math.prod(map(int, dataset.chunks or ())) <= self.most
+        return bool(dataset.dtype.itemsize * math.prod(dataset.chunks or ()) <= self.most)
 
     def _words(self, dataset: Any, path: str) -> None:
         if not h5py.check_string_dtype(dataset.dtype):
