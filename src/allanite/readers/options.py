@@ -29,11 +29,6 @@ class Options:
     """What the user says about a file, as `allanite.readers.read` takes it; None leaves the question to the file.
 
     A `scale` such as ``"0.01deg/s"`` becomes a number and a unit.
-
-    Raises
-    ------
-    UsageError
-        A value is impossible.
     """
 
     rate: float | None = None

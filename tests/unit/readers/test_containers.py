@@ -51,6 +51,14 @@ def test_several_sensors_are_listed_and_chosen(two_sensors):
         al.read(two_sensors, channels=["nothing"])
 
 
+def test_a_dataset_may_be_named_by_its_absolute_path(two_sensors, monkeypatch):
+    monkeypatch.chdir(two_sensors.parent)
+    gyro = al.read("a.h5", channels=["/imu0/gyro"])
+    assert gyro.source == "a.h5"
+    assert gyro.channels == ("x", "y", "z")
+    assert np.array_equal(gyro["z"].values, GYRO[:, 2])
+
+
 def test_sensors_of_one_length_with_rates_of_their_own_are_not_mixed(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         for name, rate in (("a", 100.0), ("b", 400.0)):
@@ -502,7 +510,7 @@ class Reader:
 @pytest.fixture
 def install(monkeypatch):
     def install(found):
-        monkeypatch.setattr("allanite.readers.formats.plugins.entry_points", lambda group: [Entry(found)])
+        monkeypatch.setattr("allanite.readers.formats.table.entry_points", lambda group: [Entry(found)])
 
     return install
 

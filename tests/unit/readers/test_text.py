@@ -1,5 +1,7 @@
 """Text and CSV in the shapes that loggers write."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -435,3 +437,11 @@ def test_no_header_takes_long(first, repeated, last):
     assert headers.split(header) == (header.strip(), "")
     layout.find(f"{header} b\n1 2\n".encode())
     assert time.process_time() - start < 1
+
+
+@pytest.mark.parametrize("word", ["12:20", "12:20:20", "2018-04-25", "2018-04-25 12:20", "x"])
+def test_runs_of_blanks_take_no_square_of_their_length(write, word):
+    rows = "".join(f"{word}{' ' * 60_000}x,{i % 7}.5\n" for i in range(10))
+    path, begin = write(f"when,gx{' ' * 60_000}\n{rows}"), time.process_time()
+    assert read(path, rate=1.0, unit="deg/s")[0].name == "gx"
+    assert time.process_time() - begin < 2.0

@@ -12,8 +12,7 @@ from allanite.core.record import FloatArray
 from allanite.core.units import unit_of
 from allanite.readers.columns.column import Column
 
-from . import counter
-from .clocks import Sources
+from .clocks import Sources, counted_grid, places, unwrapped
 from .grid import ONE_AFTER_THE_OTHER, Grid
 from .stamps import fit, seconds_since
 
@@ -43,21 +42,9 @@ class Beat:
 
 
 def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
-    """The sampling rate, and the grid on which the rows stand.
+    """The sampling rate, and the grid on which the rows stand: by the user's `rate`, or else by `sources`.
 
-    Parameters
-    ----------
-    sources : Sources
-        What may tell it.
-    rate : float or None
-        What the user says; it wins.
-    repeated : callable
-        Says which rows have the readings of the row before, shape (n - 1,).
-
-    Raises
-    ------
-    DataError
-        There is no other source than the stamps, and they give no rate.
+    `repeated` says which rows have the readings of the row before, shape (n - 1,).
     """
     given = rate if rate is not None else sources.rate
     first = sources.notes
@@ -68,7 +55,7 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
         unused = () if column is None else (f"{column.label} holds text and was not used",)
         return _unstamped(sources.counter, given, (*first, *unused))
     column.demand_numbers()
-    stamps, wrapped = counter.unwrapped(column.values)
+    stamps, wrapped = unwrapped(column.values)
     again = (f"{column.label} starts again at 2^{wrapped}: it was continued",) if wrapped else ()
     unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
     if not unit and not np.any(stamps != stamps[0]):
@@ -93,17 +80,17 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
 def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
     """What can be said without stamps: losses by a counter, if the rate is given."""
     if given:
-        return Beat(given, notes=notes, grid=counter.grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
+        return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
     hint = "" if column is None else f" (the counter {column.label} says which samples were lost, but not their rate)"
     return Beat(questions=(f"the file does not say its sampling rate{hint}: {ASK}",))
 
 
 def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
     """The grid that a counter with holes says, if the stamps go forward at all."""
-    places = None if column is None else counter.places(column)
-    if column is None or places is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
+    where = None if column is None else places(column)
+    if column is None or where is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
         return None
-    return counter.grid(column, float(elapsed[-1]) / int(places[-1]))
+    return counted_grid(column, float(elapsed[-1]) / int(where[-1]))
 
 
 def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:

@@ -1,5 +1,9 @@
-"""Which column is the clock: as the user says, or by names and units, and of several the steadiest."""
+"""Which column is the clock: as the user says, or by names and units, and of several the steadiest.
 
+Counters of samples or packets tell what was lost where stamps do not.
+"""
+
+import re
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,8 +14,14 @@ from allanite.core.errors import UsageError
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import Column, lookup
 
-from . import counter
-from .stamps import EVEN, TICKS
+from .findings import lost_samples
+from .grid import Grid, Places
+from .stamps import EVEN, MOST_LOST, TICKS
+
+_NAME = re.compile(
+    r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)"
+)
+_WRAPS = (8, 16, 32, 31)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,18 +37,12 @@ class Sources:
 
 
 def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, ...] | None) -> Sources:
-    """The column of stamps and its unit, and the counter of samples; neither if the user wants none.
-
-    Raises
-    ------
-    UsageError
-        The column that the user names does not exist, is a chosen channel, or its unit is not one of time.
-    """
+    """The column of stamps and its unit, and the counter of samples; neither if the user wants none."""
     free = [column for column in columns if chosen is None or column not in chosen]
     if option is None:
         column, note = _by_name(free)
         unit = _said(column) if column else ""
-        return Sources(column, unit, counter.find(free, column), notes=(note,) if note else ())
+        return Sources(column, unit, counter_of(free, column), notes=(note,) if note else ())
     if option.strip().lower() == "none":
         return Sources()
     name, unit = option, ""
@@ -50,13 +54,16 @@ def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, 
         raise UsageError(f"{column.label} is asked for as time and as a channel")
     if unit and not headers.is_time(unit):
         raise UsageError(f"{unit!r} is not a unit of time; for example time='{name.strip()}[us]' with s, ms, us or ns")
-    return Sources(column, unit or _said(column), counter.find(free, column))
+    return Sources(column, unit or _said(column), counter_of(free, column))
 
 
 def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
     """The clock among the columns: the steadiest of those whose names or units say time, and the words about it."""
-    ranked = [(_rank(column), column) for column in columns if not column.text and _may_be_clock(column)]
-    clocks = [(rank, column) for rank, column in ranked if rank < 2]
+    # a capital T is a temperature unless it rises at every row
+    open_ = (
+        column for column in columns if not column.text and (column.name != "T" or np.all(np.diff(column.values) > 0))
+    )
+    clocks = [(rank, column) for column in open_ if (rank := _rank(column)) < 2]
     if len(clocks) < 2:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
@@ -71,11 +78,6 @@ def _rank(column: Column) -> int:
     if _said(column):
         return 0 if rank < 2 else 1
     return 2 if column.unit else rank
-
-
-def _may_be_clock(column: Column) -> bool:
-    """A capital T is a temperature unless it rises at every row."""
-    return column.name != "T" or bool(np.all(np.diff(column.values) > 0))
 
 
 def _said(column: Column) -> str:
@@ -103,3 +105,54 @@ def steadiness(stamps: NDArray[Any]) -> Steadiness:
         return Steadiness(2, share, f"repeats {100 * share:.2g} % of its stamps")
     scatter = float(np.quantile(np.abs(steps / usual - 1), 0.9))
     return Steadiness(int(scatter > EVEN), scatter, f"scatters by {100 * scatter:.2g} % of a step")
+
+
+def counter_of(columns: list[Column], clock: Column | None) -> Column | None:
+    """The column that counts samples, by its name, if there are holes in what it counts."""
+    named = (column for column in columns if column is not clock and _NAME.search(column.name.strip().lower()))
+    return next((column for column in named if places(column) is not None), None)
+
+
+def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
+    """Integers that start again at a power of two, continued; and that power, 0 if they never do.
+
+    Examples
+    --------
+    >>> unwrapped(np.array([250, 253, 0, 3, 6]))
+    (array([250, 253, 256, 259, 262]), 8)
+    """
+    if not np.issubdtype(values.dtype, np.integer) or len(values) < 2:
+        return values, 0
+    steps = np.diff(values.astype(np.int64))
+    back = steps < 0
+    usual = float(np.median(np.abs(steps)))
+    for bits in _WRAPS if back.any() else ():
+        # a step over the end is as any other once the end is added
+        over = steps[back] + 2**bits
+        inside = values.min() >= 0 and values.max() < 2**bits
+        if inside and over.min() >= 0 and np.median(over) <= 3 * usual and over.max() < 2 ** (bits - 1):
+            steps[back] = over
+            return np.concatenate(([int(values[0])], int(values[0]) + np.cumsum(steps))), bits
+    return values, 0
+
+
+def places(column: Column) -> Places | None:
+    """The places of the rows by a counter; None if it counts no samples, or none is missing."""
+    values = column.values
+    if values.dtype.kind == "f" and len(values) and np.all(values == np.floor(values)) and np.abs(values).max() < 2**53:
+        values = values.astype(np.int64)
+    if not np.issubdtype(values.dtype, np.integer) or len(values) < 10:
+        return None
+    steps = np.diff(unwrapped(values)[0].astype(np.int64))
+    if steps.min() < 1 or steps.min() == steps.max():
+        return None
+    counted = np.concatenate(([0], np.cumsum(steps // np.gcd.reduce(steps))))
+    return counted if counted[-1] + 1 - counted.size <= MOST_LOST * counted[-1] else None
+
+
+def counted_grid(column: Column | None, interval: float) -> Grid | None:
+    """The grid that a counter says; None if there is nothing to say."""
+    where = None if column is None else places(column)
+    if column is None or where is None:
+        return None
+    return Grid(interval, None, where, (lost_samples(where, interval, f"by the counter {column.label}"),))

@@ -8,7 +8,7 @@ import numpy as np
 from allanite.core.finding import Finding
 from allanite.core.record import FloatArray
 
-from .grid import Places
+from .grid import Places, resolution
 
 FAULTS: dict[str, tuple[str, str]] = {
     "lost samples": (
@@ -50,9 +50,6 @@ UNSTEADY = 0.1
 
 DRIFT = 1e-4
 """Relative change of rate within a record that is worth a word: no noise coefficient notices less."""
-
-RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
-"""Steps, s, in which clocks are read or printed."""
 
 PARTS = 16
 """Parts of a record whose rates are compared."""
@@ -98,22 +95,6 @@ def finding(
     """A finding of the table; words of its own case go over those of the table."""
     usual, advice = FAULTS[name]
     return Finding(name, what, consequence or usual, remedy or advice, place)
-
-
-def resolution(steps: FloatArray) -> float:
-    """The largest usual step of which all steps are multiples; 0 if there is none.
-
-    Examples
-    --------
-    >>> resolution(np.array([0.002, 0.003, 0.0, 0.002])), resolution(np.ones(3) / 7)
-    (0.001, 0.0)
-    """
-    ends = steps[steps > 0][:10_000]
-    for step in RESOLUTIONS if ends.size else ():
-        multiples = ends / step
-        if multiples.min() > 0.5 and np.abs(multiples - np.rint(multiples)).max() < 1e-3:
-            return step
-    return 0.0
 
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:

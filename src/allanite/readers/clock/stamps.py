@@ -12,8 +12,7 @@ from allanite.core.record import FloatArray
 from allanite.core.units import unit_of
 
 from .findings import Stamps, bursty, counted, drift, duplicates, duration, finding, lost_samples, unsteady
-from .grid import Grid, Places
-from .pace import pace
+from .grid import Grid, Places, pace
 
 EVEN = 0.5
 """Intervals by which every stamp may depart from the even grid before losses are looked for."""
@@ -38,16 +37,9 @@ def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
 
 
 def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> Grid:
-    """The grid under stamps.
+    """The grid under stamps, which are seconds since the first, shape (n,); `label` is their column in messages.
 
-    Parameters
-    ----------
-    elapsed : array, shape (n,)
-        Seconds since the first stamp.
-    label : str
-        The column in messages.
-    repeated : callable
-        Says which rows have the readings of the row before, shape (n - 1,) or (1,); asked if stamps repeat.
+    `repeated` says which rows have the readings of the row before, shape (n - 1,) or (1,); asked only if stamps repeat.
     """
     bad = ~np.isfinite(elapsed)
     if bad.any():

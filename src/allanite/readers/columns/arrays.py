@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from .column import Column, headed
-from .table import numbers
 
 RATE_NAMES = (
     "rate", "fs", "sample_rate", "samplerate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency", "freq",
@@ -20,18 +19,6 @@ RATE_NAMES = (
 
 def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterator[tuple[str, NDArray[Any]]]:
     """Headers and one-dimensional arrays; of a matrix, the longer side is time.
-
-    Parameters
-    ----------
-    name, array
-        The array and what its file calls it.
-    names : tuple of str
-        Names of the columns of a matrix, if the file has them.
-
-    Raises
-    ------
-    DataError
-        The array has more than two dimensions.
 
     Examples
     --------
@@ -80,6 +67,18 @@ def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") 
     if values.dtype.kind in "USb?":
         return headed(np.empty(0), position, header, text=str(values[0]) if len(values) else "text")
     return headed(numbers(values, header or f"column {position}"), position, header, unit=unit)
+
+
+def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
+    """Readings of any real type as native float64 or int64."""
+    copy = values.base is not None  # a part of a matrix, which it would keep, or of a file, which may change
+    if values.dtype.kind in "iu":
+        fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
+        return values.astype(np.int64 if fits else np.float64, copy=copy)
+    if values.dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            return values.astype(np.float64, copy=copy)
+    raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
 
 
 def of_arrow(chunks: Any) -> NDArray[Any]:

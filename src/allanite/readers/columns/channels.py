@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from allanite.core.units import BASES, signal_with, unit_of
 from allanite.readers.options import Options
 
 from . import headers
-from .column import Column, lookup
+from .column import Column, lookup, some
+
+T = TypeVar("T")
 
 ASK_UNIT = (
     "pass unit='deg/s' (--unit deg/s) with what the readings are in, or write it into the header as in 'gx [deg/s]'; a "
@@ -62,35 +64,30 @@ def named(columns: tuple[Column, ...], keys: tuple[str, ...] | None) -> tuple[Co
 def choose(
     columns: tuple[Column, ...], options: Options, chosen: tuple[Column, ...] | None, time: Column | None
 ) -> Choice:
-    """The signals among the columns: the chosen ones, or all that can be one.
-
-    Raises
-    ------
-    DataError
-        A chosen column holds text.
-    """
+    """The signals among the columns: the chosen ones, or all that can be one."""
     pool = [column for column in columns if column is not time] if chosen is None else list(chosen)
-    found = [_candidate(column, options, pool) if chosen is None else _chosen(column, options) for column in pool]
+    for column in chosen or ():
+        column.demand_numbers()
+    found = [
+        _candidate(column, options, pool) if chosen is None else _resolved(column, options, applies=True)
+        for column in pool
+    ]
     signals = tuple(item for item in found if isinstance(item, Signal))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
     reasons = _grouped((f"{item.why}:", item.column) for item in left)
     if (signals and chosen is None) or not left:
         return Choice(signals, notes, tuple(f"left out, {reason}" for reason in reasons), ())
-    asked = _asked(left)
+    asked = [
+        f"{names}: {why}; {ask}" for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
+    ]
     nothing = "no column is recognised as an inertial signal; choose with channels=['gx', '2'] (--channels gx,2)"
     others = _grouped((f"{item.why}:", item.column) for item in left if not item.ask)
     return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,))
 
 
 def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, ...]]:
-    """Columns that something else depends on, each with the unit of its header, and the words where it has none.
-
-    Raises
-    ------
-    DataError
-        A column holds text.
-    """
+    """Columns that something else depends on, each with the unit of its header, and the words where it has none."""
     signals, plain = [], []
     for column in columns:
         column.demand_numbers()
@@ -105,12 +102,7 @@ def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal |
     # a file that says what the readings of a column are needs no reading of names
     said = bool(column.kind) or _asked_for(column, options)
     why = "" if said else _no_signal(column, options) or _rises(column, options, pool)
-    return Left(column, why) if why else _resolved(column, options, _applies(column, options))
-
-
-def _chosen(column: Column, options: Options) -> Signal | Left:
-    column.demand_numbers()
-    return _resolved(column, options, True)
+    return Left(column, why) if why else _resolved(column, options, applies=_applies(column, options))
 
 
 def _no_signal(column: Column, options: Options) -> str:
@@ -165,7 +157,7 @@ def _applies(column: Column, options: Options) -> bool:
     ]
 
 
-def _resolved(column: Column, options: Options, applies: bool) -> Signal | Left:
+def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Left:
     said = _said(column) if column.kind or headers.signal_of(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
@@ -212,22 +204,14 @@ def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
     return [f"a reading in {unit} is taken as the {kind} over a sample interval" for kind, unit in kinds]
 
 
-def _asked(left: list[Left]) -> list[str]:
-    """What must be said, and of which columns."""
-    groups: dict[tuple[str, str], list[str]] = {}
-    for column, why, ask in left:
-        if ask:
-            groups.setdefault((why, ask), []).append(repr(column.header or column.name))
-    return [f"{_listed(names)}: {why}; {ask}" for (why, ask), names in groups.items()]
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+def _together(items: Iterable[tuple[T, Column]]) -> list[tuple[T, str]]:
+    """Each thing that is said, with the names of all columns of which it is."""
+    groups: dict[T, list[str]] = {}
+    for said, column in items:
+        groups.setdefault(said, []).append(repr(column.header or column.name))
+    return [(said, some(names, 12)) for said, names in groups.items()]
 
 
 def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
     """One sentence for each text, with all its columns."""
-    groups: dict[str, list[str]] = {}
-    for text, column in items:
-        groups.setdefault(text, []).append(repr(column.header or column.name))
-    return [f"{text} {_listed(names)}" for text, names in groups.items()]
+    return [f"{text} {names}" for text, names in _together(items)]

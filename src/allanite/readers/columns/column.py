@@ -14,20 +14,10 @@ from . import headers
 class Column:
     """One column of a file.
 
-    Parameters
-    ----------
-    values : array, shape (n,)
-        float64 or int64; empty if the column holds text.
-    position : int
-        Its place in the file, counted from 1.
-    name, unit, kind, scale
-        What the file says about it; empty or None where it says nothing.
-    header : str
-        The header as it stands in the file; empty if there is none.
-    text : str
-        The first entry of a column of text; empty for numbers.
-    history : tuple of str
-        What was done to the readings before they were written.
+    `values`, shape (n,), are float64 or int64, empty for text; `position` is its place in the file, counted from 1.
+    `name`, `unit`, `kind` and `scale` are what the file says, empty or None where it says nothing, and `header` as it
+    stands there; `text` is the first entry of a column of text (empty for numbers), `history` what was done to the
+    readings before they were written.
     """
 
     values: NDArray[Any]
@@ -46,13 +36,7 @@ class Column:
         return f"column {self.header!r}" if self.header else self.name
 
     def demand_numbers(self) -> None:
-        """Refuse a column of text.
-
-        Raises
-        ------
-        DataError
-            The column holds text.
-        """
+        """Refuse a column of text."""
         if self.text:
             raise DataError(f"{self.label} holds text ({self.text!r}), numbers are expected; choose another column")
 
@@ -88,23 +72,17 @@ def unique(columns: tuple[Column, ...]) -> tuple[Column, ...]:
 
 
 def lookup(columns: tuple[Column, ...], key: str) -> Column:
-    """The column called `key`: by name, by header, regardless of case, or by its place counted from 1.
-
-    Raises
-    ------
-    UsageError
-        There is none; the message lists the columns.
-    """
+    """The column called `key`: by name, by header, regardless of case, or by its place counted from 1."""
     wanted = key.strip()
     exact = [column for column in columns if wanted in (column.name, column.header)]
     alike = [column for column in columns if wanted.lower() in (column.name.lower(), column.header.lower())]
     placed = [column for column in columns if wanted == str(column.position)]
     for column in (*exact, *alike, *placed):
         return column
-    raise UsageError(f"no column {key!r}; there are {listed(columns)}")
+    names = [f"{column.position}: {column.header or column.name}" for column in columns]
+    raise UsageError(f"no column {key!r}; there are {some(names, 30)}")
 
 
-def listed(columns: tuple[Column, ...]) -> str:
-    """The columns in words, not more than 30 of them."""
-    names = [f"{column.position}: {column.header or column.name!s}" for column in columns[:30]]
-    return ", ".join(names) + (f" and {len(columns) - 30} more" if len(columns) > 30 else "")
+def some(names: list[str], most: int) -> str:
+    """The names in words, not more than `most` of them."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -17,8 +17,7 @@ from allanite.readers.options import Options
 from . import headers
 from .arrays import RATE_NAMES, column, split, turned, turned_note
 from .column import Column
-from .description import restored
-from .table import Table
+from .table import Table, restored
 
 WIDEST = 1000
 """Columns of a dataset; what has more is an image or a matrix, not a recording."""
@@ -28,18 +27,8 @@ WIDEST = 1000
 class Dataset:
     """An array in a container, before it is loaded.
 
-    Parameters
-    ----------
-    path : str
-        Where it is, as ``"imu0/gyro"``.
-    shape, dtype
-        As the container declares them.
-    load : callable
-        Reads it.
-    unit, names, rate
-        What its attributes say: unit, names of its columns, sampling rate in Hz.
-    source : str
-        Where the rate is known from.
+    `path` is where it is, as ``"imu0/gyro"``, `shape` and `dtype` what the container declares, `load` reads it. `unit`,
+    `names` of columns and `rate` in Hz are what its attributes say, `source` is where the rate is known from.
     """
 
     path: str
@@ -120,15 +109,7 @@ def _nearest(dataset: Dataset, homes: Iterable[str]) -> str | None:
 
 
 def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = "") -> Recording:
-    """The channels of the datasets that belong together; `text` is what `description.described` made, if it is there.
-
-    Raises
-    ------
-    UsageError
-        Several recordings with clocks of their own are in the file and none is chosen; the message lists them.
-    DataError
-        There is no array of readings.
-    """
+    """The channels of the datasets that belong together; `text` is what `table.described` made, if it is there."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
         seen = f"; it holds {', '.join(map(str, found[:20]))}" if found else ""

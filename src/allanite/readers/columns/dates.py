@@ -18,6 +18,9 @@ PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
 
 DAY = 86_400 * 10**9
 
+LONGEST = 100
+"""Characters of a date; over long runs of blanks the patterns take the square of their length."""
+
 Values = NDArray[Any]
 
 
@@ -31,22 +34,14 @@ def pattern_of(word: str) -> str:
     >>> pattern_of("1.25"), pattern_of("GYRO")
     ('', '')
     """
-    return next((pattern for pattern in PATTERNS if re.fullmatch(pattern, word.strip())), "")
+    word = word.strip()
+    return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST else ""
 
 
 def parsed(words: Any, pattern: str, label: str) -> Values:
-    """A column of words that follow one pattern.
+    """A column of words that follow one pattern; NaT where a cell is empty.
 
-    Returns
-    -------
-    array, shape (n,)
-        ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; NaT
-        where a cell is empty.
-
-    Raises
-    ------
-    DataError
-        A word follows another pattern, or is no date.
+    ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day.
     """
     import pyarrow as pa
     import pyarrow.compute as pc

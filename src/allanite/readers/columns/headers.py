@@ -61,7 +61,7 @@ def split(header: str) -> tuple[str, str]:
     name, unit = _bracketed(header)
     if unit is not None and unit.lower() in _RAW and name:
         return name, ""
-    if unit is not None and not _is_index(unit):
+    if unit is not None and not (unit.isdigit() or unit.lower() in ("x", "y", "z")):
         return name or header, unit
     tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
@@ -78,10 +78,6 @@ def _bracketed(header: str) -> tuple[str, str | None]:
         if _INSIDE.fullmatch(header, at + 1, len(header) - 1):
             return header[:at].strip(), header[at + 1 : -1].strip()
     return header, None
-
-
-def _is_index(text: str) -> bool:
-    return text.isdigit() or text.lower() in ("x", "y", "z")
 
 
 def known(unit: str) -> Unit | None:

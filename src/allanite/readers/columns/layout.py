@@ -1,14 +1,64 @@
-"""How a text file is laid out: delimiter, decimal sign, comments, names, and where the numbers begin."""
+"""How a text file is laid out: delimiter, decimal sign, comments, names, where the numbers begin; and its cells."""
 
+import csv
 import re
 from collections import Counter
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import NamedTuple
 
 from allanite.core.errors import DataError
 
 from . import headers
-from .cells import MISSING, Row, cells, decoded, has_number, is_number
+
+MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.#qnan", "-1.#ind", "1.#ind"))
+
+_NUMBER = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
+
+
+class Row(NamedTuple):
+    """A line of the file: its number from 1, where it begins, its cells."""
+
+    line: int
+    offset: int
+    cells: list[str]
+
+
+def is_number(cell: str, decimal: str = ".") -> bool:
+    """Whether a cell is a number.
+
+    Examples
+    --------
+    >>> is_number("-1.5e-3"), is_number("1,5", ","), is_number("1_000"), is_number("0x10")
+    (True, True, False, False)
+    """
+    return bool(_NUMBER.fullmatch(cell if decimal == "." else cell.replace(decimal, ".", 1)))
+
+
+def cells(line: str, delimiter: str) -> list[str]:
+    """The cells of a line, without quotes and outer blanks."""
+    if delimiter == " ":
+        return line.split()
+    if '"' in line:
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+        except csv.Error:
+            pass  # a stray quotation mark: cut at the delimiters
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def decoded(raw: bytes) -> str:
+    """Text of a header: UTF-8, or else Latin-1, in which the degree sign of older loggers is written."""
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def has_number(row: Row, decimal: str) -> bool:
+    """Whether a row has a number in it."""
+    return any(is_number(cell, decimal) for cell in row.cells)
+
 
 HEAD = 1 << 17
 """Bytes at the beginning of a file from which its layout is found."""
@@ -46,13 +96,7 @@ class Layout:
 
 
 def find(data: bytes) -> Layout:
-    """The layout of a text.
-
-    Raises
-    ------
-    DataError
-        There are no rows of numbers near the beginning, or more names than columns.
-    """
+    """The layout of a text; refused if there are no rows of numbers near the beginning, or more names than columns."""
     lines = numbered_lines(data)
     if not lines:
         raise DataError(
@@ -152,7 +196,9 @@ def _named(
     named = _names(worded[-1].cells, width, delimiter) if worded and worded[-1] is above[-1 - any(units)] else None
     if named is not None:
         passed = len(above) - 1 - any(units)
-        return named, units, _passed(passed, above[0]) + _unnamed(named)
+        filled = sum(map(bool, named))
+        unnamed = (f"the header names {filled} of {width} columns",) if filled < width else ()
+        return named, units, _passed(passed, above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         said = _commented(text, width, delimiter, decimal)
@@ -192,8 +238,3 @@ def _passed(count: int, row: Row) -> tuple[str, ...]:
     if count <= 0:
         return ()
     return (f"{count} line{'s' * (count > 1)} above the numbers passed over, the first {row.cells[0][:40]!r}",)
-
-
-def _unnamed(names: tuple[str, ...]) -> tuple[str, ...]:
-    named = sum(bool(name) for name in names)
-    return (f"the header names {named} of {len(names)} columns",) if named < len(names) else ()

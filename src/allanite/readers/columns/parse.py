@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from . import dates
-from .cells import MISSING, cells, decoded, is_number
-from .layout import MARKS, Layout
+from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
@@ -31,20 +30,11 @@ Parsed = Values | Tags | str | None
 
 
 def columns(data: bytes, layout: Layout) -> tuple[list[Parsed], tuple[str, ...]]:
-    """The columns of the rows from ``layout.offset`` on, and what was passed over.
+    """The columns of the rows from ``layout.offset`` on, and notes on what was passed over.
 
-    Returns
-    -------
-    columns : list
-        float64 or int64 arrays of shape (n,), NaN where a cell is empty; nanoseconds (int64, of type
-        ``datetime64[ns]``) for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day;
-        `Tags` for a column of few words, the first entry for one of many; None for one that is empty.
-    notes : tuple of str
-
-    Raises
-    ------
-    DataError
-        A cell of a column of numbers is something else, or a row has another number of cells; the line is named.
+    A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
+    ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for many;
+    None if it is empty. What is no number is refused with its line.
     """
     body = _clean(data, layout)
     body, notes = _whole_rows(body, layout)

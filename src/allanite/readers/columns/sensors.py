@@ -43,16 +43,12 @@ def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
             if not 2 <= numbers.size <= MOST or np.any(~np.isin(column.values, numbers)):
                 continue
             ids, codes = tuple(map(str, numbers)), np.searchsorted(numbers, column.values)
-            if not named and not (column.header == "" and _round_and_round(codes, len(ids))):
+            around = codes.size > 4 * len(ids) and np.array_equal(codes[len(ids) :], codes[: -len(ids)])
+            if not named and not (column.header == "" and around):
                 continue
         if 2 <= len(ids) <= MOST and codes.min() >= 0 and (np.diff(codes) != 0).mean() > 0.1:
             return Turns(place, ids, codes)
     return None
-
-
-def _round_and_round(codes: NDArray[Any], count: int) -> bool:
-    """Whether the codes repeat with the period of their number."""
-    return bool(codes.size > 4 * count and np.all(codes[count:] == codes[:-count]))
 
 
 def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[str, ...]]:
@@ -113,13 +109,9 @@ def wanted(groups: list[list[Column]], keys: tuple[str, ...] | None) -> list[Col
     if they agree; otherwise all, and the table will say that they do not.
     """
     if keys is not None:
-        chosen = [group for group in groups if any(_is(column, keys) for column in group)]
+        asked = {key.strip().lower() for key in keys}
+        chosen = [g for g in groups if any(asked & {c.name.lower(), c.header.lower(), str(c.position)} for c in g)]
         return [column for group in chosen or groups for column in group]
     inertial = [group for group in groups if any(headers.sensor_by_name(column.name) for column in group)]
     kept = inertial if len({len(group[0].values) for group in groups if group}) > 1 and inertial else groups
     return [column for group in kept for column in group]
-
-
-def _is(column: Column, keys: tuple[str, ...]) -> bool:
-    names = (column.name.lower(), column.header.lower(), str(column.position))
-    return any(key.strip().lower() in names for key in keys)

@@ -2,8 +2,7 @@
 
 import re
 
-from .cells import cells, decoded, is_number
-from .layout import HEAD, MARKS, style
+from .layout import HEAD, MARKS, cells, decoded, is_number, style
 
 WIDEST = 1000
 """Numbers on a line beyond which the line is a channel and not a sample."""

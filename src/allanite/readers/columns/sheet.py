@@ -32,25 +32,10 @@ class Sheet:
     notes: tuple[str, ...] = ()
 
     def values(self, key: str, unit: str, *, given: str | None = None) -> FloatArray:
-        """A column in `unit`, as float64 of shape (n,), NaN where a cell is empty.
+        """The column `key` (name, header, or place from 1) in `unit`: float64 of shape (n,), NaN where a cell is empty.
 
-        Parameters
-        ----------
-        key : str
-            Name, header, or place counted from 1.
-        unit : str
-            What is wanted: "rad", "s", "1".
-        given : str, optional
-            What the column is in, over its header.
-
-        Raises
-        ------
-        UsageError
-            There is no such column, or nothing says its unit.
-        UnitError
-            It measures something else.
-        DataError
-            It holds text.
+        `given` is what the column is in, over its header. Refused are a column that is not there (`UsageError`), of no
+        known unit (`UsageError`), of another quantity (`UnitError`) or of text (`DataError`).
         """
         column = lookup(self.columns, key)
         column.demand_numbers()
@@ -68,13 +53,7 @@ class Sheet:
 
 
 def sheet(path: str) -> Sheet:
-    """Read the columns of a text or CSV file.
-
-    Raises
-    ------
-    DataError
-        There is no such file, or it holds no rows of numbers; the line is named.
-    """
+    """Read the columns of a text or CSV file; `DataError` if it is not there or holds no rows of numbers."""
     name, _ = checked(path)
     try:
         columns, notes = sheet_of(name)

@@ -1,35 +1,38 @@
-"""Table: the columns of a file before anybody has said what they are. Every reader fills one."""
+"""Table: the columns of a file before anybody has said what they are. Every reader fills one.
 
+What a Recording says beyond its numbers is one line of JSON that each format which is written keeps somewhere.
+"""
+
+import json
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Record, Recording
+from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.record import KINDS, Record, Recording
+from allanite.core.units import signal_with, unit_of
 from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
 from . import channels
+from .arrays import RATE_NAMES
 from .column import Column, unique
+
+KEY = "allanite"
+"""The name under which a format keeps it."""
+
+SOURCE = "the description in the file"
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The columns of a file, what the file itself says about them, and what was assumed so far.
+    """The columns of a file in its order, what the file itself says about them, and what was assumed so far.
 
-    Parameters
-    ----------
-    columns : tuple of Column
-        In the order of the file.
-    rate, rate_source
-        Sampling rate in Hz, if the file states one, and where it does.
-    notes : tuple of str
-        What was assumed when the file was taken apart.
-    start : float, optional
-        Time of the first sample, s, if the file states one.
+    `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
+    `rate_source` is where it states the rate.
     """
 
     columns: tuple[Column, ...]
@@ -39,15 +42,7 @@ class Table:
     start: float | None = None
 
     def recording(self, options: Options) -> Recording:
-        """The channels as records on one clock.
-
-        Raises
-        ------
-        UsageError
-            Rate, unit or kind is neither in the file nor in the options, or a chosen column does not exist.
-        DataError
-            The columns hold too few rows or text, or the stamps follow no even grid.
-        """
+        """The channels as records on one clock."""
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
                 "the file holds fewer than 2 rows of numbers; a record needs thousands, one row for each sample"
@@ -92,18 +87,6 @@ def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> 
     return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)
 
 
-def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
-    """Readings of any real type as native float64 or int64."""
-    copy = values.base is not None  # a part of a matrix, which it would keep, or of a file, which may change
-    if values.dtype.kind in "iu":
-        fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
-        return values.astype(np.int64 if fits else np.float64, copy=copy)
-    if values.dtype.kind == "f":
-        with np.errstate(over="ignore"):
-            return values.astype(np.float64, copy=copy)
-    raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
-
-
 def _demand_rows(columns: list[Column]) -> None:
     lengths = {column.label: len(column.values) for column in columns}
     if len(set(lengths.values())) > 1:
@@ -114,3 +97,69 @@ def _demand_rows(columns: list[Column]) -> None:
     for label, length in lengths.items():
         if length < 2:
             raise DataError(f"{label} holds {length} numbers; a record needs thousands, one row for each sample")
+
+
+def described(recording: Recording) -> str:
+    """Rate, start and what each channel is, in ASCII."""
+    channels = [
+        {name: getattr(record, name) for name in ("name", "unit", "kind", "scale")}
+        | {"integers": record.values.dtype.kind == "i", "history": list(record.history)}
+        for record in recording
+    ]
+    said = {KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels}
+    return json.dumps(said)
+
+
+def keys(recording: Recording) -> list[str]:
+    """A name for each channel that any format takes: ASCII letters, digits and _, none twice."""
+    taken = {KEY, *RATE_NAMES}
+    result = []
+    for record in recording:
+        letters = "".join(c if c.isascii() and c.isalnum() else "_" for c in record.name).strip("_")[:24]
+        name = letters if letters[:1].isalpha() else f"channel_{letters}".rstrip("_")
+        key, again = name, 2
+        while key.lower() in taken:
+            key, again = f"{name}_{again}", again + 1
+        taken.add(key.lower())
+        result.append(key)
+    return result
+
+
+def restored(table: Table, text: str | bytes) -> Table:
+    """The columns with what a description says of them; one that does not fit them is not used, with a note."""
+    if not text:
+        return table
+    try:
+        return _restored(table, json.loads(text))
+    except (AllaniteError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
+        note = f"{SOURCE} does not fit its columns (were they changed since it was written?) and is not used"
+        return replace(table, notes=(*table.notes, note))
+
+
+def _restored(table: Table, said: dict[str, Any]) -> Table:
+    pairs = zip(table.columns, said["channels"], strict=True)
+    columns = tuple(_told(column, channel) for column, channel in pairs)
+    start = None if said["start"] is None else float(said["start"])
+    return replace(table, columns=columns, rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
+
+
+def _told(column: Column, said: dict[str, Any]) -> Column:
+    kind, unit, scale = str(said["kind"]), str(said["unit"]), said["scale"]
+    if signal_with(unit_of(unit).dimension, KINDS[kind][0]) is None or column.text:
+        raise ValueError(unit)
+    return replace(
+        column,
+        # text has no floats, only numbers: 1.0 is read as an integer
+        values=column.values if said["integers"] else column.values.astype(np.float64),
+        name=str(said["name"]),
+        unit=unit,
+        kind=kind,
+        scale=None if scale is None else _positive(scale),
+        history=tuple(str(line) for line in said["history"]),
+    )
+
+
+def _positive(number: Any) -> float:
+    if isinstance(number, bool) or not 0 < number < float("inf"):
+        raise ValueError(number)
+    return float(number)

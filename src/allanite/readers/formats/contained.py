@@ -2,37 +2,24 @@
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.record import Recording
+from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.datasets import Dataset, rated, recording
+from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.process import Process
 
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
-    """The channels of a file of one of the formats of `sandbox.worker`.
-
-    Parameters
-    ----------
-    form, path, options
-        The format, the file, and what the user says about it.
-    transposed : bool
-        The arrays stand in the file with their sides exchanged.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, claims more than it can hold, or has no array of readings.
-    UsageError
-        It holds several recordings and none is chosen, its library is not installed, or something is not said.
-    """
-    with Process(form, path) as process:
+    """The channels of a file that `sandbox.worker` opens; with `transposed`, the sides of its arrays are exchanged."""
+    with Process(form, path, {"rates": RATE_NAMES, "text": KEY}) as process:
         said = process.said
         with worded():
             found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
@@ -42,7 +29,8 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
 
 def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process, *, transposed: bool) -> Dataset:
     where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
-    dtype = _dtype(item["fields"])
+    fields = [(str(name), str(kind), tuple(shape)) for name, kind, shape in item["fields"]]
+    dtype = np.dtype(fields[0][1] if fields[0][0] == "" else fields)
     turned = _turned(shape) if transposed else shape
 
     def load() -> NDArray[Any]:
@@ -59,11 +47,6 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
     return Dataset(where, turned, dtype, load, unit, names, item.get("rate"), source)
 
 
-def _dtype(fields: Sequence[Sequence[Any]]) -> np.dtype[Any]:
-    named = [(str(name), str(kind), tuple(shape)) for name, kind, shape in fields]
-    return np.dtype(named[0][1] if named[0][0] == "" else named)
-
-
 def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:
     """The shape of a MATLAB array; of a vector its length alone."""
     turned = shape[::-1]
@@ -77,9 +60,7 @@ def _said(item: Mapping[str, Any], texts: Mapping[str, Any]) -> tuple[str, tuple
     names = next((item[n] for n in ("columns", "names", "channels", "labels") if isinstance(item.get(n), list)), beside)
     units = item.get("units", item.get("unit"))
     names = [str(name) for name in names] if isinstance(names, list) else []
-    if isinstance(units, list) and len(units) == 1:
-        units = units[0]
-    if isinstance(units, list) and len(units) == len(names):
+    if isinstance(units, list) and len(units) == len(names) > 1:
         return "", tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=True))
     if isinstance(units, list) and len(set(units)) == 1:
         units = units[0]

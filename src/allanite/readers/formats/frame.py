@@ -8,8 +8,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
-from allanite.readers.columns.arrays import is_number, of_arrow
-from allanite.readers.columns.table import numbers
+from allanite.readers.columns.arrays import is_number, numbers, of_arrow
 from allanite.readers.options import Frame, Options
 
 from . import text
@@ -19,13 +18,6 @@ def read(frame: Frame, options: Options) -> Recording:
     """The channels of a table; the names of its columns are read as the headers of a CSV are.
 
     The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
-
-    Raises
-    ------
-    DataError
-        Two columns have one name, or what is in them is not read.
-    UsageError
-        What the table does not say is not given either.
     """
     if options.dtype is not None:
         raise UsageError("dtype, columns and offset describe raw binary files; leave them out for a table in memory")

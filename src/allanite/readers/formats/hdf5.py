@@ -2,7 +2,7 @@
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.readers.columns.description import KEY, described, keys
+from allanite.readers.columns.table import KEY, described, keys
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_library
 
@@ -25,15 +25,7 @@ def _signed(head: bytes) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of an HDF5 file: datasets of one length and clock, with units and rates from their attributes.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, claims more than it can hold, or has no dataset of readings.
-    UsageError
-        It holds several recordings and none is chosen, h5py is not installed, or something is not said.
-    """
+    """The channels of an HDF5 file: datasets of one length and clock, with units and rates from their attributes."""
     with open(path, "rb") as file:
         head = file.read(_PLACES[-1] + 8)
     if not _signed(head):

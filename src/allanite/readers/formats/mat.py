@@ -5,7 +5,7 @@ Version 7.3 is HDF5, and an ASCII .mat is text.
 
 from allanite.core.errors import UsageError
 from allanite.core.record import Recording
-from allanite.readers.columns.description import KEY, described, keys
+from allanite.readers.columns.table import KEY, described, keys
 from allanite.readers.options import Options
 
 from .contained import contained
@@ -28,13 +28,6 @@ def read(path: str, options: Options) -> Recording:
     """The channels of a .mat file: variables and fields of structures of one length.
 
     Cells, objects, functions and sparse matrices are left out; nothing in the file can run.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, claims more than it can hold, or has no array of readings.
-    UsageError
-        It holds several recordings and none is chosen, or something is not said.
     """
     return contained("mat", path, options)
 

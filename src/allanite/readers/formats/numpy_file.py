@@ -12,8 +12,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import Column
-from allanite.readers.columns.description import KEY, described, keys, restored
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import KEY, Table, described, keys, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.source import demand_directory
@@ -34,13 +33,6 @@ def read(path: str, options: Options) -> Recording:
 
     A one-dimensional array is one channel; a two-dimensional one has a channel in each column; the fields of a
     structured array, and the arrays of a .npz, are named like the headers of a text, with a unit where they carry one.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, holds objects, or its arrays are not real numbers in columns.
-    UsageError
-        What the file does not say is not given either.
     """
     arrays, notes = _loaded(path), list[str]()
     text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")

@@ -10,8 +10,7 @@ from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.datasets import WIDEST
-from allanite.readers.columns.description import KEY, described, restored
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import KEY, Table, described, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 
@@ -27,15 +26,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of a Parquet table; a missing value is NaN.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, or claims more readings than it can hold.
-    UsageError
-        What the file does not say is not given either.
-    """
+    """The channels of a Parquet table; a missing value is NaN."""
     import pyarrow as pa
     from pyarrow import parquet
 

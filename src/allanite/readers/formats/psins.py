@@ -7,9 +7,8 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
-from allanite.readers.columns.cells import is_number
 from allanite.readers.columns.column import Column
-from allanite.readers.columns.layout import Layout, numbered_lines
+from allanite.readers.columns.layout import Layout, is_number, numbered_lines
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
@@ -32,13 +31,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors stand in the file.
-
-    Raises
-    ------
-    DataError
-        A header row is missing or holds something else than its six numbers, or a row below does.
-    """
+    """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors stand in the file."""
     data = Path(path).read_bytes()
     rows = _rows(data)
     if len(rows) < 4:

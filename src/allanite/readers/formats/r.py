@@ -21,15 +21,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of an R file; names of columns, ``freq`` and units of attributes are used where they are there.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, is not in R's binary form, or holds no numbers.
-    UsageError
-        It holds several recordings and none is chosen, or something is not said.
-    """
+    """The channels of an R file; names of columns, ``freq`` and units of attributes are used where they are there."""
     with open(path, "rb") as file:
         head = file.read(8)
     if not head.startswith(_MAGIC):

@@ -22,15 +22,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of rows of binary numbers.
-
-    Raises
-    ------
-    UsageError
-        The type is none that NumPy knows, or not one of real numbers.
-    DataError
-        The file holds no whole number of rows.
-    """
+    """The channels of rows of binary numbers."""
     row, offset = _row(options), options.offset or 0
     count = _rows(os.path.getsize(path) - offset, row, offset)
     rows = np.memmap(path, row, mode="r", offset=offset, shape=(count,))

@@ -10,8 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns import dates, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
-from allanite.readers.columns.description import KEY, described, restored
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import KEY, Table, described, restored
 from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with a header or without"
@@ -29,18 +28,11 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of a text file.
-
-    Raises
-    ------
-    DataError
-        The file holds no rows of numbers, or something else among them; the line is named.
-    UsageError
-        What the file does not say is not given either.
-    """
+    """The channels of a text file."""
     data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
     columns, tags, said = columns_of(data)
-    return _with_description(arranged(columns, tags, (*notes, *said), options), data).recording(options)
+    table, comment = arranged(columns, tags, (*notes, *said), options), _COMMENT.match(data)
+    return restored(table, comment[1] if comment else "").recording(options)
 
 
 def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[str, ...], options: Options) -> Table:
@@ -145,12 +137,6 @@ def _column(values: Any, place: int, name: str, unit: str) -> Column:
         usual = "time of day" if values.dtype.kind == "m" else "date and time"
         return Column(stamps, place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)
-
-
-def _with_description(table: Table, data: bytes) -> Table:
-    """The table of a text with what the description in its first line says, if there is one."""
-    match = _COMMENT.match(data)
-    return restored(table, match[1]) if match else table
 
 
 def _word(name: str) -> str:

@@ -37,13 +37,7 @@ def within(path: str) -> Iterator[None]:
 
 
 def demand_size(size: int, path: str, what: str) -> None:
-    """Refuse what claims to be larger than its file can hold, before memory is taken.
-
-    Raises
-    ------
-    DataError
-        `size` bytes are more than `most` of the file.
-    """
+    """Refuse what claims to be larger than its file can hold (`most`), before memory is taken."""
     if size > most(path):
         raise DataError(
             f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this size may "
@@ -67,12 +61,6 @@ def worded(what: str = "the file") -> Iterator[None]:
 
 
 def demand_library(name: str, extra: str) -> None:
-    """Refuse a format whose library is not installed.
-
-    Raises
-    ------
-    UsageError
-        It is not installed; the message says how to install it.
-    """
+    """Refuse a format whose library is not installed, and say how to install it."""
     if importlib.util.find_spec(name) is None:
         raise UsageError(f"this format is read by {name}, which is not installed: pip install 'allanite[{extra}]'")

@@ -3,6 +3,7 @@
 Attributes and links are only followed inside the file.
 """
 
+import math
 import sys
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -91,10 +92,7 @@ class Listing:
             self.said["left"].append(path)
 
     def _chunks_fit(self, dataset: Any) -> bool:
-        chunk = float(dataset.dtype.itemsize)
-        for side in dataset.chunks or ():
-            chunk *= side
-        return chunk <= self.most
+        return bool(dataset.dtype.itemsize * math.prod(dataset.chunks or ()) <= self.most)
 
     def _words(self, dataset: Any, path: str) -> None:
         if not h5py.check_string_dtype(dataset.dtype):

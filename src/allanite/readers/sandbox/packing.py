@@ -78,25 +78,10 @@ ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
 
 @contextmanager
 def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> Iterator[str]:
-    """The path of a file that is packed in nothing any more.
+    """The path of a file that is packed in nothing any more; `path` itself if it is not packed, or a format of its own.
 
-    Parameters
-    ----------
-    path : str
-        The outermost file; given back as it is if nothing is packed in it, or if it is a format of its own.
-    member : str
-        The name of a member of an archive; empty to take the only readable one.
-    judge : callable
-        Says of a member's first bytes and suffix whether it is readable.
-    only_by_suffix : bool
-        Leave alone what only begins like a packed file, as raw numbers may.
-
-    Raises
-    ------
-    DataError
-        The file is damaged, unpacks to more than it may, or holds nothing readable.
-    UsageError
-        Several members are readable and none is chosen, or there is none of that name.
+    `member` names one in an archive (empty: the only one that `judge` finds readable, by first bytes and suffix). With
+    `only_by_suffix`, what only begins like a packed file is left alone, as raw numbers may.
     """
     with ExitStack() as stack:
         for _ in range(DEPTH):

@@ -16,8 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.readers.columns.arrays import RATE_NAMES
-from allanite.readers.columns.description import KEY
 
 from .guard import demand_library, most
 
@@ -47,17 +45,16 @@ _TIMEOUTS = (9, 24)
 
 
 class Process:
-    """A running worker; use it in a ``with`` statement. `said` is what the file at `path` holds."""
+    """A running worker that looks for `names`; in a ``with`` statement, `said` is what the file at `path` holds."""
 
-    def __init__(self, form: str, path: str) -> None:
+    def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
         self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
-        names = json.dumps({"rates": RATE_NAMES, "text": KEY})
         self._wait = WAIT + os.path.getsize(path) / SPEED
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: the folder of the worker has modules whose names are those of others
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
-            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), names],
+            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -77,13 +74,7 @@ class Process:
         self._errors.close()
 
     def load(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-        """A dataset, or those fields of it that are in `dtype`.
-
-        Raises
-        ------
-        DataError
-            The library broke down over it.
-        """
+        """A dataset, or those fields of it that are in `dtype`."""
         size = math.prod(shape) * dtype.itemsize
         array = np.empty(size, np.uint8)
         with self._deadline(WAIT + size / SPEED):

@@ -22,15 +22,7 @@ _END, _LARGE, _TAIL = b"PK\x05\x06", b"PK\x06\x07", 65_557 + 76
 
 
 def checked(path: Any) -> tuple[str, str]:
-    """The path as text, if a file that can be read is there, and the member of an archive that ``::`` names in it.
-
-    Raises
-    ------
-    DataError
-        Nothing is there, or a directory, a pipe or a device: opening those may wait for ever.
-    UsageError
-        `path` is no path.
-    """
+    """The path as text, if a file that can be read is there, and the member of an archive that ``::`` names in it."""
     try:
         name = os.fsdecode(path)
     except TypeError:
@@ -67,13 +59,7 @@ def digest_of(name: str) -> str:
 
 
 def demand_directory(path: str) -> None:
-    """Refuse an archive whose directory is longer than that of any set of recordings.
-
-    Raises
-    ------
-    DataError
-        There is no directory, or it is too long.
-    """
+    """Refuse an archive whose directory is longer than that of any set of recordings."""
     with Path(path).open("rb") as file:
         file.seek(max(0, os.path.getsize(path) - _TAIL))
         tail = file.read()
