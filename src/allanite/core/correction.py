@@ -3,13 +3,9 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from .arrays import FloatArray
 from .plain import Value
 from .record import Record, Recording
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

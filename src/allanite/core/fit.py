@@ -5,11 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from allanite.terms import TERMS
 
+from .arrays import FloatArray
 from .curve import Curve
 from .encoding import finite
 from .errors import UsageError
@@ -17,8 +15,6 @@ from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .units import Signal
-
-FloatArray = NDArray[np.float64]
 
 WEAK = 0.25
 """Relative standard error above which a term that was found is called weak."""

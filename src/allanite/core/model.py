@@ -7,15 +7,13 @@ from inspect import Parameter, Signature
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.terms import TERMS, NoiseTerm
 
+from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
 from .plain import Value, demand_type
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

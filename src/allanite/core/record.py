@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .plain import Value
 from .units import Signal, signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
 
 # kind: power of time that the unit carries beyond the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {

@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from .arrays import FloatArray
 from .finding import Finding
 from .fit import Goodness
 from .plain import Value
-
-FloatArray = NDArray[np.float64]
 
 SURE = 1e-3
 """p value of a check below which it says that the model does not explain the record."""

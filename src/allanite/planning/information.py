@@ -19,13 +19,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.model import Term
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import NoiseTerm
-
-FloatArray = NDArray[np.float64]
 
 SINGLE = 64
 """Up to this index every coefficient is taken by itself."""

@@ -7,8 +7,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
@@ -16,8 +16,6 @@ from allanite.core.plain import Value
 from allanite.core.record import SHORTEST
 
 from .bound import bound
-
-FloatArray = NDArray[np.float64]
 
 DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
 """10 minutes, 1 hour, 6 hours, 24 hours."""

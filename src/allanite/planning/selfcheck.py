@@ -74,12 +74,7 @@ class SelfCheck(Value):
         return f"{self.records} records of {self.size} readings at {self.rate:g} Hz: {self.model}"
 
     def exceeded(
-        self,
-        *,
-        bias: float = math.inf,
-        coverage: float = 0.0,
-        false: float = 1.0,
-        missed: float = 1.0,
+        self, *, bias: float = math.inf, coverage: float = 0.0, false: float = 1.0, missed: float = 1.0
     ) -> list[str]:
         """Which limits are exceeded beyond chance, by more than two Monte-Carlo standard errors, in sentences.
 

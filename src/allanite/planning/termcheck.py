@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
 from allanite.core.fit import Estimate, Fit
 from allanite.core.model import Model, Term
@@ -17,8 +17,6 @@ from allanite.identification.likelihood.selection import quantile
 from allanite.terms import TERMS
 
 from .bound import Bound
-
-FloatArray = NDArray[np.float64]
 
 Measured = tuple[float, float]
 """A number and its Monte-Carlo standard error."""
@@ -60,7 +58,7 @@ class TermCheck(Value):
     value: FloatArray
     low: FloatArray
     high: FloatArray
-    claimed: NDArray[np.bool_]
+    claimed: BoolArray
 
     @property
     def bias(self) -> Measured:
@@ -99,7 +97,7 @@ class TermCheck(Value):
         return np.asarray(given / self.truth - 1) if self.truth and given.size > 1 else np.full(2, math.nan)
 
 
-def share(hit: NDArray[np.bool_]) -> Measured:
+def share(hit: BoolArray) -> Measured:
     """Share of the true ones and its standard error; NaN of none."""
     if not hit.size:
         return math.nan, math.nan

@@ -9,13 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.record import SHORTEST, Record
 from allanite.terms import NoiseTerm
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 EXACT = 64
 """Coefficients up to which the joints count where they lie; above, on average."""
@@ -52,7 +49,7 @@ class Gaps:
     size: int
     at: IntArray
     lost: IntArray
-    shut: NDArray[np.bool_]
+    shut: BoolArray
 
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients under a term, shape of `k`.
@@ -138,7 +135,7 @@ def known_rates(record: Record) -> FloatArray:
     return rates
 
 
-def _short(steps: FloatArray, spans: IntArray) -> NDArray[np.bool_]:
+def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
     """Spans over which noise of the rate is at most half of what a step has."""
     fast = np.diff(steps[spans == 1])
     if fast.size < SHORTEST:

@@ -4,18 +4,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.record import Record
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-CHOICES = {
-    "mark": "left out, as lost readings",
-    "keep": "kept",
-}
+CHOICES = {"mark": "left out, as lost readings", "keep": "kept"}
 """What may become of outliers."""
 
 FEWEST = 5.0

@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.statistics import deviation
 
 from .view import View, stretches
-
-FloatArray = NDArray[np.float64]
 
 MOVING = 20.0
 """Rms about the record's median, over that of its quietest tenth, from which a block is called moving."""
@@ -43,7 +41,7 @@ def moving(view: View) -> Finding | None:
     )
 
 
-def _stillest(view: View, busy: NDArray[np.bool_]) -> str:
+def _stillest(view: View, busy: BoolArray) -> str:
     """Options that cut out the longest stretch without a busy block; the quietest tenth is never busy."""
     still = stretches(~busy) * view.span
     start, end = (view.seconds(v) for v in still[np.diff(still, axis=1)[:, 0].argmax()])

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.record import Record
 
 from .outliers import Outliers, outliers
 from .rounding import fast_noise
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +94,7 @@ class View:
         return (float(self.left[whole]) + index - whole) / self.rate
 
 
-def stretches(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+def stretches(mask: BoolArray) -> NDArray[np.intp]:
     """First index and index behind the last of every run of True, shape (runs, 2)."""
     padded = np.concatenate(([False], mask, [False]))
     return np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)

@@ -4,12 +4,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
-
-FloatArray = NDArray[np.float64]
 
 
 def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST, Record
@@ -14,9 +15,6 @@ from allanite.prepare import outliers as robust
 from allanite.prepare.rounding import fast_noise, rounding
 
 from .whitening import memory, whitened
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LAGS = 20
 """Samples up to which residuals are asked whether they know of each other."""

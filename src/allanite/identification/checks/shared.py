@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
@@ -13,8 +14,6 @@ from allanite.core.residuals import Shared
 from allanite.prepare import outliers as robust
 
 from .whitening import whitened
-
-FloatArray = NDArray[np.float64]
 
 STRETCHES = 64
 """Parts of the record over which slow residuals are averaged."""
@@ -85,10 +84,7 @@ def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list
     """Pairs that share something, at once the fast and the slow of it."""
     found = []
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
-        kinds = {
-            "fast, sample by sample": (fast[i, j], n),
-            "slowly, over minutes and hours": (slow[i, j], STRETCHES),
-        }
+        kinds = {"fast, sample by sample": (fast[i, j], n), "slowly, over minutes and hours": (slow[i, j], STRETCHES)}
         seen = [
             f"{what} ({r:+.2g})"
             for what, (r, count) in kinds.items()

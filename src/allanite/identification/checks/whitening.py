@@ -6,13 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.prepare.gaps import Gaps, joined, whole
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SINGLE, PER_OCTAVE = 64, 32
 """Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""

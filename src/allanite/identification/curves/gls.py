@@ -7,6 +7,7 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Estimate, Fit
@@ -15,7 +16,6 @@ from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.identification.likelihood.selection import quantile
 from allanite.statistics.moments.moments import covariance_by_term, relative
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
@@ -186,11 +186,7 @@ def _unsigned(estimate: Estimate) -> bool:
 
 
 def _estimates(
-    symbols: Sequence[str],
-    X: FloatArray,
-    variance: FloatArray,
-    found: tuple[FloatArray, FloatArray],
-    signal: Signal,
+    symbols: Sequence[str], X: FloatArray, variance: FloatArray, found: tuple[FloatArray, FloatArray], signal: Signal
 ) -> list[Estimate]:
     theta, covariance = found
     error = standard_errors(X, variance, covariance)

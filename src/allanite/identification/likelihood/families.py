@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.fit import EXPLAINED
 from allanite.core.plain import Portable
@@ -18,7 +19,7 @@ from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
-from .likelihood import BoolArray, FloatArray, Likelihood
+from .likelihood import Likelihood
 from .selection import PENALTY, Profiles, Subset, select, subsets
 from .whittle import Spectrum, column, likelihood, spectrum
 

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
 from allanite.core.limits import Below, Remembered, Stored
@@ -18,7 +19,6 @@ from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
 from .families import Found, Search, look
-from .likelihood import FloatArray
 from .removal import without_lines
 from .selection import Profiles, Subset, quantile, standard_error
 

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .likelihood import BoolArray, FloatArray
-from .whittle import IntArray, Spectrum
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+
+from .whittle import Spectrum
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""

@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 
-from .likelihood import BoolArray, FloatArray, Likelihood
+from .likelihood import Likelihood
 
 PENALTY = 4.0
 """What a term must gain in 2 L to be selected: about the 95 % point of chi-square with one degree of freedom."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.record import FloatArray
+from allanite.core.arrays import FloatArray
 
 from .findings import resolution
 from .grid import Places
