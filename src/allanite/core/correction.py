@@ -1,7 +1,7 @@
 """Correction: what turns a Record into a Record."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from .arrays import FloatArray
 from .plain import Value
@@ -60,5 +60,4 @@ class Correction(Value, ABC):
         Counts become increments of the same size: what is left of a pulse is no integer.
         """
         values = record.values - self.error(record, along) / record.factor
-        kind = "increment" if record.kind == "count" else record.kind
-        return replace(record, values=values, kind=kind, history=(*record.history, f"corrected: {self.what}"))
+        return record.with_values(values, f"corrected: {self.what}", start=record.start)

@@ -23,6 +23,11 @@ EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
 
 
+def chance(p: float) -> str:
+    """A p value in words: ``p = 0.19``."""
+    return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Estimate(Value):
     """One coefficient, SI.
@@ -149,7 +154,7 @@ class Goodness(Value):
     @property
     def verdict(self) -> str:
         """One sentence."""
-        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
+        p = chance(self.p)
         also = "".join(f"; {remark}" for remark in self.remarks)
         if self.explained:
             return f"the model explains the record (goodness of fit {p}){also}"

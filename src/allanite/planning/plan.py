@@ -121,10 +121,10 @@ def plan(
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
         raise UsageError(
             f"the sampling rate, the accuracy and all lengths are above 0, not {given(rate)} Hz, {given(accuracy)}, "
-            f"{durations!r}"
+            f"({', '.join(map(given, durations))})"
         )
     model = model_of(model)
-    unknown = any(t.row.waveform is not None and not t.row.periodic for t in model) if ramp is None else ramp
+    unknown = model.drifts if ramp is None else ramp
 
     @cache
     def errors(n: float) -> FloatArray:

@@ -10,10 +10,10 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
 from allanite.core.fit import Estimate, Fit
+from allanite.core.limits import quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
-from allanite.identification.likelihood.selection import quantile
 from allanite.terms import TERMS
 
 from .bound import Bound

@@ -23,18 +23,13 @@ class View:
     @cached_property
     def steps(self) -> NDArray[Any]:
         """What the sensor said in each interval: readings, or steps of an angle; lost ones are left out."""
-        steps = self._all
+        steps = self.record.steps
         return steps if self.left is None else steps[self.left]
-
-    @property
-    def _all(self) -> NDArray[Any]:
-        values = self.record.values
-        return np.diff(values) if self.record.kind == "angle" else values
 
     @cached_property
     def left(self) -> NDArray[np.intp] | None:
         """Which intervals of the record are left; None if all are."""
-        steps = self._all
+        steps = self.record.steps
         if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
             return None
         return np.flatnonzero(np.isfinite(steps))

@@ -53,7 +53,7 @@ def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not explain a {record.signal.name}")
     y, gaps, left = joined(record)
-    unit = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
         if wave is not None:

@@ -11,10 +11,9 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Estimate, Fit
-from allanite.core.limits import Below
+from allanite.core.limits import Below, quantile
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
-from allanite.identification.likelihood.selection import quantile
 from allanite.statistics.moments.moments import covariance_by_term, relative
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS

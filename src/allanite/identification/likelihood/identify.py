@@ -10,7 +10,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
-from allanite.core.limits import Below, Remembered, Stored
+from allanite.core.limits import Below, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.units import Signal
@@ -20,7 +20,7 @@ from allanite.terms import TERMS
 
 from .families import Found, Search, look
 from .removal import without_lines
-from .selection import Profiles, Subset, quantile, standard_error
+from .selection import Profiles, Subset, standard_error
 
 Limits = Callable[[float], tuple[float, float]]
 

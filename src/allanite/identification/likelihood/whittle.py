@@ -121,7 +121,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
     peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
-    factor = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    factor = record.rate_factor
     return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor)
 
 
