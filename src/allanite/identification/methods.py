@@ -1,22 +1,13 @@
-"""The ways to identify, as a table, and the terms that one may ask of them."""
+"""What a way to identify is, and the terms that one may ask of it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.record import Record
-from allanite.statistics import STATISTICS
 from allanite.statistics.row import Statistic
+from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
-
-from .curves.allan_hadamard import joint
-from .curves.gls import gls
-from .curves.leastsquares import least_squares, slopes
-from .curves.nonnegative import nnls
-from .curves.piecewise import piecewise
-from .likelihood.identify import whittle
 
 
 @dataclass(frozen=True)
@@ -56,45 +47,6 @@ class Method:
     def allowed(self) -> tuple[str, ...]:
         """Names of the statistics whose curves it can read; none for a method that takes the record."""
         return tuple(name for name, row in STATISTICS.items() if self.reads(row))
-
-
-METHODS: dict[str, Method] = {
-    "whittle": Method(
-        "likelihood of the cosine transform's binned powers, profile intervals", Record, whittle,
-        efficiency="0.93 to 1.14 times the Cramer-Rao bound",
-        options=("band", "lines", "rival"), shapes=True,
-    ),
-    "gls": Method(
-        "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,
-        efficiency="0.96 to 1.19 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
-    ),
-    "joint": Method(
-        "non-negative fit of Allan and Hadamard variance together, weights by degrees of freedom", Record, joint,
-        efficiency="0.96 to 1.38 times the Cramer-Rao bound",
-        statistic="oadev and ohdev", taus="octave",
-    ),
-    "nnls": Method(
-        "non-negative least squares with equal relative weights up to T/10 (for comparison with programs)", Curve, nnls,
-        efficiency="1.11 to 9.73 times the Cramer-Rao bound",
-        statistic="oadev", taus="log", reads=lambda row: row.readable,
-    ),
-    "piecewise": Method(
-        "lines of the textbook slopes through ranges of averaging times (for comparison)", Curve, piecewise,
-        efficiency="3.91 to 84.9 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
-    ),
-    "ls": Method(
-        "unweighted least squares of the Allan variance (for comparison with papers)", Curve, least_squares,
-        efficiency="1.13 to 151 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
-    ),
-    "slopes": Method(
-        "lines of the textbook slopes on the Allan deviation (for comparison)", Curve, slopes,
-        efficiency="1.85 to 65100 times the Cramer-Rao bound",
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
-    ),
-}  # fmt: skip
 
 
 def automatic() -> str:

@@ -12,7 +12,7 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
-from allanite.identification import identify
+from allanite.identification.front import identify
 from allanite.simulation.record import simulate
 from allanite.terms import TERMS
 

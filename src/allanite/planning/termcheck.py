@@ -176,14 +176,8 @@ def _line_seen(fit: Fit, true: Term | None, duration: float) -> tuple[float, Int
 
 
 def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:
-    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for _, interval, _ in seen])
-    return TermCheck(
-        true.symbol,
-        true.signal,
-        true.value,
-        least[true.symbol] if true.value else math.nan,
-        np.array([value for value, _, _ in seen]),
-        limits[:, 0],
-        limits[:, 1],
-        np.array([claimed for _, _, claimed in seen]),
-    )
+    values, intervals, claimed = zip(*seen, strict=True)
+    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
+    bound = least[true.symbol] if true.value else math.nan
+    found = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
+    return TermCheck(true.symbol, true.signal, true.value, bound, *found)

@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError, given
 from allanite.core.record import KINDS, Record
-from allanite.statistics import statistic_named
+from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers
 

@@ -10,8 +10,8 @@ from allanite.core.limits import Stored
 from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.core.residuals import Residuals
-from allanite.identification import METHODS, identify
 from allanite.identification.checks.residuals import residuals
+from allanite.identification.front import METHODS, identify
 
 from .recipe import Recipe
 
