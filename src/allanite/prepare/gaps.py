@@ -34,16 +34,9 @@ SHORTEST_RUN = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps among `size` readings that are left.
+    """The gaps among `size` readings that are left: `at` the first reading behind each, so many are `lost` there.
 
-    Attributes
-    ----------
-    size : int
-        Readings that are left.
-    at, lost : int arrays, shape (g,)
-        Index of the first reading behind each gap, and how many were lost there.
-    shut : bool array, shape (g,)
-        Gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
+    `shut` are gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
     """
 
     size: int

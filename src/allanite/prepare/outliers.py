@@ -35,18 +35,10 @@ more than beyond the limit."""
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """What was found.
+    """The outliers `at` some of the intervals of a record, ascending: readings far off the running median.
 
-    Attributes
-    ----------
-    at : int array
-        Indices of the outliers among the intervals of the record, ascending.
-    limit : float
-        Standard deviations off the running median beyond which a reading is one.
-    largest : float
-        Of the outliers, in standard deviations.
-    heavy : int
-        Readings beyond the limit that are none, because the noise itself has heavy tails.
+    `limit` is from how many standard deviations on, `largest` the most of them; `heavy` counts the readings beyond the
+    limit that are none, because the noise itself has heavy tails.
     """
 
     at: IntArray

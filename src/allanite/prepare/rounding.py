@@ -24,18 +24,10 @@ FEW_CODES = 16
 
 @dataclass(frozen=True)
 class Rounding:
-    """How a series is rounded.
+    """How a series is rounded: `codes` distinct values, in a sample of a long one, whose distance is `step`.
 
-    Attributes
-    ----------
-    codes : int
-        Distinct values, in a sample of long series.
-    step : float
-        Their distance; 0 if they lie on no grid.
-    nearby : float
-        Distinct values among 256 neighbours, usually.
-    noise : float
-        Standard deviation of the fast noise, in steps; infinite if there is no step.
+    The step is 0 if they lie on no grid. `nearby` is how many stand among 256 neighbours, usually; `noise` the standard
+    deviation of the fast noise, in steps, infinite if there is no step.
     """
 
     codes: int

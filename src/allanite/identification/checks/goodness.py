@@ -24,16 +24,8 @@ def goodness(
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
-    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom.
-
-    Parameters
-    ----------
-    spectrum, likelihood, theta
-        The spectrum, its likelihood in the band that was used, and the model.
-    used : bool array, shape (bins of the spectrum,)
-        The band.
-    taken : tuple of Line
-        Sinusoids that were taken out before.
+    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The
+    likelihood is that of the bins that were `used`, theta the model; `taken` are sinusoids that were taken out before.
     """
     from scipy.special import chdtrc
 

@@ -30,14 +30,9 @@ CLAIM = 4.0
 
 @dataclass(frozen=True)
 class Moments:
-    """Of the points of a curve under terms with coefficients of 1.
+    """Of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
 
-    Attributes
-    ----------
-    columns : array, shape (k, t)
-        Expectation.
-    products : array, shape (k, k, t, t)
-        What each pair of terms adds to the covariance.
+    `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
     """
 
     columns: FloatArray

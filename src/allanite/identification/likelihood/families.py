@@ -232,13 +232,7 @@ def penalties(p: int) -> FloatArray:
 
 
 def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
-    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker.
-
-    Parameters
-    ----------
-    record, symbols, band, rival
-        As for `allanite.identification.likelihood.identify.whittle`.
-    """
+    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
     ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
     asked = [symbol for symbol in symbols if TERMS[symbol].parameters]
     noise = [symbol for symbol in symbols if symbol not in ramps and symbol not in asked]
