@@ -15,6 +15,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Value
 from allanite.prepare import inspect
+from allanite.study.noise import Noise
 from allanite.study.survey import Densities, Deviations, Windows, survey
 from allanite.terms import TERMS
 
@@ -135,7 +136,7 @@ def text_of(value):
 
 def same(one, other):
     """Whether two values have equal fields, as far as they can be compared."""
-    if isinstance(one, Value) and not isinstance(one, al.Record):
+    if isinstance(one, Value | Noise) and not isinstance(one, al.Record):
         return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one) if f.compare)
     if isinstance(one, al.Record):
         return getattr(one, "header", one) == getattr(other, "header", other)
