@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.residuals import chance
+from allanite.core.fit import chance
 
 FloatArray = NDArray[np.float64]
 

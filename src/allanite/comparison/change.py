@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from allanite.core.encoding import finite, plain
-from allanite.core.fit import Estimate
+from allanite.core.fit import Estimate, chance
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
-from allanite.core.residuals import chance
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 

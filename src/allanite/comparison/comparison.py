@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError
-from allanite.core.fit import Fit
+from allanite.core.fit import Fit, chance
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Header, Record
-from allanite.core.residuals import chance
 
 from .change import Change, Homogeneity, told
 from .together import Together

@@ -9,7 +9,7 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.record import Record
-from allanite.identification import symbols_of
+from allanite.identification.methods import symbols_of
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.noise import Noise, noise_of
 from allanite.study.recipe import Recipe

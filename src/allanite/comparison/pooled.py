@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
 from allanite.core.errors import UsageError
-from allanite.core.fit import Estimate, Fit
+from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Header, Record
-from allanite.core.residuals import chance
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 

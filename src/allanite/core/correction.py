@@ -1,15 +1,11 @@
 """Correction: what turns a Record into a Record."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from .arrays import FloatArray
 from .plain import Value
 from .record import Record, Recording
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,5 +60,4 @@ class Correction(Value, ABC):
         Counts become increments of the same size: what is left of a pulse is no integer.
         """
         values = record.values - self.error(record, along) / record.factor
-        kind = "increment" if record.kind == "count" else record.kind
-        return replace(record, values=values, kind=kind, history=(*record.history, f"corrected: {self.what}"))
+        return record.with_values(values, f"corrected: {self.what}", start=record.start)

@@ -5,17 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import FloatArray, IntArray
 from .encoding import plain
 from .errors import UsageError
 from .limits import demand_level
 from .model import Model
 from .plain import Value
 from .units import convert
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 Law = Callable[[float], tuple[FloatArray, FloatArray, FloatArray]]
 """level -> (equivalent degrees of freedom, lower limit / variance, upper limit / variance)"""

@@ -5,11 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from allanite.terms import TERMS
 
+from .arrays import FloatArray
 from .curve import Curve
 from .encoding import finite
 from .errors import UsageError
@@ -18,13 +16,16 @@ from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .units import Signal
 
-FloatArray = NDArray[np.float64]
-
 WEAK = 0.25
 """Relative standard error above which a term that was found is called weak."""
 
 EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
+
+
+def chance(p: float) -> str:
+    """A p value in words: ``p = 0.19``."""
+    return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,9 +82,7 @@ class Estimate(Value):
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence limits (low, high) in SI; from 0 to `upper` for an absent term."""
         demand_level(level)
-        if self.limits is None:
-            return (math.nan, math.nan)
-        return self.limits(level)
+        return (math.nan, math.nan) if self.limits is None else self.limits(level)
 
     def to(self, unit: str) -> float:
         """The value in `unit`; NaN where there is none."""
@@ -108,12 +107,10 @@ class Estimate(Value):
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""
-        low, high = (finite(v) for v in self.interval(level))
+        low, high = map(finite, self.interval(level))
         scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        shown = {
-            k: None if v is None else finite(v * scale)
-            for k, v in (("value", self.value), ("low", low), ("high", high))
-        }
+        known = {"value": self.value, "low": low, "high": high}
+        shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
         return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
 
@@ -153,7 +150,7 @@ class Goodness(Value):
     @property
     def verdict(self) -> str:
         """One sentence."""
-        p = f"p = {self.p:.2g}" if self.p > 1e-12 else "p < 1e-12"
+        p = chance(self.p)
         also = "".join(f"; {remark}" for remark in self.remarks)
         if self.explained:
             return f"the model explains the record (goodness of fit {p}){also}"
@@ -256,23 +253,16 @@ class Fit(Value):
         headings = ["term", "", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
         rows = []
         for e in self.estimates:
-            data = e.to_dict(level)
-            shown = data["shown"]
-            rows.append([
-                e.symbol, TERMS[e.symbol].title, shown["value"], shown["low"], shown["high"], shown["unit"],
-                e.value if e.value is not None else e.upper, e.unit, e.status,
-            ])  # fmt: skip
+            si = e.value if e.value is not None else e.upper
+            rows.append([e.symbol, TERMS[e.symbol].title, *e.to_dict(level)["shown"].values(), si, e.unit, e.status])
         return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         good = self.goodness
-        return super().to_dict(level) | {
-            "alternatives": [other.to_dict() for other in self.alternatives],
-            "gof_p": None if good is None else good.p,
-            "gof_reasons": [] if good is None else list(good.reasons),
-            "gof_remarks": [] if good is None else list(good.remarks),
-        }
+        p, reasons, remarks = (good.p, good.reasons, good.remarks) if good else (None, (), ())
+        extra = {"gof_p": p, "gof_reasons": list(reasons), "gof_remarks": list(remarks)}
+        return super().to_dict(level) | {"alternatives": [other.to_dict() for other in self.alternatives]} | extra
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Fit":

@@ -22,6 +22,13 @@ def demand_level(level: float) -> None:
         raise UsageError(f"a confidence level lies between 0 and 1, not {given(level)}")
 
 
+def quantile(p: float) -> float:
+    """Quantile of the standard normal distribution."""
+    from scipy.special import ndtri
+
+    return float(ndtri(p))
+
+
 @dataclass(frozen=True, eq=False)
 class Stored:
     """Limits that were stored: `values` for one `level`; without a level, what is given whenever it is asked for.

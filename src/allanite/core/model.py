@@ -7,15 +7,13 @@ from inspect import Parameter, Signature
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.terms import TERMS, NoiseTerm
 
+from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
 from .plain import Value, demand_type
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,9 +77,6 @@ class Term(Value):
         shape = tuple(float(data[p.name]) for p in TERMS[data["symbol"]].parameters)
         return cls(data["symbol"], float(data["value"]), signal_named(data["signal"]), shape)
 
-    def _summary(self) -> str:
-        return str(self)
-
     def __str__(self) -> str:
         sheet = self.signal.sheet[self.row.power]
         words = [f"{self.symbol} = {self.to(sheet):.4g} {sheet}"]
@@ -91,6 +86,8 @@ class Term(Value):
             if value != p.default
         ]
         return " with ".join(words[:2]) + "".join(f", {word}" for word in words[2:])
+
+    _summary = __str__
 
 
 def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> float:
@@ -208,6 +205,11 @@ class Model(Value):
         """What kind of sensor the model is of."""
         return self.terms[0].signal
 
+    @property
+    def drifts(self) -> bool:
+        """Whether there is a ramp in it."""
+        return any(t.row.waveform is not None and not t.row.periodic for t in self.terms)
+
     def structure(self, t: FloatArray) -> FloatArray:
         """D(t) = E[(x(s+t) - x(s))^2], SI, t in seconds, shape of `t`."""
         return np.asarray(sum(t_.value**2 * t_.sampled(1.0).structure(t) for t_ in self.terms))
@@ -217,7 +219,7 @@ class Model(Value):
         return np.asarray(sum(t.value**2 * t.sampled(1 / interval).spectrum(f, interval) for t in self.terms))
 
     def __add__(self, other: "Term | Model") -> "Model":
-        return Model(self.terms + (other.terms if isinstance(other, Model) else (other,)))
+        return Model((*self, *model_of(other)))
 
     @property
     def noise(self) -> "Model | None":
@@ -239,6 +241,8 @@ class Model(Value):
     def __str__(self) -> str:
         return ", ".join(map(str, self.terms))
 
+    _summary = __str__
+
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; a model has no limits, so that `level` changes nothing."""
         terms = [t.plain for t in self.terms]
@@ -249,9 +253,6 @@ class Model(Value):
         """The model that `to_dict` has written."""
         demand_type(data, "Model")
         return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
-
-    def _summary(self) -> str:
-        return str(self)
 
 
 class Modelled(Protocol):
@@ -266,12 +267,7 @@ ModelLike = Model | Term | Modelled
 
 
 def model_of(value: ModelLike) -> Model:
-    """The model that a term, a model or a fit stands for.
-
-    Raises
-    ------
-    UsageError
-        It is none of them.
+    """The model that a term, a model or a fit stands for; anything else is refused.
 
     Examples
     --------
@@ -283,31 +279,20 @@ def model_of(value: ModelLike) -> Model:
     inner = getattr(value, "model", None)
     if isinstance(inner, Model):
         return inner
+    shown = f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
     raise UsageError(
-        f"a noise model is a Model, a Term as N(0.01, 'deg/sqrt(h)'), or a Fit, not {_shown(value)}; "
+        f"a noise model is a Model, a Term as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; "
         "parse_model makes a model of a text"
     )
 
 
 def noise_choice(value: ModelLike | Literal["auto"] | None) -> Model | Literal["auto"] | None:
-    """A choice of the noise that limits suppose: a model, "auto" for what the record shows, None for no limits.
-
-    Raises
-    ------
-    UsageError
-        It is none of them.
-    """
-    if value is None:
-        return None
+    """A choice of the noise that limits suppose: a model, "auto" for what the record shows, None for no limits."""
+    if value is None or value == "auto":
+        return value
     if isinstance(value, str):
-        if value == "auto":
-            return "auto"
         raise UsageError(
             f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'auto' or None, not {value!r}; "
             "parse_model makes a model of a text"
         )
     return model_of(value)
-
-
-def _shown(value: object) -> str:
-    return f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .plain import Value
 from .units import Signal, signal_with, unit_of
-
-FloatArray = NDArray[np.float64]
 
 # kind: power of time that the unit carries beyond the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
@@ -167,13 +166,19 @@ class Record(Value):
         return finite[len(finite) // 2].item() if len(finite) else 0
 
     @property
+    def steps(self) -> NDArray[Any]:
+        """What the sensor said in each interval, as it said it, shape (size,): the values, or the steps of an angle."""
+        return np.diff(self.values) if self.kind == "angle" else self.values
+
+    @property
+    def rate_factor(self) -> float:
+        """What makes of `steps` rates in SI."""
+        return self.factor * (1.0 if self.kind == "rate" else self.rate)
+
+    @property
     def rate_values(self) -> FloatArray:
         """Mean rate over each interval in SI, shape (size,)."""
-        if self.kind == "rate":
-            return np.asarray(self.values * self.factor, dtype=np.float64)
-        if self.kind == "angle":
-            return np.asarray(np.diff(self.values) * (self.factor * self.rate), dtype=np.float64)
-        return np.asarray(self.values * (self.factor * self.rate), dtype=np.float64)
+        return np.asarray(self.steps * self.rate_factor, dtype=np.float64)
 
     @property
     def angle(self) -> FloatArray:
@@ -202,8 +207,12 @@ class Record(Value):
         return self.header._summary()
 
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
-        """Another record of the same channel, with `what` added to its history."""
-        return replace(self, values=values, start=start, history=(*self.history, what))
+        """Another record of the same channel, with `what` added to its history.
+
+        Counts that are no integers any more become increments of the same size.
+        """
+        kind = "increment" if self.kind == "count" and values.dtype.kind == "f" else self.kind
+        return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
 def _plain(values: Any, unit: str) -> NDArray[Any]:

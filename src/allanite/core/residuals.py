@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from .arrays import FloatArray
 from .finding import Finding
-from .fit import Goodness
+from .fit import Goodness, chance
 from .plain import Value
-
-FloatArray = NDArray[np.float64]
 
 SURE = 1e-3
 """p value of a check below which it says that the model does not explain the record."""
@@ -115,11 +111,6 @@ class Residuals(Value):
 
     def _summary(self) -> str:
         return f"of {self.name!r}: {self.verdict}"
-
-
-def chance(p: float) -> str:
-    """A p value in words: ``p = 0.19``."""
-    return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,16 +4,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import FloatArray
 from .encoding import plain
 from .errors import UsageError
 from .limits import demand_level
 from .model import ModelLike, model_of
 from .plain import Value
 from .units import convert
-
-FloatArray = NDArray[np.float64]
 
 SIDES: dict[str, float] = {"one": 2.0, "two": 1.0}
 """Name of the convention: what the two-sided density is multiplied with. The frequencies are positive in both."""

@@ -4,17 +4,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import FloatArray, IntArray
 from .curve import Curve, Law
 from .encoding import plain
 from .errors import UsageError
 from .model import Model
 from .plain import Value
 from .units import convert
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -23,52 +23,37 @@ def _powers(**powers: float) -> Dimension:
     return tuple(float(powers.get(base.replace(" ", "_"), 0)) for base in BASES)
 
 
-_NONE, _ANGLE, _LENGTH, _TIME = _powers(), _powers(angle=1), _powers(length=1), _powers(time=1)
-_ACCELERATION = _powers(length=1, time=-2)
-_CURRENT, _VOLTAGE, _TEMPERATURE = _powers(current=1), _powers(voltage=1), _powers(temperature=1)
-_FLUX_DENSITY = _powers(flux_density=1)
+_ANGLE, _LENGTH, _TIME = _powers(angle=1), _powers(length=1), _powers(time=1)
 _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 
+_PREFIXES = {"c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+
+_BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
+    ("rad", 1.0, _ANGLE, "mu"),
+    ("deg", _DEGREE, _ANGLE, "m"),
+    ("arcmin", _DEGREE / 60, _ANGLE, ""),
+    ("arcsec", _DEGREE / 3600, _ANGLE, ""),
+    ("rev", 2 * math.pi, _ANGLE, ""),
+    ("m", 1.0, _LENGTH, "cmun"),
+    ("g", _GRAVITY, _powers(length=1, time=-2), "mun"),
+    ("Gal", 1e-2, _powers(length=1, time=-2), "m"),
+    ("s", 1.0, _TIME, "mun"),
+    ("min", 60.0, _TIME, ""),
+    ("h", 3600.0, _TIME, ""),
+    ("Hz", 1.0, _powers(time=-1), ""),
+    ("A", 1.0, _powers(current=1), "mu"),
+    ("V", 1.0, _powers(voltage=1), "mu"),
+    ("K", 1.0, _powers(temperature=1), ""),
+    ("degC", 1.0, _powers(temperature=1), ""),  # of differences: a zero of its own is no part of a unit
+    ("T", 1.0, _powers(flux_density=1), "mun"),
+    ("gauss", 1e-4, _powers(flux_density=1), ""),
+)
+"""Name, size in SI, dimension, and the prefixes that it takes."""
+
 ATOMS: dict[str, tuple[float, Dimension]] = {
-    "rad": (1.0, _ANGLE),
-    "mrad": (1e-3, _ANGLE),
-    "urad": (1e-6, _ANGLE),
-    "deg": (_DEGREE, _ANGLE),
-    "mdeg": (1e-3 * _DEGREE, _ANGLE),
-    "arcmin": (_DEGREE / 60, _ANGLE),
-    "arcsec": (_DEGREE / 3600, _ANGLE),
-    "rev": (2 * math.pi, _ANGLE),
-    "m": (1.0, _LENGTH),
-    "cm": (1e-2, _LENGTH),
-    "mm": (1e-3, _LENGTH),
-    "um": (1e-6, _LENGTH),
-    "nm": (1e-9, _LENGTH),
-    "g": (_GRAVITY, _ACCELERATION),
-    "mg": (1e-3 * _GRAVITY, _ACCELERATION),
-    "ug": (1e-6 * _GRAVITY, _ACCELERATION),
-    "ng": (1e-9 * _GRAVITY, _ACCELERATION),
-    "Gal": (1e-2, _ACCELERATION),
-    "mGal": (1e-5, _ACCELERATION),
-    "s": (1.0, _TIME),
-    "ms": (1e-3, _TIME),
-    "us": (1e-6, _TIME),
-    "ns": (1e-9, _TIME),
-    "min": (60.0, _TIME),
-    "h": (3600.0, _TIME),
-    "Hz": (1.0, _powers(time=-1)),
-    "A": (1.0, _CURRENT),
-    "mA": (1e-3, _CURRENT),
-    "uA": (1e-6, _CURRENT),
-    "V": (1.0, _VOLTAGE),
-    "mV": (1e-3, _VOLTAGE),
-    "uV": (1e-6, _VOLTAGE),
-    "K": (1.0, _TEMPERATURE),
-    "degC": (1.0, _TEMPERATURE),  # of differences: a zero of its own is no part of a unit
-    "T": (1.0, _FLUX_DENSITY),
-    "mT": (1e-3, _FLUX_DENSITY),
-    "uT": (1e-6, _FLUX_DENSITY),
-    "nT": (1e-9, _FLUX_DENSITY),
-    "gauss": (1e-4, _FLUX_DENSITY),
+    prefix + name: (_PREFIXES.get(prefix, 1.0) * size, dimension)
+    for name, size, dimension, prefixes in _BASIC
+    for prefix in ("", *prefixes)
 }
 
 SPELLINGS: dict[str, str] = {
@@ -147,7 +132,7 @@ class _Parser:
                 raise ValueError
             return unit**0.5 if word == "sqrt" else unit
         if word == "1":
-            return Unit(1.0, _NONE)
+            return Unit(1.0, _powers())
         return _named(word)
 
 

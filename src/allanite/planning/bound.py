@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
 
 from .information import Grid, Information, Part, shape_parts
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +89,7 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) ->
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise in it, and without noise everything is known exactly")
-    unknown = any(t.row.waveform is not None and not t.row.periodic for t in model) if ramp is None else ramp
+    unknown = model.drifts if ramp is None else ramp
     grid = Grid(n)
     own = [Part.of(t, rate, grid) for t in noise]
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]

@@ -15,17 +15,15 @@ which by Woodbury's formula takes sums over k alone, and those are taken at a fe
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.model import Term
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import NoiseTerm
-
-FloatArray = NDArray[np.float64]
 
 SINGLE = 64
 """Up to this index every coefficient is taken by itself."""
@@ -95,14 +93,8 @@ def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
 class Part:
     """dC / d ln theta of one parameter.
 
-    Attributes
-    ----------
-    power : array, shape (nodes,)
-        Of the variances.
-    block : array, shape (block, block)
-        Of the covariance of the lowest coefficients, their variances included.
-    edge : float
-        Of the variance of each half of the ends.
+    `power`, shape (nodes,), is that of the variances, `edge` that of the variance of each half of the ends; `block`,
+    shape (block, block), that of the covariance of the lowest coefficients, their variances included.
     """
 
     power: FloatArray
@@ -129,13 +121,13 @@ def shape_parts(t: Term, rate: float, grid: Grid) -> list[Part]:
 
     Halved: the other parts are of squares of coefficients, whose errors are halved.
     """
-    found = []
-    for i, _ in enumerate(t.row.parameters):
-        up, down = (
-            Part.of(Term(t.symbol, t.value, t.signal, _scaled(t.shape, i, f)), rate, grid) for f in (1.001, 1 / 1.001)
-        )
-        found.append((up + down * -1.0) * (1 / (4 * math.log(1.001))))
-    return found
+
+    def at(which: int, factor: float) -> Part:
+        return Part.of(replace(t, shape=_scaled(t.shape, which, factor)), rate, grid)
+
+    step = 1.001
+    changes = (at(i, step) + at(i, 1 / step) * -1.0 for i in range(len(t.row.parameters)))
+    return [change * (1 / (4 * math.log(step))) for change in changes]
 
 
 def _scaled(shape: tuple[float, ...], which: int, factor: float) -> tuple[float, ...]:

@@ -7,8 +7,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
@@ -16,8 +16,6 @@ from allanite.core.plain import Value
 from allanite.core.record import SHORTEST
 
 from .bound import bound
-
-FloatArray = NDArray[np.float64]
 
 DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
 """10 minutes, 1 hour, 6 hours, 24 hours."""
@@ -123,10 +121,10 @@ def plan(
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
         raise UsageError(
             f"the sampling rate, the accuracy and all lengths are above 0, not {given(rate)} Hz, {given(accuracy)}, "
-            f"{durations!r}"
+            f"({', '.join(map(given, durations))})"
         )
     model = model_of(model)
-    unknown = any(t.row.waveform is not None and not t.row.periodic for t in model) if ramp is None else ramp
+    unknown = model.drifts if ramp is None else ramp
 
     @cache
     def errors(n: float) -> FloatArray:

@@ -12,7 +12,7 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
-from allanite.identification import identify
+from allanite.identification.front import identify
 from allanite.simulation.record import simulate
 from allanite.terms import TERMS
 
@@ -74,12 +74,7 @@ class SelfCheck(Value):
         return f"{self.records} records of {self.size} readings at {self.rate:g} Hz: {self.model}"
 
     def exceeded(
-        self,
-        *,
-        bias: float = math.inf,
-        coverage: float = 0.0,
-        false: float = 1.0,
-        missed: float = 1.0,
+        self, *, bias: float = math.inf, coverage: float = 0.0, false: float = 1.0, missed: float = 1.0
     ) -> list[str]:
         """Which limits are exceeded beyond chance, by more than two Monte-Carlo standard errors, in sentences.
 

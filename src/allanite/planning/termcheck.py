@@ -6,19 +6,17 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
 from allanite.core.fit import Estimate, Fit
+from allanite.core.limits import quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
-from allanite.identification.likelihood.selection import quantile
 from allanite.terms import TERMS
 
 from .bound import Bound
-
-FloatArray = NDArray[np.float64]
 
 Measured = tuple[float, float]
 """A number and its Monte-Carlo standard error."""
@@ -60,7 +58,7 @@ class TermCheck(Value):
     value: FloatArray
     low: FloatArray
     high: FloatArray
-    claimed: NDArray[np.bool_]
+    claimed: BoolArray
 
     @property
     def bias(self) -> Measured:
@@ -99,7 +97,7 @@ class TermCheck(Value):
         return np.asarray(given / self.truth - 1) if self.truth and given.size > 1 else np.full(2, math.nan)
 
 
-def share(hit: NDArray[np.bool_]) -> Measured:
+def share(hit: BoolArray) -> Measured:
     """Share of the true ones and its standard error; NaN of none."""
     if not hit.size:
         return math.nan, math.nan
@@ -178,14 +176,8 @@ def _line_seen(fit: Fit, true: Term | None, duration: float) -> tuple[float, Int
 
 
 def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:
-    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for _, interval, _ in seen])
-    return TermCheck(
-        true.symbol,
-        true.signal,
-        true.value,
-        least[true.symbol] if true.value else math.nan,
-        np.array([value for value, _, _ in seen]),
-        limits[:, 0],
-        limits[:, 1],
-        np.array([claimed for _, _, claimed in seen]),
-    )
+    values, intervals, claimed = zip(*seen, strict=True)
+    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
+    bound = least[true.symbol] if true.value else math.nan
+    found = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
+    return TermCheck(true.symbol, true.signal, true.value, bound, *found)

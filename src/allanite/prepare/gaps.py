@@ -9,13 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.record import SHORTEST, Record
 from allanite.terms import NoiseTerm
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 EXACT = 64
 """Coefficients up to which the joints count where they lie; above, on average."""
@@ -37,22 +34,15 @@ SHORTEST_RUN = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps among `size` readings that are left.
+    """The gaps among `size` readings that are left: `at` the first reading behind each, so many are `lost` there.
 
-    Attributes
-    ----------
-    size : int
-        Readings that are left.
-    at, lost : int arrays, shape (g,)
-        Index of the first reading behind each gap, and how many were lost there.
-    shut : bool array, shape (g,)
-        Gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
+    `shut` are gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
     """
 
     size: int
     at: IntArray
     lost: IntArray
-    shut: NDArray[np.bool_]
+    shut: BoolArray
 
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients under a term, shape of `k`.
@@ -138,7 +128,7 @@ def known_rates(record: Record) -> FloatArray:
     return rates
 
 
-def _short(steps: FloatArray, spans: IntArray) -> NDArray[np.bool_]:
+def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
     """Spans over which noise of the rate is at most half of what a step has."""
     fast = np.diff(steps[spans == 1])
     if fast.size < SHORTEST:

@@ -4,18 +4,13 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
+from allanite.core.limits import quantile
 from allanite.core.record import Record
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-CHOICES = {
-    "mark": "left out, as lost readings",
-    "keep": "kept",
-}
+CHOICES = {"mark": "left out, as lost readings", "keep": "kept"}
 """What may become of outliers."""
 
 FEWEST = 5.0
@@ -40,18 +35,10 @@ more than beyond the limit."""
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """What was found.
+    """The outliers `at` some of the intervals of a record, ascending: readings far off the running median.
 
-    Attributes
-    ----------
-    at : int array
-        Indices of the outliers among the intervals of the record, ascending.
-    limit : float
-        Standard deviations off the running median beyond which a reading is one.
-    largest : float
-        Of the outliers, in standard deviations.
-    heavy : int
-        Readings beyond the limit that are none, because the noise itself has heavy tails.
+    `limit` is from how many standard deviations on, `largest` the most of them; `heavy` counts the readings beyond the
+    limit that are none, because the noise itself has heavy tails.
     """
 
     at: IntArray
@@ -82,14 +69,14 @@ def outliers(record: Record) -> Outliers:
     >>> outliers(Record(y, rate=10.0, unit="deg/s")).at.tolist()
     [300, 500]
     """
-    steps = np.asarray(np.diff(record.values) if record.kind == "angle" else record.values)
+    steps = record.steps
     whole = steps.dtype.kind != "f" or bool(np.isfinite(steps.sum()))
     there = None if whole else np.flatnonzero(np.isfinite(steps))
     y = np.ascontiguousarray(steps if there is None else steps[there], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:
         return Outliers(nothing, FEWEST)
-    limit = max(FEWEST, -_quantile(FALSE / 2 / y.size))
+    limit = max(FEWEST, -quantile(FALSE / 2 / y.size))
     at, size, heavy = _off(y, limit)
     if at.size and not heavy:
         rest = np.delete(np.arange(y.size), at)
@@ -114,7 +101,7 @@ def marked(record: Record, found: Outliers) -> Record:
         values = record.values.copy()
         values[points] = np.nan
         return record.with_values(values, what, start=record.start)
-    values = np.array(np.diff(record.values) if record.kind == "angle" else record.values, dtype=np.float64)
+    values = np.array(record.steps, dtype=np.float64)
     values[found.at] = np.nan
     kind = "rate" if record.kind == "rate" else "increment"
     return replace(record, values=values, kind=kind, history=(*record.history, what))
@@ -130,6 +117,18 @@ def _wrong_points(record: Record, at: IntArray) -> IntArray:
     size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
     paired = (back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)
     return back if bool(paired.all()) else none
+
+
+def treated(record: Record, choice: str) -> Record:
+    """The record with its outliers lost, or as it is where the choice is to keep them.
+
+    Raises
+    ------
+    UsageError
+        See `demand_choice`.
+    """
+    demand_choice(choice)
+    return marked(record, outliers(record)) if choice == "mark" else record
 
 
 def demand_choice(choice: str) -> None:
@@ -183,10 +182,3 @@ def _scales(y: FloatArray, part: int) -> FloatArray:
         spread = 1.4826 * float(np.median(np.abs(residuals(y, at))))
         scales.append(max(spread, float(np.median(steps)) if steps.size else math.inf))
     return np.array(scales)
-
-
-def _quantile(p: float) -> float:
-    """Quantile of the standard normal distribution."""
-    from scipy.special import ndtri
-
-    return float(ndtri(p))

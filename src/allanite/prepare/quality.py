@@ -59,7 +59,7 @@ def _too_little(record: Record) -> Finding | None:
 
 
 def _constant(record: Record) -> Finding | None:
-    steps = record.values if record.kind != "angle" else np.diff(record.values)
+    steps = record.steps
     if steps.min() != steps.max():
         steps = steps[np.isfinite(steps)]
         if not steps.size or steps.min() != steps.max():

@@ -3,13 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
 
 from .view import View
-
-FloatArray = NDArray[np.float64]
 
 LONGEST = 1 << 18
 """Readings that are looked at, in the middle of the record."""

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
+
 COARSE = 0.5
 """Quantization step over the fast noise's standard deviation from which the step shows in the numbers."""
 
@@ -22,18 +24,10 @@ FEW_CODES = 16
 
 @dataclass(frozen=True)
 class Rounding:
-    """How a series is rounded.
+    """How a series is rounded: `codes` distinct values, in a sample of a long one, whose distance is `step`.
 
-    Attributes
-    ----------
-    codes : int
-        Distinct values, in a sample of long series.
-    step : float
-        Their distance; 0 if they lie on no grid.
-    nearby : float
-        Distinct values among 256 neighbours, usually.
-    noise : float
-        Standard deviation of the fast noise, in steps; infinite if there is no step.
+    The step is 0 if they lie on no grid. `nearby` is how many stand among 256 neighbours, usually; `noise` the standard
+    deviation of the fast noise, in steps, infinite if there is no step.
     """
 
     codes: int
@@ -101,7 +95,7 @@ def grid(y: NDArray[Any]) -> tuple[int, float]:
     return codes.size, step if even.mean() > 0.95 else 0.0
 
 
-def fast_noise(bends: NDArray[np.float64]) -> float:
+def fast_noise(bends: FloatArray) -> float:
     """Standard deviation of the fast noise from second differences, robust; of white noise its standard deviation."""
     sample = np.abs(bends[:: max(1, bends.size // 100_000)])
     scale = float(np.median(sample)) / 0.6745 or float(sample.std())

@@ -3,14 +3,14 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
-from allanite.statistics import deviation
+from allanite.statistics.allan import OADEV
+from allanite.statistics.angle import integrated
+from allanite.statistics.estimator import windows
 
 from .view import View, stretches
-
-FloatArray = NDArray[np.float64]
 
 MOVING = 20.0
 """Rms about the record's median, over that of its quietest tenth, from which a block is called moving."""
@@ -43,7 +43,7 @@ def moving(view: View) -> Finding | None:
     )
 
 
-def _stillest(view: View, busy: NDArray[np.bool_]) -> str:
+def _stillest(view: View, busy: BoolArray) -> str:
     """Options that cut out the longest stretch without a busy block; the quietest tenth is never busy."""
     still = stretches(~busy) * view.span
     start, end = (view.seconds(v) for v in still[np.diff(still, axis=1)[:, 0].argmax()])
@@ -148,8 +148,8 @@ def slope(view: View) -> Finding | None:
     factors = 2 ** np.arange(max(1, int(math.log2(max(size / 100, 1)))))
     if factors.size < 5:
         return None
-    curve = deviation(record, "oadev", m=factors.tolist())
-    sigma = np.log2(np.maximum(curve.deviation, 1e-300))
+    variance = windows(OADEV, integrated(record, OADEV.order), factors).variance
+    sigma = np.log2(np.maximum(np.sqrt(variance), 1e-300))
     slopes = (sigma[2:] - sigma[:-2]) / 2
     error = np.sqrt(1.5 * factors[2:] / size)
     before = np.maximum.accumulate(slopes)
@@ -158,7 +158,7 @@ def slope(view: View) -> Finding | None:
     if not significant.any():
         return None
     last = int(np.flatnonzero(significant)[-1])
-    tau = curve.tau[last + 1]
+    tau = factors[last + 1] / record.rate
     return Finding(
         "slope",
         f"slope near {slopes[last]:.1f} at {tau:.3g} s, {before[last]:+.1f} before: no five-term model does that",

@@ -1,14 +1,12 @@
 """From a record to a record, each with what was done in its history."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import UsageError, given
 from allanite.core.record import KINDS, Record
-from allanite.statistics import statistic_named
+from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers
 
@@ -17,7 +15,7 @@ def mark_outliers(record: Record) -> Record:
     """Outliers become NaN: lost readings.
 
     Nothing is put in their place: the record then has gaps, and its history says how many and where the first is.
-    What is an outlier: `allanite.statistics.robust.outliers`. Counts, which are integers, become increments, and so
+    What is an outlier: `allanite.prepare.outliers.outliers`. Counts, which are integers, become increments, and so
     does an angle that jumps; of one that is wrong at single points these are lost.
 
     Examples
@@ -48,7 +46,7 @@ def detrend(record: Record, statistic: str) -> Record:
     t = np.arange(y.size) - (y.size - 1) / 2
     slope = float(t @ y / (t @ t))
     what = f"ramp of {slope * record.rate:.6g} {record.unit} per second removed"
-    return _floating(record, y - slope * t, what)
+    return record.with_values(y - slope * t, what, start=record.start)
 
 
 def block_means(record: Record, m: int) -> Record:
@@ -58,7 +56,7 @@ def block_means(record: Record, m: int) -> Record:
     left out, and the history says so.
     """
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
-        raise UsageError(f"blocks have between 1 and {record.size // 2} readings, not {m!r}")
+        raise UsageError(f"blocks have between 1 and {record.size // 2} readings, not {given(m)}")
     if record.kind == "angle":
         kept = record.values[:: int(m)]
     else:
@@ -79,7 +77,7 @@ def decimate(record: Record, factor: int) -> Record:
     if record.kind != "rate":
         raise UsageError(f"decimation is for rates; of {record.kind}s take block_means, which keeps every angle")
     if not isinstance(factor, (int, np.integer)) or factor < 2 or record.size < 64 * factor:
-        raise UsageError(f"a factor between 2 and {record.size // 64} is wanted, not {factor!r}")
+        raise UsageError(f"a factor between 2 and {record.size // 64} is wanted, not {given(factor)}")
     from scipy.signal import firwin, oaconvolve
 
     taps = firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
@@ -94,9 +92,3 @@ def decimate(record: Record, factor: int) -> Record:
         start=start,
         history=(*record.history, what),
     )
-
-
-def _floating(record: Record, values: NDArray[Any], what: str) -> Record:
-    """A record of these values; counts, which are integers, become increments of the same size."""
-    kind = "increment" if record.kind == "count" else record.kind
-    return replace(record, values=values, kind=kind, history=(*record.history, what))

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.record import Record
 
 from .outliers import Outliers, outliers
 from .rounding import fast_noise
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +23,13 @@ class View:
     @cached_property
     def steps(self) -> NDArray[Any]:
         """What the sensor said in each interval: readings, or steps of an angle; lost ones are left out."""
-        steps = self._all
+        steps = self.record.steps
         return steps if self.left is None else steps[self.left]
-
-    @property
-    def _all(self) -> NDArray[Any]:
-        values = self.record.values
-        return np.diff(values) if self.record.kind == "angle" else values
 
     @cached_property
     def left(self) -> NDArray[np.intp] | None:
         """Which intervals of the record are left; None if all are."""
-        steps = self._all
+        steps = self.record.steps
         if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
             return None
         return np.flatnonzero(np.isfinite(steps))
@@ -95,7 +89,7 @@ class View:
         return (float(self.left[whole]) + index - whole) / self.rate
 
 
-def stretches(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+def stretches(mask: BoolArray) -> NDArray[np.intp]:
     """First index and index behind the last of every run of True, shape (runs, 2)."""
     padded = np.concatenate(([False], mask, [False]))
     return np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)

@@ -4,12 +4,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
-
-FloatArray = NDArray[np.float64]
 
 
 def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:
@@ -34,12 +32,14 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
 def _cut(record: Record, start: float, until: float | None) -> Record:
     end = record.duration if until is None else until
     if not 0 <= start < end:
-        raise UsageError(f"the window from {start} s to {end} s is empty or starts before the record")
+        raise UsageError(f"the window from {start:.10g} s to {end:.10g} s is empty or starts before the record")
     if end > record.duration * (1 + 1e-9):
-        raise UsageError(f"the window ends at {end} s, but {record.name!r} is {record.duration:.6g} s long")
+        raise UsageError(f"the window ends at {end:.10g} s, but {record.name!r} is {record.duration:.6g} s long")
     first, last = round(start * record.rate), round(end * record.rate)
     if last - first < 2:
-        raise DataError(f"the window from {start} s to {end} s holds {last - first} readings of {record.name!r}")
+        raise DataError(
+            f"the window from {start:.10g} s to {end:.10g} s holds {last - first} readings of {record.name!r}"
+        )
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
     return record.with_values(record.values[first : last + extra], f"cut from {start:g} s to {end:g} s", start=origin)
@@ -64,8 +64,7 @@ def quiet_window(recording: Recording, length: float) -> Recording:
         raise UsageError(f"a quiet window of {length:g} s does not fit into a recording of {record.duration:.6g} s")
     worst = np.zeros(blocks - wanted + 1)
     for channel in recording:
-        steps = channel.values if channel.kind != "angle" else np.diff(channel.values)
-        pieces = np.asarray(steps[: blocks * span], dtype=np.float64).reshape(blocks, span)
+        pieces = np.asarray(channel.steps[: blocks * span], dtype=np.float64).reshape(blocks, span)
         power = np.nan_to_num(pieces.var(axis=1), nan=np.inf) + _wander(pieces.mean(axis=1))
         sums = np.convolve(power, np.ones(wanted), "valid")
         worst = np.maximum(worst, sums / sums.min() if 0 < sums.min() < np.inf else sums)

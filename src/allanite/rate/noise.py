@@ -8,7 +8,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
-from allanite.identification import automatic
+from allanite.identification.methods import automatic
 from allanite.prepare import block_means
 from allanite.rate import rank
 from allanite.study.noise import Noise, noise_of

@@ -11,8 +11,8 @@ from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.record import Header, Record, header_dict, header_from
 from allanite.core.residuals import Residuals
-from allanite.identification import METHODS, identify
 from allanite.identification.checks.residuals import residuals
+from allanite.identification.front import METHODS, identify
 
 from .recipe import Recipe
 

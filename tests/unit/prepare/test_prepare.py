@@ -135,4 +135,5 @@ def test_findings_are_plain_data():
 
     data = json.loads(json.dumps(inspect(record(3000)).to_dict()))
     assert data["findings"][0]["name"] == "short"
-    assert set(data["findings"][0]) == {"name", "what", "consequence", "remedy", "place", "fatal"}
+    own = {"name", "what", "consequence", "remedy", "place", "fatal"}
+    assert set(data["findings"][0]) == {"allanite", "type", *own}

@@ -5,12 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.lines import surroundings
 from allanite.identification.likelihood.whittle import Spectrum
-
-FloatArray = NDArray[np.float64]
 
 CELLS = 24
 """Cells of equal width in the logarithm of frequency."""
@@ -20,25 +19,13 @@ FALSE_LINE = 0.01
 
 
 def goodness(
-    spectrum: Spectrum,
-    likelihood: Likelihood,
-    theta: FloatArray,
-    used: NDArray[np.bool_],
-    taken: tuple[Line, ...] = (),
+    spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used: BoolArray, taken: tuple[Line, ...] = ()
 ) -> Goodness:
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
-    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom.
-
-    Parameters
-    ----------
-    spectrum, likelihood, theta
-        The spectrum, its likelihood in the band that was used, and the model.
-    used : bool array, shape (bins of the spectrum,)
-        The band.
-    taken : tuple of Line
-        Sinusoids that were taken out before.
+    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The
+    likelihood is that of the bins that were `used`, theta the model; `taken` are sinusoids that were taken out before.
     """
     from scipy.special import chdtrc
 
@@ -68,7 +55,7 @@ def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
     return (f"{many} taken out first, at {where}: vibration, sway or interference",)
 
 
-def _cells(first: NDArray[np.int64], spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
+def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
     bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
     cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
     return cell, spectrum.frequency(bounds)
@@ -85,7 +72,7 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
     return np.where(np.isfinite(z), z, cube)
 
 
-def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[str]:
+def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray) -> list[str]:
     """Coefficients that stand out of their own neighbourhood, as one sentence."""
     from scipy.special import ndtri
 
@@ -105,7 +92,7 @@ def _lines(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[s
     ]
 
 
-def _roll_off(spectrum: Spectrum, used: NDArray[np.bool_], m: FloatArray) -> list[str]:
+def _roll_off(spectrum: Spectrum, used: BoolArray, m: FloatArray) -> list[str]:
     """Power that falls towards the end of the band where the model's does not: a filter in the sensor or logger."""
     frequency = spectrum.frequency(spectrum.first[used]) / (spectrum.rate / 2)
     ratio, count = spectrum.power[used] / m, spectrum.count[used]

@@ -6,17 +6,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
-from allanite.prepare import outliers as robust
+from allanite.prepare.outliers import treated
 from allanite.prepare.rounding import fast_noise, rounding
 
 from .whitening import memory, whitened
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LAGS = 20
 """Samples up to which residuals are asked whether they know of each other."""
@@ -70,9 +68,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     >>> left.explained, [check.name for check in left.checks]
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
-    robust.demand_choice(outliers)
-    if outliers == "mark":
-        record = robust.marked(record, robust.outliers(record))
+    record = treated(record, outliers)
     return checked(whitened(record, fit.model), record, fit)
 
 
@@ -237,8 +233,7 @@ def _reasons(
 
 def _undithered(record: Record) -> Finding | None:
     """The readings are steps of a quantizer that nothing dithers."""
-    steps = np.diff(record.values) if record.kind == "angle" else record.values
-    steps = steps[np.isfinite(steps)]
+    steps = record.steps[np.isfinite(record.steps)]
     middle = max(0, (steps.size - 200_000) // 2)
     part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
     found = rounding(steps, fast_noise(np.diff(part, 2)))

@@ -5,16 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
-from allanite.prepare import outliers as robust
+from allanite.prepare.outliers import demand_choice, treated
 
 from .whitening import whitened
-
-FloatArray = NDArray[np.float64]
 
 STRETCHES = 64
 """Parts of the record over which slow residuals are averaged."""
@@ -57,15 +56,13 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     >>> round(float(found.fast[0, 1]), 1), [finding.name for finding in found.findings]
     (0.5, ['shared'])
     """
-    robust.demand_choice(outliers)
+    demand_choice(outliers)
     names = [name for name in recording.channels if name in fits]
     if len(names) < 2 or len({recording[name].size for name in names}) > 1:
         raise UsageError(f"correlations need two channels of one length or more, not {', '.join(names) or 'none'}")
     series, means = [], []
     for name in names:
-        record = recording[name]
-        if outliers == "mark":
-            record = robust.marked(record, robust.outliers(record))
+        record = treated(recording[name], outliers)
         # what was lost is zero, and counts nowhere
         u = np.nan_to_num(whitened(record, fits[name].model), copy=False)
         bounds = np.linspace(0, u.size, STRETCHES + 1).astype(np.int64)[:-1]
@@ -85,22 +82,14 @@ def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list
     """Pairs that share something, at once the fast and the slow of it."""
     found = []
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
-        kinds = {
-            "fast, sample by sample": (fast[i, j], n),
-            "slowly, over minutes and hours": (slow[i, j], STRETCHES),
-        }
+        kinds = {"fast, sample by sample": (fast[i, j], n), "slowly, over minutes and hours": (slow[i, j], STRETCHES)}
         seen = [
             f"{what} ({r:+.2g})"
             for what, (r, count) in kinds.items()
             if abs(r) > MATTERS and abs(np.arctanh(np.clip(r, -0.999999, 0.999999))) * np.sqrt(count - 3) > SIGMAS
         ]
         if seen:
-            found.append(
-                Finding(
-                    "shared",
-                    f"what the models leave of {names[i]} and {names[j]} goes together {' and '.join(seen)}",
-                    "their noises are not independent",
-                    "look for vibration, temperature, or a supply, clock or reference that they share",
-                )
-            )
+            what = f"what the models leave of {names[i]} and {names[j]} goes together {' and '.join(seen)}"
+            remedy = "look for vibration, temperature, or a supply, clock or reference that they share"
+            found.append(Finding("shared", what, "their noises are not independent", remedy))
     return found

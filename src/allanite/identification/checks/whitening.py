@@ -6,13 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.prepare.gaps import Gaps, joined, whole
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SINGLE, PER_OCTAVE = 64, 32
 """Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
@@ -55,7 +53,7 @@ def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not explain a {record.signal.name}")
     y, gaps, left = joined(record)
-    unit = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
         if wave is not None:

@@ -7,15 +7,14 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Estimate, Fit
-from allanite.core.limits import Below
+from allanite.core.limits import Below, quantile
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
-from allanite.identification.likelihood.selection import quantile
 from allanite.statistics.moments.moments import covariance_by_term, relative
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
@@ -31,14 +30,9 @@ CLAIM = 4.0
 
 @dataclass(frozen=True)
 class Moments:
-    """Of the points of a curve under terms with coefficients of 1.
+    """Of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
 
-    Attributes
-    ----------
-    columns : array, shape (k, t)
-        Expectation.
-    products : array, shape (k, k, t, t)
-        What each pair of terms adds to the covariance.
+    `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
     """
 
     columns: FloatArray
@@ -186,11 +180,7 @@ def _unsigned(estimate: Estimate) -> bool:
 
 
 def _estimates(
-    symbols: Sequence[str],
-    X: FloatArray,
-    variance: FloatArray,
-    found: tuple[FloatArray, FloatArray],
-    signal: Signal,
+    symbols: Sequence[str], X: FloatArray, variance: FloatArray, found: tuple[FloatArray, FloatArray], signal: Signal
 ) -> list[Estimate]:
     theta, covariance = found
     error = standard_errors(X, variance, covariance)

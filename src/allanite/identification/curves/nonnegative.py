@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.statistics.moments.moments import by_term
-from allanite.statistics.row import FloatArray
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Estimate, Fit
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms import TERMS
 
 from .reading import early, result, signal_of

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Estimate, Fit
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
-from allanite.statistics.row import BoolArray, FloatArray
 
 
 def signal_of(curve: Curve, points: int) -> Signal:

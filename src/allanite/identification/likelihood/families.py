@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.fit import EXPLAINED
 from allanite.core.plain import Portable
@@ -18,7 +19,7 @@ from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
-from .likelihood import BoolArray, FloatArray, Likelihood
+from .likelihood import Likelihood
 from .selection import PENALTY, Profiles, Subset, select, subsets
 from .whittle import Spectrum, column, likelihood, spectrum
 
@@ -99,11 +100,9 @@ class Search(Portable):
 
         step, (low, high) = 10 ** (1 / PER_DECADE), self.span
         best = minimize_scalar(
-            lambda x: self.least(math.exp(x), free).value,
+            lambda x: self.least(math.exp(x), free).value, method="bounded", options={"xatol": 0.01},
             bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
-            method="bounded",
-            options={"xatol": 0.01},
-        )
+        )  # fmt: skip
         return self.least(math.exp(float(best.x)), free)
 
     def best(self, penalty: FloatArray, beat: float = math.inf) -> Subset | None:
@@ -147,9 +146,8 @@ class Search(Portable):
         (T,) = best.constants
         low, high = self.limits(best, OPEN)
         open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
-        return [
-            s for k in open_ for s in subsets(self.at(float(k)), must=self.must, may=self.may, constants=(float(k),))
-        ]
+        each = ((self.at(float(k)), (float(k),)) for k in open_)
+        return [s for part, k in each for s in subsets(part, must=self.must, may=self.may, constants=k)]
 
     def pair(self) -> Subset:
         """The best with two such terms and no flicker."""
@@ -165,33 +163,20 @@ class Search(Portable):
         grid = np.log(self.grid)
         pairs = [np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :]]
         corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])
-        tries = [
-            minimize(
-                lambda x: least(x).value,
-                start,
-                method="Nelder-Mead",
-                options={"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01},
-            )
-            for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]
-        ]
+        tries = []
+        for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]:
+            options = {"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01}
+            tries.append(minimize(lambda x: least(x).value, start, method="Nelder-Mead", options=options))
         return least(min(tries, key=lambda found: float(found.fun)).x)
 
 
 @dataclass(frozen=True, eq=False)
 class Found(Portable):
-    """What describes the spectrum of a record.
+    """What describes the spectrum of a record: the subset `chosen`.
 
-    Attributes
-    ----------
-    seen, used
-        The spectrum and the bins of it that count.
-    noise : list of str
-        Symbols of the columns of the likelihood.
-    fitted, chosen, everything
-        The subsets that take part in the limits, the best one, and the one that leaves nothing out.
-    search : Search or None
-    plain, markov : Subset or None
-        The best without and with a Gauss-Markov term.
+    `used` are the bins of the spectrum `seen` that count, `noise` the symbols of the columns of the likelihood. The
+    subsets `fitted` take part in the limits, `everything` leaves nothing out; `plain` and `markov` are the best without
+    and with a Gauss-Markov term.
     """
 
     seen: Spectrum
@@ -247,13 +232,7 @@ def penalties(p: int) -> FloatArray:
 
 
 def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
-    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker.
-
-    Parameters
-    ----------
-    record, symbols, band, rival
-        As for `allanite.identification.likelihood.identify.whittle`.
-    """
+    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
     ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
     asked = [symbol for symbol in symbols if TERMS[symbol].parameters]
     noise = [symbol for symbol in symbols if symbol not in ramps and symbol not in asked]
@@ -297,12 +276,7 @@ def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: lis
     plain = select(fitted, penalty) if fitted else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
-    if (
-        plain is not None
-        and markov is not None
-        and best is markov
-        and not (asked or _believed(plain, markov, noise, where))
-    ):
+    if plain and markov and best is markov and not (asked or _believed(plain, markov, noise, where)):
         best = plain
     if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
         best = search.coarse

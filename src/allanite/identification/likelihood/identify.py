@@ -7,9 +7,10 @@ from functools import partial
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
-from allanite.core.limits import Below, Remembered, Stored
+from allanite.core.limits import Below, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.units import Signal
@@ -18,9 +19,8 @@ from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
 from .families import Found, Search, look
-from .likelihood import FloatArray
 from .removal import without_lines
-from .selection import Profiles, Subset, quantile, standard_error
+from .selection import Profiles, Subset, standard_error
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -238,13 +238,11 @@ def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
 
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
     """Terms that describe the record best but are not claimed: others could take their place."""
-    doubtful = [
-        s for s, there in zip(found.noise, found.chosen.free, strict=True) if there and not estimates[s].claimed
-    ]
     return [
         f"{TERMS[s].title} ({s}) is in the model that describes the record best, but other terms could take its place: "
         "a longer record would tell"
-        for s in doubtful
+        for s, there in zip(found.noise, found.chosen.free, strict=True)
+        if there and not estimates[s].claimed
     ]
 
 
@@ -253,24 +251,17 @@ def _ambiguous(found: Found) -> list[str]:
     if found.markov is None or found.flicker is None:
         return []
     gain = found.flicker.aic - found.markov.aic
-    constant = f"{found.markov.constants[0] / found.seen.rate:.2g} s"
+    noise = f"Gauss-Markov noise with a time constant of {found.markov.constants[0] / found.seen.rate:.2g} s"
     if found.chosen is found.markov:
-        return [f"Gauss-Markov noise with a time constant of {constant} describes the record better than flicker does"]
+        return [f"{noise} describes the record better than flicker does"]
+    would = f"{noise} in the place of flicker would describe the record"
     if abs(gain) < DISTINGUISHABLE:
-        return [
-            f"Gauss-Markov noise with a time constant of {constant} in the place of flicker would describe the record "
-            f"as well: not distinguishable (AIC {-gain:+.1f})"
-        ]
-    if gain > 0:
-        return [
-            f"Gauss-Markov noise with a time constant of {constant} in the place of flicker would describe the record "
-            f"somewhat better (AIC {-gain:+.1f}), which is not enough to give up flicker: a longer record would tell"
-        ]
-    return []
+        return [f"{would} as well: not distinguishable (AIC {-gain:+.1f})"]
+    enough = f"(AIC {-gain:+.1f}), which is not enough to give up flicker: a longer record would tell"
+    return [f"{would} somewhat better {enough}"] if gain > 0 else []
 
 
 def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:
     """The other families, the best first."""
-    others = [s for s in found.rivals() if s is not found.chosen]
-    described = [(s.aic - found.chosen.aic, Model(scale.terms(found.noise, s))) for s in others]
-    return tuple(Alternative(model, aic) for aic, model in sorted(described, key=lambda pair: pair[0]))
+    others = sorted((s for s in found.rivals() if s is not found.chosen), key=lambda s: s.aic)
+    return tuple(Alternative(Model(scale.terms(found.noise, s)), s.aic - found.chosen.aic) for s in others)

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .likelihood import BoolArray, FloatArray
-from .whittle import IntArray, Spectrum
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+
+from .whittle import Spectrum
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
@@ -84,17 +85,10 @@ def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Periodogram:
-    """Of the readings under a Hann window, over the noise's power; lost readings are zero.
+    """Of the readings under a Hann window, over the noise's power (`level`); lost readings are zero.
 
-    Attributes
-    ----------
-    power : array, shape (n // 2 + 1,)
-        Of noise alone exponentially distributed with mean 1, at k / n periods a sample.
-    weighted : array, shape (n,)
-        The readings times the window.
-    total, square : float
-        Sums of the window and of its square over the readings that are there.
-    level : array, shape (n // 2 + 1,)
+    `power`, at k / n periods a sample, shape (n // 2 + 1,), is of noise alone exponentially distributed with mean 1.
+    `weighted` are the readings times the window, `total` and `square` sums of it and its square over those there.
     """
 
     power: FloatArray
@@ -156,12 +150,8 @@ def waves_of(
 ) -> tuple[list[Wave], FloatArray]:
     """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten.
 
-    Parameters
-    ----------
-    y : array, shape (n,)
-        Readings without their mean; NaN where they are lost.
-    seen, level
-        The spectrum of the readings that are there, and the power of the noise in its bins.
+    `y` are readings without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
+    `level` the power of the noise in its bins.
     """
     found: list[Wave] = []
     n = y.size
@@ -178,6 +168,6 @@ def waves_of(
         found += new
     f = np.array([wave.frequency for wave in found])
     steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
-    for wave in (wave for wave, alone in zip(found, steady, strict=True) if not alone):
-        y += wave.values(n)
-    return [wave for wave, alone in zip(found, steady, strict=True) if alone], y
+    for i in np.flatnonzero(~steady):
+        y += found[i].values(n)
+    return [found[i] for i in np.flatnonzero(steady)], y

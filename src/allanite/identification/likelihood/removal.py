@@ -1,7 +1,5 @@
 """A record without the sinusoids in it."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from allanite.core.fit import Line
@@ -39,6 +37,4 @@ def _less(record: Record, waves: list[Wave]) -> Record:
     total = np.sum([wave.values(record.size) for wave in waves], axis=0)
     if record.kind == "angle":
         total = np.concatenate(([0.0], np.cumsum(total)))
-    kind = "increment" if record.kind == "count" else record.kind
-    what = f"{len(waves)} sinusoid(s) taken out"
-    return replace(record, values=record.values - total, kind=kind, history=(*record.history, what))
+    return record.with_values(record.values - total, f"{len(waves)} sinusoid(s) taken out", start=record.start)

@@ -6,9 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
-from .likelihood import BoolArray, FloatArray, Likelihood
+from .likelihood import Likelihood
 
 PENALTY = 4.0
 """What a term must gain in 2 L to be selected: about the 95 % point of chi-square with one degree of freedom."""
@@ -205,10 +207,3 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
     at = int(free[:which].sum())
     size = np.sqrt(np.diag(information))
     return float(np.sqrt(np.linalg.pinv(information / np.outer(size, size), hermitian=True)[at, at]) / size[at])
-
-
-def quantile(p: float) -> float:
-    """Quantile of the standard normal distribution."""
-    from scipy.special import ndtri
-
-    return float(ndtri(p))

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.plain import Portable
 from allanite.core.record import Record
@@ -19,9 +19,6 @@ from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 
 from .likelihood import Likelihood
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SINGLE = 64
 """Coefficients below and at this index stand in bins of their own."""
@@ -83,7 +80,7 @@ class Spectrum(Portable):
         starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
         return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
 
-    def within(self, band: tuple[float, float]) -> NDArray[np.bool_]:
+    def within(self, band: tuple[float, float]) -> BoolArray:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
         low, high = band
         if not 0 <= low < high:
@@ -124,7 +121,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
     peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
-    factor = record.factor * (1.0 if record.kind == "rate" else record.rate)
+    factor = record.rate_factor
     return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor)
 
 

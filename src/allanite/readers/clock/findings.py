@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.record import FloatArray
 
 from .grid import Places, resolution
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.record import FloatArray
 from allanite.core.units import unit_of
 
 from .findings import Stamps, bursty, counted, drift, duplicates, duration, finding, lost_samples, unsteady

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
-from allanite.core.residuals import Residuals, chance
+from allanite.core.fit import chance
+from allanite.core.residuals import Residuals
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 

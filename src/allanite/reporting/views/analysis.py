@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.fit import Fit
 from allanite.core.units import readable_unit
-from allanite.identification import METHODS
+from allanite.identification.front import METHODS
 from allanite.reporting import words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, toml
 from allanite.study.analysis import Channel, Study

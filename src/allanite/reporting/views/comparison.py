@@ -9,8 +9,7 @@ from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
-from allanite.core.fit import Estimate, Fit
-from allanite.core.residuals import chance
+from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.fit import Estimate, Fit
+from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.model import Model
-from allanite.core.residuals import Residuals, chance
+from allanite.core.residuals import Residuals
 from allanite.reporting import words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS
