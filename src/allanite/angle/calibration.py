@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
 
@@ -18,8 +19,6 @@ from .geometry import Gimbals
 from .harmonics import Harmonics
 from .solution import Solution
 from .solve import System, solve
-
-FloatArray = NDArray[np.float64]
 
 Prior = tuple[float, float]
 

@@ -4,15 +4,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 
 from .door import demand_motion
 from .geometry import ANGLES, EARTH_RATE, Gimbals
 from .harmonics import orders_of, waves
-
-FloatArray = NDArray[np.float64]
 
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 

@@ -10,14 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
 
 from .door import column, demand_increasing
 from .sway import Sway, sway_of
-
-FloatArray = NDArray[np.float64]
 
 EARTH_RATE = 7.292115e-5
 """Rate of the earth against the stars, rad/s."""

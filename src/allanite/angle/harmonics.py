@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.correction import Correction
 from allanite.core.errors import UsageError
 from allanite.core.record import Record, Recording
 
 from .solution import Solution, quantile
-
-FloatArray = NDArray[np.float64]
 
 FOUND = 0.01
 """An amplitude is called found where one as large has a smaller probability than this if there is none."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.plain import Value
@@ -18,8 +18,6 @@ from .geometry import Gimbals, gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot, batch
 from .sway import Sway, sway_of
-
-FloatArray = NDArray[np.float64]
 
 READINGS = 4096
 """Readings of one window of a scan; more are thinned, their noise averaged."""

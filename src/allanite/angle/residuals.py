@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.residuals import chance
-
-FloatArray = NDArray[np.float64]
 
 PASSED = 0.01
 """A p value below this says that the test has failed."""

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.plain import Value
 
 from .geometry import QUARTER
 from .plans import AnglePlan, AngleSettings, plan
-
-FloatArray = NDArray[np.float64]
 
 STEP = 300.0
 """Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.simulation.gimbal import readout_noise
 
 from .design import NUISANCES
 from .geometry import ANGLES, Gimbals
 from .harmonics import Harmonics
-
-FloatArray = NDArray[np.float64]
 
 
 def simulate(

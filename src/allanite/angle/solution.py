@@ -5,22 +5,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 
 from .residuals import InnovationTest
 from .squareroot import SquareRoot
 
-FloatArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class History:
     """The estimate on its way: after `count` readings, at `time`, shape (c,); values and errors, shape (c, p)."""
 
-    count: NDArray[np.int64]
+    count: IntArray
     time: FloatArray
     values: FloatArray
     errors: FloatArray

@@ -7,9 +7,8 @@ subtraction; the factor R of the information ``P^-1 = R^T R`` is only ever rotat
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from allanite.core.arrays import FloatArray
 
 BLOCK = 4096
 """Rows that the batch form takes at a time: what they need stays in the cache."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError
@@ -19,8 +19,6 @@ from allanite.core.residuals import chance
 
 from .change import Change, Homogeneity, told
 from .together import Together
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
+from allanite.identification.likelihood.likelihood import Likelihood
 
 from .change import Homogeneity
 from .joint import Joint, drawn, least, tied

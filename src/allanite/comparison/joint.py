@@ -17,12 +17,13 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import DataError
 from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import Signal
-from allanite.identification.likelihood.likelihood import BoolArray, FloatArray, Likelihood
+from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.selection import DOUBT, Profiles, Subset, select, subsets
 from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
 from allanite.terms import TERMS

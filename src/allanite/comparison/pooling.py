@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
@@ -23,8 +23,6 @@ from .joining import join_records
 from .joint import Joint, least
 from .pooled import PooledChannel, PooledTerm
 from .ratio import shared_factors
-
-FloatArray = NDArray[np.float64]
 
 
 def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.identification.likelihood.likelihood import FloatArray
+from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.selection import Profiles, select, subsets
 from allanite.terms import TERMS
 

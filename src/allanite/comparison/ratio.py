@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
 from allanite.core.record import Record
@@ -21,7 +22,6 @@ from allanite.statistics.angle import integrated
 from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
 from allanite.statistics.confidence.limits import Points, mixtures
 from allanite.statistics.grids import GRIDS
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import statistic_named
 
 ALIKE = 0.005

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.encoding import plain
 from allanite.core.finding import Finding
 from allanite.core.plain import Value
@@ -14,7 +15,6 @@ from allanite.core.units import Signal
 
 from .estimates import rate_factor
 from .ranking import Ranking
-from .setting import FloatArray
 
 DRIFT = 3.0
 """Standard deviations by which neighbours must be more alike than independent intervals to be called a drift."""

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.model import ModelLike, model_of
 from allanite.statistics.moments.gls import Covariance
 
 from .ranking import Ranking
 from .row import RateEstimator
-from .setting import EstimatorSettings, FloatArray, Setting
+from .setting import EstimatorSettings, Setting
 from .table import RATE_ESTIMATORS, estimator_named
 
 

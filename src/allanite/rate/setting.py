@@ -5,12 +5,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
