@@ -41,7 +41,7 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Harmonics(Correction):
     """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its reading.
 
@@ -222,7 +222,7 @@ class Harmonics(Correction):
             "covariance": self.covariance.tolist(),
             "freedom": None if math.isinf(self.freedom) else self.freedom,
         }
-        return data | ({} if self.solution is None else {"solution": self.solution.to_dict(level)})
+        return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Harmonics":

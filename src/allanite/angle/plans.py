@@ -13,7 +13,7 @@ from allanite.core.plain import Value
 
 from .calibration import Prior, prior_of
 from .caveats import caveats
-from .design import USUAL, design, harmonic_set
+from .design import USUAL, amplitude_names, design, harmonic_set
 from .geometry import Gimbals, gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot, batch
@@ -165,12 +165,11 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     angles = settings.gimbals(start)
     harmonics = harmonic_set(settings.orders)
     names, rows = design(angles, harmonics, settings.nuisance)
-    count = 2 * sum(map(len, harmonics.values()))
-    before = None if settings.prior is None else prior_of(settings.prior, count, len(names))
+    before = prior_of(settings.prior, harmonics, len(names))
     alone, known = _known(rows / settings.sigma, before)
     return AnglePlan(
         names=names,
-        amplitudes=count,
+        amplitudes=len(amplitude_names(harmonics)),
         errors=known.errors,
         correlation=correlation_of(known.covariance),
         condition=alone.condition,

@@ -47,7 +47,7 @@ TYPES: dict[str, str] = {
     "PooledChannel": "comparison.pooled",
     "PooledTerm": "comparison.pooled",
     "Quality": "core.finding",
-    "Ranking": "rate.ranking",
+    "Ranking": "rate.predict",
     "RateEstimate": "rate.estimates",
     "Ratios": "comparison.comparison",
     "RecordingPlan": "planning.plan",
