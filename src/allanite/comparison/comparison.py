@@ -10,7 +10,6 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
-from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
@@ -18,7 +17,7 @@ from allanite.core.record import Header, Record
 from allanite.core.residuals import chance
 
 from .change import Change, Homogeneity, told
-from .together import Together
+from .together import Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,10 +118,7 @@ class Pair(Value):
     whole: Fit | None = None
 
     def __getitem__(self, symbol: str) -> Change:
-        for change in self.changes:
-            if change.symbol == symbol:
-                return change
-        raise UsageError(f"{symbol!r} was not compared; there are {', '.join(c.symbol for c in self.changes)}")
+        return of_symbol(self.changes, symbol, "compared")
 
     @property
     def p(self) -> float:

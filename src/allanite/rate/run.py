@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import ModelLike
+from allanite.core.plain import Value
 from allanite.core.record import KINDS, Record
 
 from .experiments import Experiment
@@ -22,8 +23,8 @@ MOST = 100
 """Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
 
 
-@dataclass(frozen=True)
-class ExperimentSettings:
+@dataclass(frozen=True, repr=False)
+class ExperimentSettings(Value):
     """Choices of an experiment.
 
     Attributes

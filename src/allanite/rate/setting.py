@@ -9,10 +9,11 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 
 
-@dataclass(frozen=True)
-class EstimatorSettings:
+@dataclass(frozen=True, repr=False)
+class EstimatorSettings(Value):
     """Choices that concern one estimator each.
 
     Attributes
