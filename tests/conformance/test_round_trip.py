@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.angle import Solution
+from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings
 from allanite.compensation.study import compensate_file
@@ -19,6 +21,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.prepare import inspect
+from allanite.rate.study import RateSettings, measure_rates
 from allanite.signals import TorqueScale
 from allanite.signals.codes import codes
 from allanite.signals.study import PathSettings
@@ -117,14 +120,38 @@ def shared():
     return al.shared(al.Recording((record(0), record(1))), {f"z{i}": fit(i=i) for i in range(2)})
 
 
+@cache
+def plan_of_angles():
+    return al.angle.AngleSettings(np.radians(60), duration=1800.0, interval=30.0, sway=(0.01, 10.0))
+
+
+@cache
+def calibration():
+    gimbals = al.angle.gimbals(np.arange(7200.0, 10800.0, 30.0), latitude=np.radians(60))
+    true = {"h": al.angle.Harmonics.of({128: (3e-6, 0.0)})}
+    z = al.angle.simulate(gimbals, true, sigma=1e-6, rng=np.random.default_rng(1))
+    return al.angle.estimate(z, gimbals, prior=(1e-5, 1e-5))
+
+
+@cache
+def rate_study():
+    noise = al.N(0.1, "deg/sqrt(h)") + al.Q(5, "arcsec")
+    up, down = (al.simulate(noise, 4096, 100.0, rng=np.random.default_rng(i)) for i in range(2))
+    settings = RateSettings(al.rate.ExperimentSettings(interval=5.0), noise, latitude=55.8, durations=(2.0,))
+    return measure_rates(up, al.Recipe(level=LEVEL), settings, second=down)
+
+
 MAKERS = {
     "Alternative": lambda: Alternative(MODEL, -3.5),
+    "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
+    "AngleSettings": plan_of_angles,
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],
     "BudgetChannel that is refused": lambda: rounded()[1],
     "BudgetStudy": rounded,
     "BudgetStudy with a scale factor": lambda: rounded(0.2),
+    "Calibration": calibration,
     "Change": lambda: comparison()["N"],
     "Channel": lambda: study().channels[0],
     "Channel that is refused": lambda: study().channels[2],
@@ -138,6 +165,7 @@ MAKERS = {
     "Compensated that was held back": lambda: compensation().applied[0],
     "CompensationSettings": lambda: CompensationSettings(("temp",), lags=(60.0,), fit=FitSettings(smooth=90.0)),
     "CompensationStudy": compensation,
+    "ComparisonSettings": lambda: ComparisonSettings(against=("x", "y"), part=10.0),
     "Curve": curve,
     "Curve of a found power law": lambda: curve(noise="auto"),
     "Curve without limits": lambda: curve(noise=None),
@@ -149,40 +177,56 @@ MAKERS = {
     "Estimate that is absent": lambda: fit()["K"],
     "Estimate of a ramp": lambda: fit(i=3)["R"],
     "Estimate with a shape": lambda: next(e for e in fit(i=0) if TERMS[e.symbol].parameters),
+    "EstimatorSettings": lambda: al.rate.EstimatorSettings(lines=3, allowed=1e-9),
+    "Experiment": lambda: rate_study().channels[0].experiment,
+    "ExperimentSettings": lambda: al.rate.ExperimentSettings(methods=("mean",), dither=(400.0,)),
     "Finding": lambda: Finding("gaps", "10 readings are lost", place=(0.5, 1.0)),
     "Fit": fit,
     **{f"Fit by {method}": lambda method=method: fit(method) for method in al.METHODS if method != "whittle"},
     "FitSettings": lambda: FitSettings(terms="NK", least=3.0),
     "Gain": lambda: regression().inside,
     "Gain that was held back": lambda: compensation().applied[0].gain,
+    "Gimbals": lambda: calibration().gimbals,
     "Goodness": lambda: fit().goodness,
     "Header": lambda: record().header,
+    "History": lambda: calibration().solution.history,
     "Homogeneity": lambda: comparison().pairs[0].test,
+    "InnovationTest": lambda: calibration().solution.checks[0],
     "Line": lambda: fit().lines[0],
     "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
     "Mixture": lambda: regression().mixture,
     "Model": lambda: MODEL,
+    "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
     "Pair": lambda: comparison().pairs[0],
     "PathSettings": lambda: rounded().settings,
     "Pool": pool,
     "PooledChannel": lambda: pool().channels[0],
     "PooledTerm": lambda: pool().terms[0],
     "Quality": lambda: inspect(al.Record(np.full(300, 1.25), 10.0, "deg/h")),
+    "Ranking": lambda: al.rate.rank(al.N(0.1, "deg/sqrt(h)"), n=1000, rate=100.0),
+    "RateChannel": lambda: rate_study().channels[0],
+    "RateEstimate": lambda: rate_study().channels[0].bias,
+    "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
+    "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,
     "RecordingPlan": lambda: al.plan(MODEL, 100.0),
     "Regression": regression,
     "Regressor": lambda: regression().regressors[1],
     "Residuals": residuals,
+    "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "SelfCheck": selfcheck,
     "Shared": shared,
+    "Solution": lambda: calibration().solution,
     "Spectrum": lambda: al.spectrum(record()),
     "Stage": lambda: al.Stage("ADC", 12, 5.0, "V"),
     "StageNoise": lambda: rounded()[0].budget.stages[0],
+    "SquareRoot": lambda: calibration().solution.known,
     "StateSpace": lambda: al.state_space(MODEL, 100.0),
     "StateSpace of discrete time": lambda: al.state_space(al.N(0.1, "deg/sqrt(h)") + al.Q(1.0, "arcsec"), 100.0),
     "Study": study,
     "Study by another method": lambda: al.analyze(record(), al.Recipe(method="gls", level=LEVEL)),
     "Surface": surface,
+    "Sway": lambda: plan_of_angles().sway,
     "Survey": lambda: surveyed(Deviations(limits=False)),
     "Survey of spectra": lambda: surveyed(Densities(fit=True)),
     "Survey of surfaces": lambda: surveyed(Windows(window=40.0)),
@@ -202,10 +246,12 @@ def same(one, other):
     """Whether two values have equal fields, as far as they can be compared."""
     if callable(one) or callable(other):  # worked out when asked for: the values are in the text
         return all(part is None or callable(part) for part in (one, other))
-    if isinstance(one, Portable) and not isinstance(one, al.Record):
-        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one) if f.compare)
     if isinstance(one, al.Record):
-        return getattr(one, "header", one) == getattr(other, "header", other)
+        return one.header == getattr(other, "header", other)
+    if isinstance(one, Portable):
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one) if f.compare)
+    if isinstance(one, dict):
+        one, other = list(one.items()), list(other.items())
     if isinstance(one, (tuple, list)):
         return len(one) == len(other) and all(map(same, one, other))
     if isinstance(one, (np.ndarray, float)):
@@ -214,8 +260,10 @@ def same(one, other):
 
 
 def intervals(value):
-    found = value.interval(LEVEL) if hasattr(value, "interval") and getattr(value, "law", 0) is not None else ()
-    return [np.asarray(limit) for limit in found]
+    if isinstance(value, Solution):
+        return [np.asarray(value.interval(name, LEVEL)) for name in value.names]
+    known = callable(getattr(value, "interval", None)) and getattr(value, "law", 0) is not None
+    return [np.asarray(limit) for limit in (value.interval(LEVEL) if known else ())]
 
 
 def alike(one, other):

@@ -129,21 +129,6 @@ def test_the_wheel_holds_what_the_package_needs(tmp_path):
     assert not [name for name in names if not name.startswith(("allanite/", "allanite-"))]
 
 
-STILL_HIDDEN = {
-    *(f"allanite.angle.{name}" for name in ("estimate", "gimbals", "plan", "scan", "simulate")),
-    *(f"allanite.rate.{name}" for name in ("estimate", "experiment")),
-    "allanite.signals.budget",
-    *(
-        f"allanite.cli.{name}"
-        for name in (
-            "analyze", "angle", "budget", "compare", "compensate", "plan", "rate", "reading", "selfcheck", "simulate",
-            "statespace",
-        )
-    ),
-}  # fmt: skip
-"""Modules that an object of their package hides: to be renamed, never to be added to."""
-
-
 def test_no_module_is_hidden_by_an_object_of_its_name():
     hidden = set()
     for found in pkgutil.walk_packages(allanite.__path__, "allanite."):
@@ -152,7 +137,7 @@ def test_no_module_is_hidden_by_an_object_of_its_name():
             package, _, name = found.name.rpartition(".")
             if not isinstance(vars(sys.modules[package]).get(name), types.ModuleType):
                 hidden.add(found.name)
-    assert hidden == STILL_HIDDEN
+    assert hidden == set()
 
 
 def test_the_front_door_opens_to_what_the_stub_names_and_nothing_else():

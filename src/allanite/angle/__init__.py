@@ -9,9 +9,9 @@ from .geometry import gimbals as gimbals
 from .harmonics import Harmonics as Harmonics
 from .plans import AnglePlan as AnglePlan
 from .plans import AngleSettings as AngleSettings
+from .plans import Scan as Scan
 from .plans import plan as plan
-from .scans import Scan as Scan
-from .scans import scan as scan
+from .plans import scan as scan
 from .simulation import readings as readings
 from .simulation import simulate as simulate
 from .solution import Solution as Solution

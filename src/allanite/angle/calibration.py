@@ -3,23 +3,23 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.plain import Value
 
 from .caveats import caveats
-from .design import USUAL, Orders, design, harmonic_set
+from .design import USUAL, Orders, amplitude_names, design, harmonic_set
 from .door import column
 from .geometry import Gimbals
 from .harmonics import Harmonics
 from .solution import Solution
 from .solve import System, solve
-
-FloatArray = NDArray[np.float64]
 
 Prior = tuple[float, float]
 
@@ -27,8 +27,8 @@ LARGE = 0.2
 """Phase of a harmonic, rad, that the error itself may amount to before the linear model is doubtful."""
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Value):
     """Harmonics of a gimbal's angle sensors, estimated in service.
 
     Attributes
@@ -63,14 +63,14 @@ class Calibration:
         tables = [h.rows(level) for h in self.harmonics]
         return tables[0][0], [row for _, rows in tables for row in rows]
 
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI."""
-        return {
-            "allanite": 1,
-            "type": "Calibration",
-            "harmonics": [h.to_dict(level) for h in self.harmonics],
-            "solution": self.solution.to_dict(level),
-        }
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """What `to_dict` has written; the solution, stored once, belongs to each angle."""
+        found = super().from_dict(data)
+        return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
+
+    def _summary(self) -> str:
+        return "; ".join(f"{h.name}: {h.what}" for h in self.harmonics)
 
 
 Result = Harmonics | Calibration
@@ -137,21 +137,24 @@ def estimate(
     if (largest := np.abs(z).max()) > 2:
         raise DataError(f"the difference of two cosines lies within 2, but {largest:.4g} came; is it scaled?")
     names, rows = design(gimbals, harmonics, nuisance)
-    count = 2 * sum(map(len, harmonics.values()))
-    before = None if prior is None else prior_of(prior, count, len(names))
+    before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
-    solution = replace(solution, findings=caveats(gimbals, harmonics, names, solution.known, before))
-    return Calibration(tuple(_parts(solution, harmonics)), _judged(solution, harmonics), gimbals)
+    known = caveats(gimbals, harmonics, names, solution.known, before)
+    solution = replace(solution, findings=(*known, *too_large(tuple(_parts(solution, harmonics)))))
+    return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
 
 
-def prior_of(prior: Prior, count: int, size: int) -> FloatArray:
-    """Standard deviations of `size` constants, of which the first `count` are amplitudes."""
+def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size: int) -> FloatArray | None:
+    """Standard deviations of `size` constants, of which the first are amplitudes of the harmonics."""
+    if prior is None:
+        return None
     try:
         amplitudes, rest = (float(v) for v in prior)
     except (TypeError, ValueError):
         raise UsageError(f"prior is two standard deviations, of the amplitudes and the rest, not {prior!r}") from None
     if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
         raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
+    count = len(amplitude_names(harmonics))
     return np.array([amplitudes] * count + [rest] * (size - count))
 
 
@@ -168,12 +171,6 @@ def part(solution: Solution, angle: str, orders: tuple[int, ...], first: int) ->
     sine, cosine = solution.values[mine].reshape(-1, 2).T
     covariance = solution.covariance[mine, mine]
     return Harmonics(orders, sine.copy(), cosine.copy(), covariance, solution.freedom, angle, solution)
-
-
-def _judged(solution: Solution, harmonics: Mapping[str, tuple[int, ...]]) -> Solution:
-    """With a word on errors so large that the linear model is doubtful."""
-    large = too_large(tuple(_parts(solution, harmonics)))
-    return replace(solution, findings=(*solution.findings, *large))
 
 
 def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:

@@ -4,15 +4,13 @@ import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
 
 from .geometry import Gimbals
 from .solution import correlation_of
 from .squareroot import SquareRoot
-
-FloatArray = NDArray[np.float64]
 
 ALIKE = 0.9
 """Correlation above which two amplitudes are hardly told apart."""

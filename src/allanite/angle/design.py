@@ -4,15 +4,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 
 from .door import demand_motion
-from .geometry import ANGLES, EARTH_RATE, Gimbals
+from .geometry import ANGLES, EARTH_RATE, Gimbals, demand_angles
 from .harmonics import orders_of, waves
-
-FloatArray = NDArray[np.float64]
 
 Orders = Sequence[int] | Mapping[str, Sequence[int]]
 
@@ -76,9 +74,7 @@ def harmonic_set(orders: Orders) -> dict[str, tuple[int, ...]]:
         chosen = {angle: orders_of(k, f"orders of {angle}") for angle, k in orders.items()}
     else:
         chosen = dict.fromkeys(EQUATORIAL, orders_of(orders))
-    for angle in chosen:
-        if angle not in ANGLES:
-            raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
+    demand_angles(chosen)
     if not chosen:
         raise UsageError(f"no angle is chosen; there are {', '.join(ANGLES)}")
     return chosen

@@ -3,11 +3,10 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
-
-FloatArray = NDArray[np.float64]
 
 STILL = 0.01
 """Part of the shortest harmonic's period that an angle must move for its harmonics to be estimated at all."""

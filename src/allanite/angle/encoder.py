@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record
@@ -18,8 +19,6 @@ from .door import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
 from .solution import Solution, correlation_of
 from .solve import System, solve
-
-FloatArray = NDArray[np.float64]
 
 SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""

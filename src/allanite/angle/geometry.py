@@ -6,18 +6,18 @@ time is counted from its passage of h = 0 upwards, towards the east. The polar g
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.plain import Value
 
 from .door import column, demand_increasing
 from .sway import Sway, sway_of
-
-FloatArray = NDArray[np.float64]
 
 EARTH_RATE = 7.292115e-5
 """Rate of the earth against the stars, rad/s."""
@@ -35,8 +35,15 @@ ANGLES = ("h", "q", "h_polar", "q_polar")
 """The four angle sensors: of the equatorial and of the polar gyro."""
 
 
-@dataclass(frozen=True, eq=False)
-class Gimbals:
+def demand_angles(names: Iterable[str]) -> None:
+    """Refuse names that are none of `ANGLES`."""
+    for name in names:
+        if name not in ANGLES:
+            raise UsageError(f"unknown angle {name!r}; there are {', '.join(ANGLES)}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gimbals(Value):
     """Angles of both gyros' gimbals over time.
 
     Attributes
@@ -101,6 +108,9 @@ class Gimbals:
             "h_polar": h[0] * p[1] - h[1] * p[0] * c,
             "q_polar": h[1] * p[1] * s,
         }
+
+    def _summary(self) -> str:
+        return f"{self.time.size} readings from {self.time[0]:g} to {self.time[-1]:g} s"
 
     def span(self, angle: str) -> float:
         """How far an angle moves, rad."""

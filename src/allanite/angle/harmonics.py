@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from allanite.core.arrays import FloatArray
 from allanite.core.correction import Correction
 from allanite.core.errors import UsageError
 from allanite.core.record import Record, Recording
 
 from .solution import Solution, quantile
-
-FloatArray = NDArray[np.float64]
 
 FOUND = 0.01
 """An amplitude is called found where one as large has a smaller probability than this if there is none."""
@@ -42,7 +41,7 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Harmonics(Correction):
     """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its reading.
 
@@ -223,7 +222,7 @@ class Harmonics(Correction):
             "covariance": self.covariance.tolist(),
             "freedom": None if math.isinf(self.freedom) else self.freedom,
         }
-        return data | ({} if self.solution is None else {"solution": self.solution.to_dict(level)})
+        return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Harmonics":

@@ -3,22 +3,23 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.fit import chance
-
-FloatArray = NDArray[np.float64]
+from allanite.core.plain import Value
 
 PASSED = 0.01
 """A p value below this says that the test has failed."""
 
 
-@dataclass(frozen=True)
-class InnovationTest:
+@dataclass(frozen=True, repr=False)
+class InnovationTest(Value):
     """Outcome of a test of the innovations: `p` is the probability of worse by chance."""
+
+    _also: ClassVar[tuple[str, ...]] = ("passed",)
 
     name: str
     title: str
@@ -33,10 +34,6 @@ class InnovationTest:
 
     def __str__(self) -> str:
         return f"{self.title if self.passed else self.failed} ({chance(self.p)})"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return {"name": self.name, "statistic": self.statistic, "p": self.p, "passed": self.passed}
 
 
 def white(left: FloatArray) -> tuple[float, float, str]:
@@ -91,11 +88,10 @@ TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str
 
 def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[InnovationTest, ...]:
     """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
-    found = []
-    for name, (title, innovating, test) in TESTS.items():
-        statistic, p, words = test(innovations if innovating else residuals)
-        found.append(InnovationTest(name, title, statistic, p, words))
-    return tuple(found)
+    return tuple(
+        InnovationTest(name, title, *test(innovations if innovating else residuals))
+        for name, (title, innovating, test) in TESTS.items()
+    )
 
 
 def level_check(squares: float, freedom: int) -> InnovationTest:

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.simulation.record import readout_noise
 
 from .design import NUISANCES
-from .geometry import ANGLES, Gimbals
+from .geometry import Gimbals, demand_angles
 from .harmonics import Harmonics
-
-FloatArray = NDArray[np.float64]
 
 
 def simulate(
@@ -48,7 +46,7 @@ def simulate(
     array, shape (n,)
     """
     measured = readings(gimbals, harmonics)
-    z = _cosine_change(gimbals, measured)
+    z = measured.cosine - gimbals.cosine
     for name, value in (nuisance or {}).items():
         if name not in NUISANCES:
             raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
@@ -58,12 +56,5 @@ def simulate(
 
 def readings(gimbals: Gimbals, harmonics: Mapping[str, Harmonics]) -> Gimbals:
     """The angles as sensors with these errors read them."""
-    for angle in harmonics:
-        if angle not in ANGLES:
-            raise UsageError(f"unknown angle {angle!r}; there are {', '.join(ANGLES)}")
-    angles = {angle: getattr(gimbals, angle) for angle in harmonics}
-    return gimbals.moved(**{angle: h.read(angles[angle]) for angle, h in harmonics.items()})
-
-
-def _cosine_change(true: Gimbals, measured: Gimbals) -> FloatArray:
-    return measured.cosine - true.cosine
+    demand_angles(harmonics)
+    return gimbals.moved(**{angle: h.read(getattr(gimbals, angle)) for angle, h in harmonics.items()})

@@ -2,32 +2,32 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.limits import demand_level
+from allanite.core.plain import Value
 
 from .residuals import InnovationTest
 from .squareroot import SquareRoot
 
-FloatArray = NDArray[np.float64]
 
-
-@dataclass(frozen=True, eq=False)
-class History:
+@dataclass(frozen=True, eq=False, repr=False)
+class History(Value):
     """The estimate on its way: after `count` readings, at `time`, shape (c,); values and errors, shape (c, p)."""
 
-    count: NDArray[np.int64]
+    count: IntArray
     time: FloatArray
     values: FloatArray
     errors: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Value):
     """Estimated constants.
 
     Attributes
@@ -48,6 +48,8 @@ class Solution:
     known : SquareRoot
         What further readings (divided by sigma) can be added to.
     """
+
+    _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
 
     names: tuple[str, ...]
     values: FloatArray
@@ -96,23 +98,28 @@ class Solution:
         """What must stand beside the numbers: findings, and checks that failed."""
         return (*map(str, self.findings), *(str(check) for check in self.checks if not check.passed))
 
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI; the history is left out."""
-        limits = [self.interval(name, level) for name in self.names]
+    def shown(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
+        keys = ("name", "value", "standard_error", "low", "high")
+        rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
         return {
             "sigma": self.sigma,
             "sigma_given": self.given,
             "readings": self.innovations.size,
             "condition": self.condition,
             "level": level,
-            "constants": [
-                {"name": name, "value": float(v), "standard_error": float(e), "low": low, "high": high}
-                for name, v, e, (low, high) in zip(self.names, self.values, self.errors, limits, strict=True)
-            ],
+            "constants": [dict(zip(keys, row, strict=True)) for row in rows],
             "correlation": self.correlation.tolist(),
             "checks": [check.to_dict() for check in self.checks],
             "findings": [finding.to_dict() for finding in self.findings],
         }
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI."""
+        return super().to_dict(level) | self.shown(level)
+
+    def _summary(self) -> str:
+        return f"{', '.join(self.names)} of {self.innovations.size} readings"
 
 
 def correlation_of(covariance: FloatArray) -> FloatArray:
@@ -125,7 +132,6 @@ def quantile(level: float, freedom: float) -> float:
     """Half width of an interval of this level, in standard errors."""
     from scipy.special import ndtri, stdtrit
 
-    if not 0 < level < 1:
-        raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+    demand_level(level)
     above = 0.5 + level / 2
     return float(ndtri(above) if math.isinf(freedom) else stdtrit(freedom, above))

@@ -5,15 +5,13 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 
 from .residuals import checks, level_check
 from .solution import History, Solution
 from .squareroot import SquareRoot, batch
-
-FloatArray = NDArray[np.float64]
 
 VAGUE = 1e7
 """A prior deviation, in units of what one reading tells of a constant, that no result notices."""

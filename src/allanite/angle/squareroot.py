@@ -7,16 +7,16 @@ subtraction; the factor R of the information ``P^-1 = R^T R`` is only ever rotat
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from allanite.core.arrays import FloatArray
+from allanite.core.plain import Value
 
 BLOCK = 4096
 """Rows that the batch form takes at a time: what they need stays in the cache."""
 
 
-@dataclass(frozen=True, eq=False)
-class SquareRoot:
+@dataclass(frozen=True, eq=False, repr=False)
+class SquareRoot(Value):
     """What is known of p constants x from n readings ``z = a x + v``, all divided by the deviation of v.
 
     Attributes

@@ -7,8 +7,7 @@ from allanite.study.channels import provenance_of
 
 from .calibration import Calibration
 from .harmonics import Harmonics
-from .plans import AnglePlan
-from .scans import Scan
+from .plans import AnglePlan, Scan
 
 
 @dataclass(frozen=True, eq=False)

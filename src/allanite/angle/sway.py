@@ -4,12 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.plain import Value
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,13 +1,13 @@
 """Change: one coefficient before and after. Homogeneity: whether several records have one noise."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from allanite.core.encoding import finite, plain
-from allanite.core.fit import Estimate, chance
-from allanite.core.limits import demand_level
+from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.terms import TERMS
@@ -142,6 +142,16 @@ def holm(p: list[float]) -> list[float]:
         least = max(least, min(1.0, (len(p) - rank) * p[i]))
         adjusted[i] = least
     return adjusted
+
+
+def changes_of(contrasts: Mapping[str, Any], fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
+    """The change of each coefficient, by symbol, from what contrasts it: a ratio, its p and its limits."""
+    before, after = fits
+    p = [contrast.p for contrast in contrasts.values()]
+    return tuple(
+        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(level))
+        for (s, c), q, adjusted in zip(contrasts.items(), p, holm(p), strict=True)
+    )
 
 
 def told(change: Change) -> str:

@@ -6,20 +6,17 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
-from allanite.core.errors import UsageError
 from allanite.core.fit import Fit, chance
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Header, Record
 
 from .change import Change, Homogeneity, told
-from .together import Together
-
-FloatArray = NDArray[np.float64]
+from .together import Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,10 +117,7 @@ class Pair(Value):
     whole: Fit | None = None
 
     def __getitem__(self, symbol: str) -> Change:
-        for change in self.changes:
-            if change.symbol == symbol:
-                return change
-        raise UsageError(f"{symbol!r} was not compared; there are {', '.join(c.symbol for c in self.changes)}")
+        return of_symbol(self.changes, symbol, "compared")
 
     @property
     def p(self) -> float:

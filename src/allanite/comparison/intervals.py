@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Estimate, Fit
-from allanite.core.limits import Remembered
 from allanite.study.channels import provenance_of
 from allanite.study.recipe import Recipe
 
-from .change import Change, alpha_of, holm
+from .change import alpha_of, changes_of
 from .comparison import Comparison, Pair
 from .sources import name_both
 
@@ -111,14 +110,8 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
             f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
         )
     common = [e.symbol for e in before if e.symbol in [other.symbol for other in after]]
-    found = [IntervalContrast(before[s], after[s]) for s in common]
-    p = [contrast.p for contrast in found]
-    changes = tuple(
-        Change(
-            s, before.signal, before[s], after[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(recipe.level)
-        )
-        for s, c, q, adjusted in zip(common, found, p, holm(p), strict=True)
-    )
+    contrasts = {s: IntervalContrast(before[s], after[s]) for s in common}
+    changes = changes_of(contrasts, (before, after), recipe.level)
     pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
     notes = ("compared by the intervals of the coefficients only: the records would tell more",)
     return Comparison((pair,), recipe, (), notes, provenance_of(), ("before", "after"))

@@ -9,18 +9,17 @@ from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
 from allanite.core.model import Model
 from allanite.core.record import Record
-from allanite.statistics import deviation
 from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
-from .change import Change, alpha_of, holm
+from .change import Change, alpha_of, changes_of
 from .comparison import Pair, Ratios
 from .contrast import Contrast, homogeneity, partly_common
 from .joining import join_records
 from .joint import Joint
 from .ramps import RampContrast, ramp_law
-from .ratio import ratio_law, shared_factors
+from .ratio import ratio_law, shared_curves
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,16 +63,11 @@ def refuse_pair(seen: Inspected, why: str) -> Pair:
 
 def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
     found: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
-    first, second = fits
     ramps = ramp_law(both, 0), ramp_law(both, 1)
     if ramps[0] is not None and ramps[1] is not None:
-        found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in first if TERMS[e.symbol].waveform is not None}
-    kept = {e.symbol: found[e.symbol] for e in first if e.symbol in found}
-    p = [contrast.p for contrast in kept.values()]
-    return tuple(
-        Change(s, both.signal, first[s], second[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(level))
-        for (s, c), q, adjusted in zip(kept.items(), p, holm(p), strict=True)
-    )
+        found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in fits[0] if TERMS[e.symbol].waveform is not None}
+    kept = {e.symbol: found[e.symbol] for e in fits[0] if e.symbol in found}
+    return changes_of(kept, fits, level)
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
@@ -94,11 +88,7 @@ def ratios_of(
     records: tuple[Record, Record], fits: tuple[Fit, Fit], supposed: Sequence[Model], recipe: Recipe
 ) -> Ratios:
     """The curves of both at the same averaging times, and the law of their ratio."""
-    m = shared_factors(records, recipe.statistic, recipe.taus)
-    before, after = (
-        deviation(record, recipe.statistic, m=factors.tolist(), noise=fit.model)
-        for record, factors, fit in zip(records, m, fits, strict=True)
-    )
+    m, (before, after) = shared_curves(records, fits, recipe.statistic, recipe.taus)
     law = ratio_law(records, recipe.statistic, m, supposed)
     ratio = after.variance / before.variance
     return Ratios(before, after, law.p(ratio), Remembered(partial(law.limits, ratio)))

@@ -4,12 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
-from allanite.core.errors import UsageError
 from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
@@ -19,9 +16,7 @@ from allanite.core.units import Signal
 from allanite.terms import TERMS
 
 from .change import Homogeneity
-from .together import Together
-
-FloatArray = NDArray[np.float64]
+from .together import Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,10 +129,7 @@ class PooledChannel(Value):
     alpha: float = 0.05
 
     def __getitem__(self, symbol: str) -> PooledTerm:
-        for term in self.terms:
-            if term.symbol == symbol:
-                return term
-        raise UsageError(f"{symbol!r} was not pooled; there are {', '.join(t.symbol for t in self.terms)}")
+        return of_symbol(self.terms, symbol, "pooled")
 
     @property
     def alike(self) -> bool:

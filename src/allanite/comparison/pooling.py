@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
 from allanite.core.record import Record
 from allanite.identification.likelihood.selection import standard_error
-from allanite.statistics import deviation
 from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 
@@ -22,9 +21,7 @@ from .contrast import homogeneity, outlying, spread
 from .joining import join_records
 from .joint import Joint, least
 from .pooled import PooledChannel, PooledTerm
-from .ratio import shared_factors
-
-FloatArray = NDArray[np.float64]
+from .ratio import shared_curves
 
 
 def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:
@@ -135,11 +132,7 @@ def _curves(
     records: tuple[Record, ...], fits: Sequence[Fit], recipe: Recipe
 ) -> tuple[tuple[Curve, ...], Curve, FloatArray]:
     """The curve of each run, that of all, and p of their being the same at each averaging time."""
-    m = shared_factors(records, recipe.statistic, recipe.taus)
-    curves = tuple(
-        deviation(record, recipe.statistic, m=factors.tolist(), noise=fit.model)
-        for record, factors, fit in zip(records, m, fits, strict=True)
-    )
+    _, curves = shared_curves(records, fits, recipe.statistic, recipe.taus)
     edf = np.array([curve.edf for curve in curves])
     variance = np.array([curve.variance for curve in curves])
     whole = edf.sum(axis=0)

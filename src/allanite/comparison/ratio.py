@@ -14,14 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
+from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.core.record import Record
+from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import GRIDS
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import Points, statistic_named
 
 ALIKE = 0.005
@@ -137,6 +140,15 @@ def ratio_law(
 def _of(points: Points) -> tuple[object, ...]:
     """What the law depends on beside the model."""
     return points.m.tolist(), list(points.runs), points.size, points.rate
+
+
+def shared_curves(
+    records: Sequence[Record], fits: Sequence[Fit], statistic: str, taus: str | Sequence[float]
+) -> tuple[list[IntArray], tuple[Curve, ...]]:
+    """Averaging factors of each record, and its curve, at the same averaging times; see `shared_factors`."""
+    m = shared_factors(records, statistic, taus)
+    each = zip(records, m, fits, strict=True)
+    return m, tuple(deviation(record, statistic, m=k.tolist(), noise=fit.model) for record, k, fit in each)
 
 
 def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:

@@ -79,10 +79,9 @@ def compare(
     >>> found["N"].outcome, round(found["N"].percent), found["K"].outcome
     ('smaller', -20, 'not resolvable')
     """
-    recipe = _by_likelihood(recipe)
+    recipe = _ready(recipe, progress)
     if isinstance(before, Fit) or isinstance(after, Fit):
         return compare_fits(before, after, recipe)
-    _tell_reading(progress)
     sources = open_sources((before, after), recipe, against=against)
     settings = ComparisonSettings(against=None if against is None else tuple(against))
     return _compare(sources, recipe, settings, rng=rng, progress=progress)
@@ -99,8 +98,7 @@ def compare_channels(
 
     Parameters, errors and result are those of `compare` and `pool`.
     """
-    recipe = _by_likelihood(recipe)
-    _tell_reading(progress)
+    recipe = _ready(recipe, progress)
     recording = open_source(source, recipe)
     if len(recording) == 1:
         raise UsageError(
@@ -158,10 +156,9 @@ def pool(
     >>> list(found.channels[0].apart)
     ['run 3']
     """
-    recipe = _by_likelihood(recipe)
+    recipe = _ready(recipe, progress)
     if len(runs) < 3:
         raise UsageError(f"runs are pooled from three on, and {len(runs)} came; of two, compare(before, after)")
-    _tell_reading(progress)
     return _pool(open_sources(runs, recipe), recipe, rng=rng, progress=progress)
 
 
@@ -199,8 +196,7 @@ def truncation(
     >>> found.pairs[0].changed, found.pairs[0].whole["N"].status
     (False, 'identified')
     """
-    recipe = _by_likelihood(recipe)
-    _tell_reading(progress)
+    recipe = _ready(recipe, progress)
     recording = open_source(source, recipe)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
@@ -217,16 +213,14 @@ def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
     return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *(f"the whole: {doubt}" for doubt in whole.doubts)))
 
 
-def _by_likelihood(recipe: Recipe | None) -> Recipe:
+def _ready(recipe: Recipe | None, progress: Progress | None) -> Recipe:
+    """The recipe of a comparison, before anything is read."""
     recipe = recipe or Recipe(taus="octave")
     if recipe.method != "whittle":
         raise UsageError(f"records are compared by their likelihood, method 'whittle', not by {recipe.method!r}")
-    return recipe
-
-
-def _tell_reading(progress: Progress | None) -> None:
     if progress is not None:
         progress("reading", 0.0)
+    return recipe
 
 
 def _compare(

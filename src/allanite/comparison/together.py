@@ -1,5 +1,6 @@
 """What a comparison and a pool have in common: a job on the channels of several recordings."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -8,6 +9,14 @@ from allanite.study.channels import Job
 
 Compared = TypeVar("Compared", bound=Any)
 """The result of one channel: it has a name, a verdict and a refusal."""
+
+
+def of_symbol(found: Sequence[Compared], symbol: str, done: str) -> Compared:
+    """The one of that symbol; where there is none, an error says what was `done` instead."""
+    for one in found:
+        if one.symbol == symbol:
+            return one
+    raise UsageError(f"{symbol!r} was not {done}; there are {', '.join(one.symbol for one in found)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,14 +33,6 @@ class Together(Job[Compared]):
     """
 
     names: tuple[str, ...]
-
-    def __getitem__(self, key: str | int) -> Compared:
-        if isinstance(key, int):
-            return self.channels[key]
-        for channel in self.channels:
-            if channel.name == key:
-                return channel
-        raise UsageError(f"no channel {key!r}; there are {', '.join(channel.name for channel in self.channels)}")
 
     @property
     def level(self) -> float:

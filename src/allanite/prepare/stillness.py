@@ -7,8 +7,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.statistics.allan import OADEV
-from allanite.statistics.angle import integrated
-from allanite.statistics.estimator import windows
+from allanite.statistics.estimator import integrated, windows
 
 from .view import View, stretches
 

@@ -8,9 +8,9 @@ from .experiments import Experiment as Experiment
 from .measure import estimate as estimate
 from .positions import reversal as reversal
 from .positions import subtract_bias as subtract_bias
+from .predict import Ranking as Ranking
 from .predict import predicted_standard_error as predicted_standard_error
 from .predict import rank as rank
-from .ranking import Ranking as Ranking
 from .run import ExperimentSettings as ExperimentSettings
 from .run import by_duration as by_duration
 from .run import experiment as experiment

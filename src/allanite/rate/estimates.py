@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from allanite.core.encoding import finite
-from allanite.core.errors import UnitError, UsageError
+from allanite.core.errors import UnitError
 from allanite.core.finding import Finding
+from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 
@@ -73,8 +74,7 @@ class RateEstimate(Value):
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence limits (low, high), SI; certain ones where there are any; NaN without a standard error."""
-        if not 0 < level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {level!r}")
+        demand_level(level)
         if self.limits is not None:
             return self.limits
         from scipy.special import ndtri

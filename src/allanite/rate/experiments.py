@@ -7,14 +7,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.encoding import plain
 from allanite.core.finding import Finding
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 
 from .estimates import rate_factor
-from .ranking import Ranking
-from .setting import FloatArray
+from .predict import Ranking
 
 DRIFT = 3.0
 """Standard deviations by which neighbours must be more alike than independent intervals to be called a drift."""
@@ -114,17 +114,8 @@ class Experiment(Value):
         low, high = (deviation * factor for factor in _chi_limits(k, level))
         neighbours = math.sqrt(float(np.square(np.diff(errors)).mean()) / 2) if k > 1 else math.nan
         worst = float(errors[np.abs(errors).argmax()])
-        return Scatter(
-            method,
-            float(errors.mean()),
-            deviation,
-            low,
-            high,
-            neighbours,
-            3 * deviation,
-            worst,
-            float(self.predicted[row]),
-        )
+        limits, rest = (deviation, low, high, neighbours), (3 * deviation, worst, float(self.predicted[row]))
+        return Scatter(method, float(errors.mean()), *limits, *rest)
 
     def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
         """Ratios of the standard deviations of all pairs of methods.

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record
 
 from .row import Interval
-from .setting import EstimatorSettings, FloatArray, Setting
+from .setting import EstimatorSettings, Setting
 
 JUMP = 20.0
 """Median absolute deviations from the median beyond which a reading is called a pulse slip."""

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 
 from .row import Interval, RateEstimator, RateMeasurement, linear
-from .setting import FloatArray, Setting
+from .setting import Setting
 
 REACH = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""

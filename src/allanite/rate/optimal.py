@@ -17,11 +17,12 @@ import math
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.statistics.moments.gls import Covariance
 
 from .linear import parabola
 from .row import RateEstimator, linear
-from .setting import FloatArray, Setting
+from .setting import Setting
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:

@@ -29,17 +29,14 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
     factor = rate_factor(unit, estimate.signal)
     if not (math.isfinite(bias) and math.isfinite(standard_error) and standard_error >= 0):
         raise UsageError(f"a bias and its standard error are finite numbers, not {bias!r} and {standard_error!r}")
+    limits = estimate.limits if standard_error == 0 else None
     return replace(
         estimate,
         value=estimate.value - bias * factor,
         standard_error=math.hypot(estimate.standard_error, standard_error * factor),
-        limits=_moved(estimate.limits, -bias * factor) if standard_error == 0 else None,
+        limits=None if limits is None else (limits[0] - bias * factor, limits[1] - bias * factor),
         history=(*estimate.history, f"bias of {bias:g} {unit} subtracted"),
     )
-
-
-def _moved(limits: tuple[float, float] | None, by: float) -> tuple[float, float] | None:
-    return None if limits is None else (limits[0] + by, limits[1] + by)
 
 
 def reversal(first: RateEstimate, second: RateEstimate) -> tuple[RateEstimate, RateEstimate]:

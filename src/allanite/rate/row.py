@@ -4,7 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .setting import FloatArray, Setting
+from allanite.core.arrays import FloatArray
+
+from .setting import Setting
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,25 +5,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import ModelLike
+from allanite.core.plain import Value
 from allanite.core.record import KINDS, Record
 
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
 from .measure import in_si, setting_of
 from .predict import ranking, standard_error
-from .setting import EstimatorSettings, FloatArray, Setting
+from .setting import EstimatorSettings, Setting
 from .table import RATE_ESTIMATORS, estimator_named
 
 MOST = 100
 """Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
 
 
-@dataclass(frozen=True)
-class ExperimentSettings:
+@dataclass(frozen=True, repr=False)
+class ExperimentSettings(Value):
     """Choices of an experiment.
 
     Attributes
@@ -126,7 +127,7 @@ def experiment(
     )
 
 
-def _rates(record: Record, starts: NDArray[np.int64], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
     """The rate of every interval by every method, SI, shape (methods, intervals)."""
     rates = np.empty((len(weights), starts.size))
     for i, start in enumerate(starts):
@@ -151,7 +152,7 @@ def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[
             yield method, "it needs counts, or the quantum of the angle (quantum=, --quantum)"
 
 
-def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
     """First samples of the intervals that are measured, and what that leaves out."""
     if settings.gaps == "error":
         demand_whole(record)
@@ -162,7 +163,7 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[ND
     return spread, (*notes, f"{settings.most} intervals, spread over the record, were measured")
 
 
-def _intervals(record: Record, size: int) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
     """First samples of intervals that hold no lost reading, and what that leaves out."""
     extra = KINDS[record.kind][1]
     lost = np.flatnonzero(~np.isfinite(record.values))

@@ -5,16 +5,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
+from allanite.core.plain import Value
 
-FloatArray = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class EstimatorSettings:
+@dataclass(frozen=True, repr=False)
+class EstimatorSettings(Value):
     """Choices that concern one estimator each.
 
     Attributes
@@ -130,23 +129,11 @@ class Setting:
         return np.column_stack(waves) if waves else np.empty((self.size, 0))
 
 
-def _middle(n: int) -> FloatArray:
-    weights = np.zeros(n)
-    weights[[(n - 1) // 2, n // 2]] += 0.5
-    return weights
-
-
-def _first(n: int) -> FloatArray:
-    weights = np.zeros(n)
-    weights[0] = 1.0
-    return weights
-
-
 TARGETS: dict[str, Callable[[int], FloatArray]] = {
     "mean": lambda n: np.full(n, 1 / n),
     "constant": lambda n: np.full(n, 1 / n),
-    "centre": _middle,
-    "start": _first,
+    "centre": lambda n: np.bincount([(n - 1) // 2, n // 2], minlength=n) / 2,
+    "start": lambda n: np.eye(1, n)[0],
 }
 """What is estimated: the mean of the wandering rate over the interval, the constant of one that does not wander, its
 value in the middle sample, in the first. Without B, K and R in the model all four are the same."""

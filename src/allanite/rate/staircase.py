@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement
-from .setting import FloatArray, Setting
+from .setting import Setting
 
 WORK = 7e6
 """Samples that the search may look at before it gives its best so far: some 40 ms."""

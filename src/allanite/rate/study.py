@@ -3,14 +3,16 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
+from allanite.core.encoding import read, write
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.core.notation import written
-from allanite.core.record import Record
+from allanite.core.plain import Value, stored_fields
+from allanite.core.record import Header, Record, header_dict, header_from
 from allanite.core.units import Signal
 from allanite.rate import (
     Experiment,
@@ -35,7 +37,7 @@ from allanite.study.channels import (
     open_recording,
     provenance_of,
 )
-from allanite.study.noise import Noise
+from allanite.study.noise import Noise, noise_dict, noise_from
 from allanite.study.recipe import Recipe
 
 from .noise import noise_of_rates
@@ -47,8 +49,8 @@ FEWEST = 20
 """Intervals of a measuring time below which its scatter says little."""
 
 
-@dataclass(frozen=True)
-class RateSettings:
+@dataclass(frozen=True, repr=False)
+class RateSettings(Value):
     """What is measured of a recording.
 
     Attributes
@@ -90,7 +92,7 @@ class RateSettings:
         """Whether the earth's rate at the latitude is the true rate."""
         return self.latitude is not None and not self.horizontal
 
-    def to_dict(self, unit: str) -> dict[str, Any]:
+    def choices(self, unit: str) -> dict[str, Any]:
         """The choices under the names of the command line; rates in the SI unit `unit`."""
         chosen, options = self.experiment, self.experiment.options
         plain = {**vars(self), **vars(chosen), **vars(options), "bias": chosen.bias or None}
@@ -106,11 +108,11 @@ class RateSettings:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class RateChannel:
+@dataclass(frozen=True, eq=False, repr=False)
+class RateChannel(Value):
     """What was measured of one channel; `refusal` says why nothing was."""
 
-    record: Record
+    record: Record | Header
     quality: Quality
     noise: Noise | None = None
     experiment: Experiment | None = None
@@ -128,29 +130,30 @@ class RateChannel:
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
-        return {
-            "name": self.record.name,
-            "rate": self.record.rate,
-            "size": self.record.size,
-            "unit": self.record.unit,
-            "kind": self.record.kind,
-            "history": list(self.record.history),
-            "quality": self.quality.to_dict(),
-            "fit": None if self.fit is None else self.fit.to_dict(level),
-            "explained": None if self.noise is None else self.noise.explained,
-            "experiment": None if self.experiment is None else self.experiment.to_dict(),
-            "by_duration": [e.to_dict() for e in self.by_duration],
-            "estimates": [e.to_dict(level) for e in self.estimates],
-            "bias": None if self.bias is None else self.bias.to_dict(level),
-            "north": None if self.north is None else self.north.to_dict(),
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
+        own = {name: write(getattr(self, name), hint, level) for name, hint in self._own()}
+        fit = {"fit": None if self.fit is None else self.fit.to_dict(level)}
+        return header_dict(self.record, "RateChannel") | own | noise_dict(self.noise, level) | fit
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """What `to_dict` has written; the record without its readings."""
+        own = {name: read(data[name], hint) for name, hint in cls._own()}
+        return cls(header_from(data), noise=noise_from(data), **own)
+
+    @classmethod
+    def _own(cls) -> list[tuple[str, Any]]:
+        """Fields that are written by their types."""
+        return [(name, hint) for name, hint in stored_fields(cls) if name not in ("record", "noise")]
+
+    def _summary(self) -> str:
+        return f"{self.record.name!r}: {self.refusal or self.experiment}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RateStudy(Job[RateChannel]):
     """The rates of a recording, and the settings that they were measured with."""
+
+    _channel = RateChannel
 
     settings: RateSettings = field(default_factory=RateSettings)
 
@@ -158,7 +161,7 @@ class RateStudy(Job[RateChannel]):
         """The recipe that was really used, as plain data."""
         signal = self.settings.signal or self.channels[0].record.signal
         second = self.provenance.get("source 2")
-        return super().choices() | self.settings.to_dict(signal.unit) | ({"second": second} if second else {})
+        return super().choices() | self.settings.choices(signal.unit) | ({"second": second} if second else {})
 
 
 def measure_rates(

@@ -8,12 +8,7 @@ from .row import RateEstimator
 from .staircase import STAIRCASE
 
 RATE_ESTIMATORS: dict[str, RateEstimator] = {
-    "mean": MEAN,
-    "hamming": HAMMING,
-    "regression": REGRESSION,
-    "conditional": CONDITIONAL,
-    "staircase": STAIRCASE,
-    "optimal": OPTIMAL,
+    row.name: row for row in (MEAN, HAMMING, REGRESSION, CONDITIONAL, STAIRCASE, OPTIMAL)
 }
 
 

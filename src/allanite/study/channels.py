@@ -85,11 +85,10 @@ class Job(Value, Generic[Result]):
     def __getitem__(self, key: str | int) -> Result:
         if isinstance(key, int):
             return self.channels[key]
-        for channel in self.channels:
-            if channel.record.name == key:  # type: ignore[attr-defined]
-                return channel
-        names = ", ".join(channel.record.name for channel in self.channels)  # type: ignore[attr-defined]
-        raise UsageError(f"no channel {key!r}; there are {names}")
+        names = [c.name if hasattr(c, "name") else c.record.name for c in self.channels]  # type: ignore[attr-defined]
+        if key not in names:
+            raise UsageError(f"no channel {key!r}; there are {', '.join(names)}")
+        return self.channels[names.index(key)]
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.channels)

@@ -93,14 +93,6 @@ class ModelJob(Job[Modelled]):
 
     settings: Use = field(default_factory=PlanSettings)
 
-    def __getitem__(self, key: str | int) -> Modelled:
-        if isinstance(key, int):
-            return self.channels[key]
-        for channel in self.channels:
-            if channel.name == key:
-                return channel
-        raise UsageError(f"no channel {key!r}; there are {', '.join(channel.name for channel in self.channels)}")
-
     def _summary(self) -> str:
         return ", ".join(channel.name or "model" for channel in self.channels)
 

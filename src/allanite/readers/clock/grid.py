@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.record import FloatArray
 
 Places = NDArray[np.int64]
 
