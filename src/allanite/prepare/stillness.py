@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
-from allanite.statistics.allan import OADEV
+from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
 from .view import View, stretches
