@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
+from allanite.core.encoding import read, write
+from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.limits import Stored
-from allanite.core.plain import Portable
-from allanite.core.record import Record
+from allanite.core.plain import Portable, Value, stored_fields
+from allanite.core.record import Header, Record, header_dict, header_from
 from allanite.core.residuals import Residuals
 from allanite.identification import METHODS, identify
 from allanite.identification.checks.residuals import residuals
 
+from .inspected import Inspected
 from .recipe import Recipe
 
 
@@ -99,22 +102,55 @@ def noise_of(
     return Noise(fit, partial(residuals, record, fit, outliers=outliers) if known else None)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelResult(Value):
+    """What a job found in one channel, or the reason (`refusal`) why there is nothing.
+
+    A subclass adds fields with defaults, which are written and read with the others. What must stand beside its
+    numbers is its `alerts`.
+    """
+
+    record: Record | Header
+    quality: Quality
+    noise: Noise | None = None
+    refusal: str = ""
+
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise, where it was asked for and could be identified."""
+        return None if self.noise is None else self.noise.fit
+
+    @classmethod
+    def refused(cls, seen: Inspected, why: str) -> Self:
+        """The result of a channel that has none."""
+        return cls(seen.record, seen.quality, refusal=why)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            **header_dict(self.record, type(self).__name__),
+            "quality": self.quality.to_dict(),
+            **noise_dict(self.noise, level),
+            "refusal": self.refusal,
+        } | {name: write(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), ChannelResult)}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """What `to_dict` has written; the record without its readings."""
+        own = {name: read(data[name], hint) for name, hint in stored_fields(cls, ChannelResult)}
+        return cls(header_from(data), Quality.from_dict(data["quality"]), noise_from(data), data["refusal"], **own)
+
+
 def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
     """What a stored channel says of its noise: the fit, what it leaves, and whether it explains the record."""
     if noise is None:
-        return {"fit": None, "residuals": None, "explained": None}
-    left = noise.residuals
+        return dict.fromkeys(("fit", "residuals", "explained"))
     fit = replace(noise.fit, curve=None)  # the channel has its curves
-    return {
-        "fit": fit.to_dict(level),
-        "residuals": None if left is None else left.to_dict(level),
-        "explained": noise.explained,
-    }
+    left = None if noise.residuals is None else noise.residuals.to_dict(level)
+    return {"fit": fit.to_dict(level), "residuals": left, "explained": noise.explained}
 
 
 def noise_from(data: dict[str, Any]) -> Noise | None:
     """The noise that `noise_dict` has written."""
-    if data["fit"] is None:
-        return None
-    left = data["residuals"]
-    return Noise(Fit.from_dict(data["fit"]), None if left is None else Stored(Residuals.from_dict(left)))
+    left = data["residuals"] and Stored(Residuals.from_dict(data["residuals"]))
+    return data["fit"] and Noise(Fit.from_dict(data["fit"]), left)

@@ -1,7 +1,6 @@
 """How curves, spectra and surfaces are shown."""
 
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -11,19 +10,20 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Drawing, Face, Note, Part, Sheet, Table, Where, columns, header_of, toml
+from allanite.reporting.sheet import Drawing, Face, Sheet, Table, Where, columns
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
-from allanite.study.survey import Measured, Survey
+from allanite.study.survey import Survey
 
-from . import View
+from . import Rows, View
+from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Rows = tuple[Sequence[str], list[list[Any]]]
+BRAND = "statistics of an inertial sensor"
 
 MOST_COLUMNS = 8
 """Averaging times of a surface that are printed."""
@@ -46,12 +46,8 @@ def numbers_table(value: Any, level: float, title: str = "", where: Where = "") 
     return Table(columns(*headings, left=0), rows, title or form.title(value), details=True, where=where)
 
 
-def curve_rows(curves: Sequence[Curve], level: float) -> Rows:
-    """Rows of a CSV file of curves."""
-    return _all_rows(curves, level)
-
-
-def _all_rows(values: Sequence[Any], level: float) -> Rows:
+def rows_of(values: Sequence[Any], level: float) -> Rows:
+    """Rows of a CSV file of curves, spectra or surfaces."""
     if not values:
         return FORMS[Curve].headings, []
     form = FORMS[type(values[0])]
@@ -69,7 +65,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]
         [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
         for (m, tau, value, n), (low, high, edf) in zip(numbers, limits, strict=True)
     ]
-    return ["m", "tau [s]", f"[{curve.unit}]", _interval(level), "edf", "count"], rows
+    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", "count"], rows
 
 
 def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[list[str]]]:
@@ -77,7 +73,7 @@ def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[l
         [f"{f:.5g}", *digits(value, low, high).plain(), f"{amplitude:.4g}", f"{dof:.4g}"]
         for f, value, low, high, amplitude, dof in spectrum.rows(level)[1]
     ]
-    return ["f [Hz]", f"[{spectrum.density_unit}]", _interval(level), f"[{spectrum.amplitude_unit}]", "dof"], rows
+    return ["f [Hz]", f"[{spectrum.density_unit}]", words.interval(level), f"[{spectrum.amplitude_unit}]", "dof"], rows
 
 
 def _surface_table(surface: Surface, _: float) -> tuple[list[str], list[list[str]]]:
@@ -91,10 +87,6 @@ def _surface_table(surface: Surface, _: float) -> tuple[list[str], list[list[str
 
 def _number(value: float) -> str:
     return digits(value).plain()[0] if np.isfinite(value) else ""
-
-
-def _interval(level: float) -> str:
-    return f"{words.percent(level)} interval"
 
 
 def _curve_title(curve: Curve) -> str:
@@ -130,24 +122,9 @@ def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
 
 
 def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.curves import plot_panels
-    from allanite.reporting.figures.overlay import plot_overlay
-    from allanite.reporting.figures.panels import Panel
-
-    panels = [Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
-    return plot_panels(panels, level=level) if len(panels) == 1 else plot_overlay(panels, level=level)
-
-
-def _plot_spectra(spectra: Sequence[Spectrum], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.spectra import plot_spectra
-
-    return plot_spectra(spectra, fits, level=level)
-
-
-def _plot_surfaces(surfaces: Sequence[Surface], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.surfaces import plot_surfaces
-
-    return plot_surfaces(surfaces)
+    panels = [figures.Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
+    draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
+    return draw(panels, level=level)
 
 
 FORMS: dict[type, Form] = {
@@ -163,44 +140,22 @@ FORMS: dict[type, Form] = {
         _spectrum_table,
         ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
         _spectrum_lines,
-        _plot_spectra,
+        lambda spectra, fits, level: figures.plot_spectra(spectra, fits, level=level),
     ),
     Surface: Form(
         _surface_title,
         _surface_table,
         ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
         _surface_lines,
-        _plot_surfaces,
+        lambda surfaces, fits, level: figures.plot_surfaces(surfaces),
     ),
 }
 
 
 def _face(survey: Survey, level: float) -> Face:
-    return Face(
-        PurePath(survey.provenance.get("source", "")).name or "data in memory",
-        "statistics of an inertial sensor",
-        [_sheet(channel, level) for channel in survey.channels],
-        header_of(survey.provenance, survey.notes),
-        parts=[
-            *(Note(str(finding), "alert") for finding in survey.findings),
-            Drawing(lambda: _plot_survey([survey], None, level), "all values"),
-        ],
-        choices=toml(survey.choices()),
-        provenance=survey.provenance,
-        notes=survey.notes,
-    )
-
-
-def _sheet(channel: Measured, level: float) -> Sheet:
-    about = (words.about(channel.record), *channel.record.history)
-    return Sheet(channel.record.name, about, tuple(_parts(channel, level)))
-
-
-def _parts(channel: Measured, level: float) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in channel.alerts)
-    if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
-    yield from (numbers_table(value, level) for value in channel.values)
+    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
+    drawing = Drawing(lambda: _plot_survey([survey], None, level), "all values")
+    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 
 def _plot_survey(values: Sequence[Survey], fit: Fit | None, level: float) -> "Figure":
@@ -209,16 +164,12 @@ def _plot_survey(values: Sequence[Survey], fit: Fit | None, level: float) -> "Fi
     return FORMS[type(shown[0])].plot(shown, fits, level)
 
 
-def _survey_rows(survey: Survey, level: float) -> Rows:
-    return _all_rows(survey.values, level)
-
-
 def _one_face(value: Any, level: float) -> Face:
     form = FORMS[type(value)]
     title = f"{value.name}: {form.title(value)}" if value.name else form.title(value)
     drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value))
     sheet = Sheet(value.name or "channel", tuple(value.history), (drawing, numbers_table(value, level)))
-    return Face(title, "statistics of an inertial sensor", (sheet,))
+    return Face(title, BRAND, (sheet,))
 
 
 def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
@@ -231,9 +182,5 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
     return FORMS[type(values[0])].plot(values, fits, level)
 
 
-def _one_rows(value: Any, level: float) -> Rows:
-    return _all_rows([value], level)
-
-
-SURVEY = View(_face, _plot_survey, _survey_rows)
-CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, _one_rows)
+SURVEY = View(_face, _plot_survey, lambda survey, level: rows_of(survey.values, level))
+CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, lambda value, level: rows_of([value], level))
