@@ -17,7 +17,7 @@ from allanite.study.recipe import Recipe
 from . import Rows, View
 from .fit import definitions, goodness_parts, plot_curves, terms_table
 from .jobs import channel_sheet, job_face, source_of
-from .survey import numbers_table, rows_of
+from .values import numbers_table, rows_of
 
 BRAND = "noise coefficients of an inertial sensor"
 
