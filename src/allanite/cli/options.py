@@ -98,16 +98,6 @@ def seconds_of(text: str) -> float:
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
-class Percent(ParamType):
-    """A number of percent, as a share."""
-
-    name = "percent"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The share."""
-        return float(click.FLOAT.convert(value, param, ctx)) / 100
-
-
 def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -> str | None:
     """Take the keys of a TOML file as defaults: what the command line says wins."""
     if path is None:

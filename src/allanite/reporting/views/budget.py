@@ -84,7 +84,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     budget, name = channel.budget, channel.record.name
     if budget is None:
         return channel_sheet(channel, (), (f"{name}: no result: {channel.refusal}",), doubt=True)
-    named = [f"{name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages]
+    named = tuple(f"{name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
     return channel_sheet(channel, _parts(budget), named, doubt=not budget.noise.explained)
 
 
