@@ -170,10 +170,7 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     *RESULTS,
 )
 def plan(**choices: Any) -> None:
-    """Say where the errors of a gimbal are best estimated.
-
-    And how well they would be known.
-    """
+    """Say how well a gimbal's errors would be known, and where."""
     out = outputs(choices, [choices["recipe"]])
     from allanite.angle import plan as run
     from allanite.angle import scan
