@@ -10,7 +10,8 @@ from allanite.core.model import coefficient_factor, term
 from allanite.core.units import convert
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import printed_unit
-from allanite.reporting.views.comparison import change_of, p_cell
+from allanite.reporting.views.comparison import change_of
+from allanite.reporting.words import probability
 from generate.markdown import figure, table
 
 UNITS = {"Q": "arcsec", "N": "deg/sqrt(h)", "B": "deg/h", "K": "deg/h/sqrt(h)", "R": "deg/h^2"}
@@ -107,7 +108,7 @@ def _result(records: list[al.Record], found: al.Comparison, truth: tuple[dict[st
         size, interval = change_of(change, found.level)
         rows.append((
             change.symbol, printed_unit(UNITS[change.symbol]), *values, f"{100 * (after / before - 1):+.1f}",
-            size, interval, p_cell(change.adjusted), change.outcome,
+            size, interval, probability(change.adjusted), change.outcome,
         ))  # fmt: skip
     headings = ("", "unit", "before", "after", "true change, %", "found", "95 % interval", "p (Holm)", "verdict")
     return [

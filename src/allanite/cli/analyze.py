@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from .deliver import deliver, outputs, progress, recipe_of
+from .deliver import carry_out, outputs, recipe_of
 from .front import DATA
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
@@ -16,9 +16,7 @@ def info(file: str, **choices: Any) -> None:
     out = outputs(choices, [file])
     from allanite.study.analysis import examine
 
-    with progress(out) as tell:
-        study = examine(file, recipe_of(choices), progress=tell)
-    deliver(study, out)
+    study = carry_out(lambda tell: examine(file, recipe_of(choices), progress=tell), out)
     if all(channel.refusal for channel in study.channels):
         raise click.exceptions.Exit(DATA)
 
@@ -26,13 +24,11 @@ def info(file: str, **choices: Any) -> None:
 @click.command()
 @options("file", *RECORDING, "statistic", "taus", *IDENTIFYING, *RESULTS)
 def analyze(file: str, **choices: Any) -> None:
-    """Find the noise coefficients of every channel of FILE, with intervals.
+    """Find the noise coefficients of FILE, with intervals.
 
     Prints a table for each channel; --report writes the page with the figures.
     """
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.analysis import analyze as run
 
-    with progress(out) as tell:
-        study = run(file, recipe_of(choices), progress=tell)
-    deliver(study, out)
+    carry_out(lambda tell: run(file, recipe_of(choices), progress=tell), out)

@@ -21,12 +21,10 @@ PRIOR = Separated(float, "two standard deviations", 2, "3,10")
 SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
 
 ANGLES = click.option("--angles", type=NAMES, default="h,q", show_default=True, help="Sensors: h, q, h_polar, q_polar.")
-UNIT = click.option("--unit", help="Of angles, over the header: deg, rad, arcsec ...")
-CORRECTED = click.option("--corrected", metavar="PATH", type=click.Path(), help="Write corrected angles as CSV.")
 EXPERIMENT = (
     "latitude",
     "duration",
-    click.option("--interval", type=float, default=10.0, show_default=True, metavar="S", help="Between readings."),
+    "reading interval",
     click.option(
         "--q-law", default="exact", show_default=True, help="Of the outer angle: exact, or linear as printed."
     ),
@@ -48,18 +46,18 @@ def angle() -> None:
 @options(
     "file",
     click.option("--measured", required=True, metavar="COLUMN", help="Angle of the sensor."),
-    click.option("--reference", required=True, metavar="COLUMN", help="Angle of a better one."),
+    "reference angle",
     "orders",
-    UNIT,
+    "angle unit",
     click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference; estimated if left out."),
-    click.option("--trend", type=int, default=0, show_default=True, help="Degree of a drift that is estimated along."),
-    CORRECTED,
+    "angle trend",
+    "corrected angles",
     "level",
     "recipe",
     *RESULTS,
 )
 def calibrate(file: str, **choices: Any) -> None:
-    """Find the harmonic errors of an encoder in FILE (text or CSV)."""
+    """Find the harmonic errors of an encoder in FILE."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import calibrate as run
     from allanite.readers.columns.sheet import sheet
@@ -80,7 +78,7 @@ def calibrate(file: str, **choices: Any) -> None:
         metavar="COLUMN",
         help="Measured minus computed cosine between the momentum vectors.",
     ),
-    click.option("--time", default="time", show_default=True, metavar="COLUMN", help="Seconds after h = 0."),
+    "angle time",
     click.option("--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle, equatorial gyro."),
     click.option(
         "--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle, equatorial gyro."
@@ -93,7 +91,7 @@ def calibrate(file: str, **choices: Any) -> None:
     "orders",
     ANGLES,
     click.option("--nuisance", type=NAMES, metavar="A,B,...", help="Estimated along.  [ax,az,A1,A2,A3]"),
-    UNIT,
+    "angle unit",
     click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a reading; estimated if left out."),
     click.option(
         "--prior",
@@ -101,13 +99,13 @@ def calibrate(file: str, **choices: Any) -> None:
         metavar="A,B",
         help="Known before: deviation of amplitudes and of the rest, arcsec (arcsec/s for A3).",
     ),
-    CORRECTED,
+    "corrected angles",
     "level",
     "recipe",
     *RESULTS,
 )
 def estimate(file: str, **choices: Any) -> None:
-    """Find the harmonic errors of a gimbal's angle sensors in FILE (text or CSV)."""
+    """Find the harmonic errors of a gimbal's angle sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import estimate as run
     from allanite.angle.design import USUAL
@@ -172,7 +170,7 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     *RESULTS,
 )
 def plan(**choices: Any) -> None:
-    """Say how well the errors of a gimbal's sensors would be known, and where best to estimate them."""
+    """Say how well a gimbal's errors would be known, and where."""
     out = outputs(choices, [choices["recipe"]])
     from allanite.angle import plan as run
     from allanite.angle import scan
@@ -203,7 +201,7 @@ def plan(**choices: Any) -> None:
     "force",
 )
 def simulate(out: str, **choices: Any) -> None:
-    """Write a CSV file OUT as a system with known errors would have recorded it."""
+    """Write a CSV file OUT of a system with known errors."""
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
@@ -263,7 +261,7 @@ def _deliver(
     made = provenance_of() | ({} if data is None else {"source": data.source, "sha256": data.digest})
     notes = () if data is None else data.notes
     study = AngleStudy(result, chosen, choices["level"] or 0.95, notes, made)
-    deliver(study, out, Extra({"corrected": lambda: _csv(corrected[0])}))
+    deliver(study, out, Extra({"corrected": lambda _: _csv(corrected[0])}))
 
 
 def _csv(data: Mapping[str, Any]) -> str:

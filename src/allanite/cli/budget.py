@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from .deliver import Extra, deliver, demand_recording, outputs, progress, recipe_of
+from .deliver import Extra, carry_out, demand_recording, outputs, recipe_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 
@@ -44,6 +44,5 @@ def budget(file: str, **choices: Any) -> None:
         raise UsageError("the scale is given twice: by --torquer and by --scale-factor")
     scale = factor if torquer is None else TorqueScale.parse(torquer)
     settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"])
-    with progress(out) as tell:
-        study = budget_file(file, recipe_of(choices), settings, progress=tell)
-    deliver(study, out, Extra(recordings={"rates": lambda: study.rates}))
+    extra = Extra(recordings={"rates": lambda study: study.rates})
+    carry_out(lambda tell: budget_file(file, recipe_of(choices), settings, progress=tell), out, extra)

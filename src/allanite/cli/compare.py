@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .deliver import deliver, outputs, progress, recipe_of
+from .deliver import carry_out, outputs, recipe_of
 from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
@@ -33,9 +33,7 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
     """
     out = outputs(choices, [*files, choices["recipe"]])
     how = choices.pop("against"), choices.pop("part")
-    with progress(out) as tell:
-        found = _compare(files, recipe_of(choices, taus="octave"), how, tell)
-    deliver(found, out)
+    carry_out(lambda tell: _compare(files, recipe_of(choices, taus="octave"), how, tell), out)
 
 
 def _compare(

@@ -1,14 +1,11 @@
 """``allanite compensate``: the part of a rate that follows other channels, found, judged, taken off."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from .deliver import Extra, deliver, demand_recording, outputs, progress, recipe_of
+from .deliver import Extra, carry_out, demand_recording, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, Separated, options
-
-if TYPE_CHECKING:
-    from allanite.compensation.settings import CompensationSettings
 
 SECONDS = Separated(float, "seconds", example="60,300")
 
@@ -21,7 +18,7 @@ SECONDS = Separated(float, "seconds", example="60,300")
     click.option("--rate-of", type=NAMES, metavar="A,B,...", help="Columns whose rate of change counts."),
     click.option("--degree", type=int, default=1, show_default=True, help="Highest power that may be added."),
     click.option("--lags", type=SECONDS, metavar="S,S,...", help="Earlier readings that may be added, seconds."),
-    click.option("--trend", is_flag=True, help="Estimate a steady drift too; it is not taken off."),
+    "trend",
     click.option("--every", is_flag=True, help="Keep all powers and lags, not only what held-back blocks gain from."),
     click.option("--smooth", type=float, default=60.0, show_default=True, metavar="S", help="Window of --rate-of."),
     click.option("--blocks", type=int, default=5, show_default=True, help="Blocks of the cross-validation."),
@@ -35,7 +32,7 @@ SECONDS = Separated(float, "seconds", example="60,300")
     click.option("--apply", "apply_to", metavar="FILE", type=click.Path(), help="Correct this file too, held back."),
     *IDENTIFYING,
     click.option("--save", metavar="PATH", type=click.Path(), help="Write the regressions, for --use."),
-    click.option("--corrected", metavar="PATH", type=click.Path(), help="Write the corrected record (of --apply)."),
+    "corrected record",
     *RESULTS,
 )
 def compensate(file: str, **choices: Any) -> None:
@@ -50,21 +47,10 @@ def compensate(file: str, **choices: Any) -> None:
     out = outputs(choices, read, also=("save", "corrected"))
     demand_recording(out.paths.get("corrected"))
     from allanite.compensation.regression import to_json
+    from allanite.compensation.settings import CompensationSettings, FitSettings
     from allanite.compensation.study import compensate_file
 
     recipe = recipe_of(choices)
-    with progress(out) as tell:
-        study = compensate_file(file, recipe, _settings(choices), apply_to=apply_to, progress=tell)
-    saved, corrected = {"save": lambda: to_json(study.regressions)}, {"corrected": lambda: study.corrected}
-    deliver(study, out, Extra(saved, corrected))
-
-
-def _settings(choices: dict[str, Any]) -> "CompensationSettings":
-    """What is left of the options: those of the fit, and the others."""
-    from dataclasses import fields
-
-    from allanite.compensation.settings import CompensationSettings, FitSettings
-
-    given = {key: value for key, value in choices.items() if value is not None}
-    fit = FitSettings(**{f.name: given.pop(f.name) for f in fields(FitSettings) if f.name in given})
-    return CompensationSettings(**given, fit=fit)
+    settings = CompensationSettings(fit=settings_of(FitSettings, choices), **given(choices))
+    extra = Extra({"save": lambda study: to_json(study.regressions)}, {"corrected": lambda study: study.corrected})
+    carry_out(lambda tell: compensate_file(file, recipe, settings, apply_to=apply_to, progress=tell), out, extra)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -18,6 +18,10 @@ from allanite.core.files import demand_writable, write
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.study.recipe import Recipe
+
+Settings = TypeVar("Settings")
+Result = TypeVar("Result")
+Progress = Callable[[str, float], None]
 
 STDOUT = "-"
 WIDTH = 120
@@ -92,13 +96,32 @@ def demand_recording(path: str | None) -> None:
         writer_for(os.path.splitext(path)[1].lower())
 
 
-def recipe_of(choices: dict[str, Any], **given: Any) -> "Recipe":
-    """Take the keys of a recipe out of `choices`; `given` are other defaults than the recipe's."""
+def recipe_of(choices: dict[str, Any], **usual: Any) -> "Recipe":
+    """Take the keys of a recipe out of `choices`; `usual` are other defaults than the recipe's."""
     from allanite.study.recipe import Recipe
 
     choices.pop("recipe", None)
     known = {key: choices.pop(key) for key in [f.name for f in fields(Recipe)] if key in choices}
-    return Recipe.from_dict(given | {key: value for key, value in known.items() if value is not None})
+    return Recipe.from_dict(usual | given(known))
+
+
+def settings_of(kind: "type[Settings]", choices: dict[str, Any]) -> "Settings":
+    """Take the settings of this kind out of `choices`; those left open keep their defaults."""
+    named = [f.name for f in fields(kind) if f.name in choices]  # type: ignore[arg-type]  # a dataclass
+    return kind(**given({name: choices.pop(name) for name in named}))
+
+
+def given(choices: dict[str, Any]) -> dict[str, Any]:
+    """What was not left open."""
+    return {key: value for key, value in choices.items() if value is not None}
+
+
+def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
+    """Do a job that tells its progress, and deliver its result."""
+    with progress(out) as tell:
+        found = job(tell)
+    deliver(found, out, extra)
+    return found
 
 
 @contextmanager
@@ -115,10 +138,10 @@ def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None
 
 @dataclass(frozen=True)
 class Extra:
-    """What a verb writes besides the forms that every result has: name of the option -> what is written."""
+    """What a verb writes of its result besides the forms that each has: name of the option -> what makes it."""
 
-    data: Mapping[str, Callable[[], str | bytes]] = field(default_factory=dict)
-    recordings: "Mapping[str, Callable[[], Recording]]" = field(default_factory=dict)
+    data: Mapping[str, Callable[[Any], str | bytes]] = field(default_factory=dict)
+    recordings: "Mapping[str, Callable[[Any], Recording]]" = field(default_factory=dict)
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
@@ -130,9 +153,9 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         if name in extra.recordings:
             from allanite.readers import write as write_recording
 
-            write_recording(extra.recordings[name](), path, force=out.force)
+            write_recording(extra.recordings[name](value), path, force=out.force)
         else:
-            data = extra.data[name]() if name in extra.data else encoded(value, name, path)
+            data = extra.data[name](value) if name in extra.data else encoded(value, name, path)
             put(path, data, force=out.force)
         if path != STDOUT and not out.quiet:
             click.echo(f"{name}: {path}", err=out.piped)

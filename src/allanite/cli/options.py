@@ -98,16 +98,6 @@ def seconds_of(text: str) -> float:
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
-class Percent(ParamType):
-    """A number of percent, as a share."""
-
-    name = "percent"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The share."""
-        return float(click.FLOAT.convert(value, param, ctx)) / 100
-
-
 def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -> str | None:
     """Take the keys of a TOML file as defaults: what the command line says wins."""
     if path is None:
@@ -137,73 +127,45 @@ OPTIONS: dict[str, Decorator] = {
     "rate": click.option("--rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
     "unit": click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
     "kind": click.option("--kind", help="What a reading is: rate, increment, angle or count."),
-    "scale": click.option(
-        "--scale", type=Scale(), metavar="STEP", help="Size of one step of the readings: 0.01 (in --unit) or 0.01deg/s."
-    ),
-    "channels": click.option(
-        "--channels", type=NAMES, metavar="A,B,...", help="Columns by name or number; by default all that fit."
-    ),
+    "scale": click.option("--scale", type=Scale(), metavar="STEP",
+        help="Size of one step of the readings: 0.01 (in --unit) or 0.01deg/s."),
+    "channels": click.option("--channels", type=NAMES, metavar="A,B,...",
+        help="Columns by name or number; by default all that fit."),
     "time": click.option("--time", help="Column of time stamps."),
-    "dtype": click.option(
-        "--dtype",
-        metavar="TYPE",
-        help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows.",
-    ),
+    "dtype": click.option("--dtype", metavar="TYPE",
+        help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows."),
     "columns": click.option("--columns", type=int, metavar="N", help="Numbers in a row of raw binary."),
     "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
-    "from": click.option(
-        "--from", "start", type=float, metavar="S", help="Start of the window, s after the first sample."
-    ),
+    "from": click.option("--from", "start", type=float, metavar="S",
+        help="Start of the window, s after the first sample."),
     "until": click.option("--until", type=float, metavar="S", help="End of the window."),
-    "quiet-window": click.option(
-        "--quiet-window", type=float, metavar="S", help="Use the quietest stretch of this length, seconds."
-    ),
-    "outliers": click.option(
-        "--outliers",
-        metavar="WORD",
-        help="mark: exclude everywhere; keep: include everywhere.  [exclude from the fit only]",
-    ),
+    "quiet-window": click.option("--quiet-window", type=float, metavar="S",
+        help="Use the quietest stretch of this length, seconds."),
+    "outliers": click.option("--outliers", metavar="WORD",
+        help="mark: exclude everywhere; keep: include everywhere.  [exclude from the fit only]"),
     "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [auto]"),
-    "method": click.option(
-        "--method",
-        metavar="NAME",
-        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]",
-    ),
+    "method": click.option("--method", metavar="NAME",
+        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]"),
     "band": click.option("--band", type=BAND, metavar="LO,HI", help="Frequencies that are used, Hz."),
     "level": click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
-    "recipe": click.option(
-        "--recipe",
-        metavar="TOML",
-        type=click.Path(),
-        is_eager=True,
-        callback=_load_recipe,
-        help="Read options from a file; those given here win.",
-    ),
+    "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
+        help="Read options from a file; those given here win."),
     "statistic": click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [oadev]"),
-    "taus": click.option(
-        "--taus", type=Taus(), metavar="GRID", help="octave, decade, log, all, or seconds as 1,10,100."
-    ),
+    "taus": click.option("--taus", type=Taus(), metavar="GRID",
+        help="octave, decade, log, all, or seconds as 1,10,100."),
     "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, in place of --taus."),
     "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [deg/h, ug]"),
     "model": click.option("--model", metavar="TERMS", help="The noise, as 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
     "sensor": click.option("--sensor", metavar="NAME", help="Or a typical gyro: mems, fog or rlg."),
     "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
     "samples": click.option("--samples", type=int, metavar="N", help="Or the number of samples."),
-    "seed": click.option(
-        "--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True, help="Of the random numbers."
-    ),
-    "threads": click.option(
-        "--threads", type=click.IntRange(1), default=1, show_default=True, help="Most threads to use."
-    ),
+    "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
+        help="Of the random numbers."),
+    "threads": click.option("--threads", type=click.IntRange(1), default=1, show_default=True,
+        help="Most threads to use."),
     "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat the stretches between gaps one by one."),
-    "orders": click.option(
-        "--orders",
-        type=INTEGERS,
-        metavar="K,K,...",
-        default="128,256",
-        show_default=True,
-        help="Harmonics of the angle.",
-    ),
+    "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
+        help="Harmonics of the angle."),
     "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site, degrees."),
     "report": _path("report", "Write the HTML page."),
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
@@ -211,7 +173,44 @@ OPTIONS: dict[str, Decorator] = {
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
     "quiet": click.option("--quiet", is_flag=True, help="Print nothing but errors and what goes to standard output."),
-}
+    # of the same name, where a verb means something else by it
+    "several statistics": click.option("--statistic", type=NAMES, metavar="A,B,...", default="oadev",
+        show_default=True, help="Statistics."),
+    "usual statistic": click.option("--statistic", metavar="NAME", default="oadev", show_default=True,
+        help="Statistic."),
+    "simulated rate": click.option("--rate", type=float, required=True, metavar="HZ", help="Sampling rate."),
+    "simulated unit": click.option("--unit", help="Of the readings.  [deg/h, ug]"),
+    "simulated channels": click.option("--channels", type=int, default=1, metavar="N",
+        help="Independent channels of this model.  [1]"),
+    "simulated outliers": click.option("--outliers", metavar="SHARE SIZE",
+        help="Spikes: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
+    "simulated dither": click.option("--dither", metavar="HOW",
+        help="Before rounding, removed after: 'random' or '400 Hz 20' (steps)."),
+    "dither lines": click.option("--dither", type=NUMBERS, metavar="HZ,...",
+        help="Frequencies of the dither's residual, taken out."),
+    "segment window": click.option("--window", metavar="NAME", help="Welch's window.  [hann]"),
+    "sliding window": click.option("--window", type=float, metavar="S",
+        help="Length of a window.  [a tenth of the record]"),
+    "rate window": click.option("--window", metavar="NAME", help="Window of the estimator hamming.  [hamming]"),
+    "planned durations": click.option("--durations", type=Duration(several=True), metavar="A,B,...",
+        help="Lengths.  [10 min,1 h,6 h,24 h]"),
+    "measuring durations": click.option("--durations", type=NUMBERS, metavar="S,...",
+        help="Measuring times that are compared."),
+    "measuring interval": click.option("--interval", type=float, metavar="S", help="Measuring time.  [120]"),
+    "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
+        help="Between readings."),
+    "reference rate": click.option("--reference", metavar="RATE",
+        help="The true rate, in deg/h or as '12.4 deg/h'."),
+    "reference angle": click.option("--reference", required=True, metavar="COLUMN", help="Angle of a better one."),
+    "angle unit": click.option("--unit", help="Of angles, over the header: deg, rad, arcsec ..."),
+    "angle time": click.option("--time", default="time", show_default=True, metavar="COLUMN",
+        help="Seconds after h = 0."),
+    "angle trend": click.option("--trend", type=int, default=0, show_default=True,
+        help="Degree of a drift that is estimated along."),
+    "trend": click.option("--trend", is_flag=True, help="Estimate a steady drift too; it is not taken off."),
+    "corrected angles": _path("corrected", "Write corrected angles as CSV."),
+    "corrected record": _path("corrected", "Write the corrected record (of --apply)."),
+}  # fmt: skip
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
 """Options that say what is in a file."""

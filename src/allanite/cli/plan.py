@@ -1,11 +1,10 @@
 """What follows from a noise model, written out, of a typical sensor, or of a recording: plans, checks, state spaces."""
 
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .deliver import deliver, outputs, progress, recipe_of
+from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, Duration, options
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
 @click.command()
 @options(
     *NOISE,
-    click.option("--durations", type=Duration(several=True), metavar="A,B,...", help="Lengths.  [10 min,1 h,6 h,24 h]"),
+    "planned durations",
     click.option("--accuracy", type=float, metavar="PERCENT", help="Wanted relative standard error.  [10]"),
     click.option("--ramp/--no-ramp", default=None, help="Allow for a ramp of unknown size.  [if the model has one]"),
     *RESULTS,
@@ -91,8 +90,5 @@ def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> "M
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.modelled import run_model_job
 
-    own = {f.name: value for f in fields(settings) if (value := choices.pop(f.name)) is not None}
-    with progress(out) as tell:
-        found = run_model_job(file, settings(**own), recipe_of(choices), progress=tell)
-    deliver(found, out)
-    return found
+    use = settings_of(settings, choices)
+    return carry_out(lambda tell: run_model_job(file, use, recipe_of(choices), progress=tell), out)

@@ -6,8 +6,8 @@ import click
 
 from allanite.core.errors import UnitError, UsageError
 
-from .deliver import deliver, outputs, progress, recipe_of
-from .options import IDENTIFYING, NAMES, NUMBERS, RECORDING, RESULTS, options
+from .deliver import carry_out, given, outputs, recipe_of, settings_of
+from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.core.units import Signal
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 @options(
     "file",
     *RECORDING,
-    click.option("--interval", type=float, metavar="S", help="Measuring time.  [120]"),
+    "measuring interval",
     click.option("--methods", type=NAMES, metavar="A,B,...", help="Names of estimators, as mean,optimal.  [all]"),
     click.option("--target", metavar="WHAT", help="If the rate wanders: its mean, centre or start.  [mean]"),
     click.option("--noise", metavar="TERMS", help="The noise, as 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [identified]"),
     "latitude",
-    click.option("--reference", metavar="RATE", help="The true rate, in deg/h or as '12.4 deg/h'."),
+    "reference rate",
     click.option("--bias", metavar="RATE", help="A known bias to subtract, in deg/h or as '3 ug'."),
     click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north at --latitude."),
     click.option("--second", metavar="FILE", type=click.Path(), help="The same gyro, turned: removes the bias."),
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
         help="Approximate heading, degrees; resolves the two north solutions.  [90]",
     ),
     click.option("--position-method", metavar="NAME", help="Estimator for north and the bias.  [optimal]"),
-    click.option("--dither", type=NUMBERS, metavar="HZ,...", help="Frequencies of the dither's residual, taken out."),
-    click.option("--window", metavar="NAME", help="Window of the estimator hamming.  [hamming]"),
+    "dither lines",
+    "rate window",
     click.option("--lines", type=int, metavar="N", help="Lines of the estimator conditional."),
     click.option("--allowed", metavar="RATE", help="Deviation of a line of conditional that is kept."),
     click.option("--quantum", type=float, help="Step of the angle in --unit, where readings are not counts."),
     click.option("--certified", is_flag=True, help="Search the staircase until none can be better."),
     "split-gaps",
     click.option("--most", type=int, metavar="N", help="Most intervals that are measured."),
-    click.option("--durations", type=NUMBERS, metavar="S,...", help="Measuring times that are compared."),
+    "measuring durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     *RESULTS,
@@ -58,10 +58,8 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
     from allanite.rate.study import measure_rates
 
     recipe = recipe_of(choices)
-    settings = _settings({key: value for key, value in choices.items() if value is not None})
-    with progress(out) as tell:
-        study = measure_rates(file, recipe, settings, second=second, progress=tell)
-    deliver(study, out)
+    settings = _settings(given(choices))
+    carry_out(lambda tell: measure_rates(file, recipe, settings, second=second, progress=tell), out)
 
 
 def _settings(given: dict[str, Any]) -> "RateSettings":
@@ -77,15 +75,10 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
         given["durations"] = ()
     if "noise" in given:
         given["noise"] = parse_model(given["noise"])
-    own = _taken(given, ("window", "lines", "allowed", "quantum", "certified"))
-    gaps = "split" if given.pop("split_gaps") else "error"
-    chosen = _taken(given, ("interval", "methods", "target", "dither", "reference", "bias", "most"))
-    experiment = ExperimentSettings(**chosen, options=EstimatorSettings(**own), gaps=gaps)
-    return RateSettings(**given, experiment=experiment, signal=signals[-1] if signals else None)
-
-
-def _taken(given: dict[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
-    return {key: given.pop(key) for key in keys if key in given}
+    given["gaps"] = "split" if given.pop("split_gaps") else "error"
+    given["options"] = settings_of(EstimatorSettings, given)
+    given["experiment"] = settings_of(ExperimentSettings, given)
+    return RateSettings(**given, signal=signals[-1] if signals else None)
 
 
 def _rates(given: dict[str, Any]) -> "list[Signal]":

@@ -22,19 +22,19 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     click.argument("out", type=click.Path()),
     "model",
     "sensor",
-    click.option("--rate", type=float, required=True, metavar="HZ", help="Sampling rate."),
+    "simulated rate",
     "duration",
     "samples",
-    click.option("--channels", type=int, default=1, metavar="N", help="Independent channels of this model.  [1]"),
+    "simulated channels",
     "seed",
-    click.option("--unit", help="Of the readings.  [deg/h, ug]"),
+    "simulated unit",
     click.option("--constant", metavar="RATE", help="A bias or the earth's rate, as '10 deg/h'."),
     click.option("--low-pass", metavar="HZ", help="A first-order filter; '20 Hz 4' has order 4."),
     click.option("--noise-step", metavar="FACTOR", help="The second half has this times the noise."),
-    click.option("--outliers", metavar="SHARE SIZE", help="Spikes: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
+    "simulated outliers",
     click.option("--clip", metavar="RATE", help="The range, as '300 deg/s'."),
     click.option("--quantize", metavar="WHAT STEP", help="'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."),
-    click.option("--dither", metavar="HOW", help="Before rounding, removed after: 'random' or '400 Hz 20' (steps)."),
+    "simulated dither",
     click.option("--gaps", metavar="SHARE LENGTH", help="Lost stretches, as '1% 5 s'."),
     "json",
     "force",
@@ -60,7 +60,7 @@ def simulate(**choices: Any) -> None:
     with progress(out) as tell:
         recording = _recording(model, n, choices, tell)
     truth = Simulation.of(model, choices["seed"], recording)
-    deliver(truth, out, Extra(recordings={"out": lambda: recording}))
+    deliver(truth, out, Extra(recordings={"out": lambda _: recording}))
 
 
 def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[str, float], None]) -> "Recording":

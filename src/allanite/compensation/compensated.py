@@ -7,7 +7,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.record import Header, Record, Recording
 from allanite.study.channels import Job
-from allanite.study.noise import ChannelResult, Noise
+from allanite.study.noise import Noise, RecordResult
 
 from .gain import Gain
 from .regression import Regression
@@ -16,7 +16,7 @@ from .settings import CompensationSettings
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Compensated(ChannelResult):
+class Compensated(RecordResult):
     """A channel before and after its correction; `refusal` says why there is none.
 
     Attributes

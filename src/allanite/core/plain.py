@@ -152,9 +152,10 @@ def short(item: object) -> str:
     return repr(item) if isinstance(item, str) and item else ""
 
 
-def stored_fields(cls: type[Value]) -> tuple[tuple[str, Any], ...]:
-    """Name and type of each field that makes a value."""
-    return _fields(cast(Any, cls))
+def stored_fields(cls: type[Value], beyond: type[Value] | None = None) -> tuple[tuple[str, Any], ...]:
+    """Name and type of each field that makes a value; only those `beyond` a base class, where it is given."""
+    common = set() if beyond is None else {name for name, _ in _fields(cast(Any, beyond))}
+    return tuple((name, hint) for name, hint in _fields(cast(Any, cls)) if name not in common)
 
 
 @cache

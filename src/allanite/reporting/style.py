@@ -18,6 +18,8 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from allanite.core.errors import UsageError
 from allanite.core.files import demand_writable, write
 
+from .sheet import printable
+
 PathLike = str | os.PathLike[str]
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
@@ -90,6 +92,11 @@ def grid(axes: Axes) -> None:
     axes.grid(which="minor", color=GRID, linewidth=0.35, alpha=0.7)
     axes.tick_params(which="both", top=True, right=True)
     axes.tick_params(which="minor", length=2)
+
+
+def title(axes: Axes, name: str) -> None:
+    """Whose panel it is; a name is the user's, and no formula."""
+    axes.set_title(printable(name), loc="left", fontweight="bold", parse_math=False)
 
 
 def plain_ticks(*axes: Axis) -> None:

@@ -2,17 +2,14 @@
 
 import math
 
-import numpy as np
-
 from allanite.core.fit import Estimate
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Header, Record
-from allanite.core.units import Signal, convert
-from allanite.study.analysis import Channel
+from allanite.core.units import Signal
 from allanite.terms import TERMS
 
 from .digits import Digits, digits
-from .sheet import printable, printed_unit
+from .sheet import printed_unit
 
 SENSORS = {
     "gyro": "gyroscope",
@@ -111,62 +108,30 @@ def about(record: Record | Header) -> str:
     return f"{sensor}, {kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
 
 
-def fitness(channel: Channel) -> str:
-    """Mean and spread of a channel, and that it may be analysed if it may."""
-    record = channel.record
-    if isinstance(record, Header):
-        return ""
-    unit = record.signal.sheet[0]
-    values = record.rate_values / convert(1.0, unit, record.signal.unit)
-    facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"
-    return (
-        facts if channel.refusal else f"{facts}; fit for the job" + (", with care" if channel.quality.warnings else "")
-    )
+def percent(share: float, figures: int = 6) -> str:
+    """A share, as a confidence level: ``95 %``; empty where there is none."""
+    return f"{100 * share:.{figures}g} %" if math.isfinite(share) else ""
 
 
-def alerts(channel: Channel) -> list[str]:
-    """What must stand above the numbers of a channel: its warnings, and that the model does not explain it."""
-    # what the residuals name is not said twice; sinusoids that were taken out are said with the goodness of fit
-    settled = {finding.name for finding in channel.residuals.findings} if channel.residuals else set()
-    settled |= {"lines"} if channel.fit and channel.fit.lines and channel.explained else set()
-    found = [str(finding) for finding in channel.quality.warnings if finding.name not in settled]
-    if channel.fit is not None and not channel.explained:
-        found.insert(0, channel.verdict)
-    return found
+def interval(level: float) -> str:
+    """The heading of confidence limits: ``95 % interval``."""
+    return f"{percent(level)} interval"
 
 
-def verdict(channel: Channel, level: float) -> str:
-    """What the sensor is, in one or two plain sentences."""
-    name = printable(channel.record.name) or "the channel"
-    if channel.fit is None:
-        return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."
-    found, absent = [], []
-    for e in channel.fit:
-        if e.value is None:
-            absent.append(title(e.symbol, e.signal))
-        else:
-            found.append(_found(e, level))
-    sensor = SENSORS[channel.record.signal.name]
-    start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
-    first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
-    length = duration(channel.record.duration)
-    missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
-    doubt = "" if channel.explained else f"The model does not explain {name}: do not quote its numbers. "
-    return doubt + first + missing
+def probability(p: float, least: float = 1e-12) -> str:
+    """A p value as a cell of a table.
+
+    Examples
+    --------
+    >>> probability(0.0213), probability(1e-9, 1e-4)
+    ('0.021', '< 0.0001')
+    """
+    return f"{p:.2g}" if p > least else f"< {least:g}"
 
 
-def _found(estimate: Estimate, level: float) -> str:
-    number = shown(estimate, estimate.sheet_unit, level)
-    assert number is not None  # noqa: S101 - asked for values only
-    weak = " (weak)" if estimate.status == "weak" else ""
-    value = number.value.replace("-", "−") + number.power
-    return f"{named(estimate, level)} {value} {printed_unit(estimate.sheet_unit)}{weak}"
-
-
-def _join(parts: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
-
-
-def percent(level: float) -> str:
-    """A confidence level: ``95 %``."""
-    return f"{100 * level:.6g} %" if math.isfinite(level) else ""
+def number(estimate: Estimate, level: float) -> str:
+    """A coefficient in print without its interval: ``0.310 deg/√h``."""
+    found = shown(estimate, estimate.sheet_unit, level)
+    assert found is not None  # noqa: S101 - asked for values only
+    value = found.value.replace("-", "−") + found.power
+    return f"{value} {printed_unit(estimate.sheet_unit)}"

@@ -14,7 +14,7 @@ from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
 from allanite.prepare.rounding import NO_DITHER, rounding
 from allanite.prepare.view import View
-from allanite.study.noise import ChannelResult, Noise, noise_of
+from allanite.study.noise import Noise, RecordResult, noise_of
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
@@ -92,7 +92,7 @@ class StageNoise(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Budget(ChannelResult):
+class Budget(RecordResult):
     """Noise of rounding beside the noise of a rate record; see `budget`.
 
     `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known

@@ -7,7 +7,7 @@ from typing import Any
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.study.channels import Inspected, Job, Progress, Source, run
-from allanite.study.noise import ChannelResult
+from allanite.study.noise import RecordResult
 from allanite.study.recipe import Recipe
 
 from .rounding_noise import Budget, budget
@@ -43,7 +43,7 @@ class PathSettings(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BudgetChannel(ChannelResult):
+class BudgetChannel(RecordResult):
     """One channel: its budget, or why there is none (`refusal`); `alerts` must stand beside the numbers."""
 
     budget: Budget | None = None

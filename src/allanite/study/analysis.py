@@ -2,36 +2,29 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from allanite.core.curve import Curve
-from allanite.core.finding import Quality
-from allanite.core.fit import Fit
-from allanite.core.plain import Value
-from allanite.core.record import Header, Record, Recording, header_dict, header_from
+from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
 from allanite.statistics import deviation
 
 from .channels import Inspected, Job, Progress, Source, run
-from .noise import Noise, noise_dict, noise_from, noise_of
+from .noise import ChannelResult, noise_of
 from .recipe import Recipe
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Channel(Value):
+class Channel(ChannelResult):
     """Result of one channel, or the reason (`refusal`) why there is none."""
 
-    record: Record | Header
-    quality: Quality
-    curve: Curve | None = None
-    noise: Noise | None = None
-    refusal: str = ""
+    curves: tuple[Curve, ...] = ()
 
     @property
-    def fit(self) -> Fit | None:
-        """The identified noise."""
-        return None if self.noise is None else self.noise.fit
+    def curve(self) -> Curve | None:
+        """The curve that the noise explains."""
+        return self.curves[0] if self.curves else None
 
     @property
     def residuals(self) -> Residuals | None:
@@ -48,24 +41,22 @@ class Channel(Value):
         """Whether the model explains the record, in a sentence; empty where the method does not say."""
         return "" if self.noise is None else self.noise.verdict
 
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            **header_dict(self.record, "Channel"),
-            "quality": self.quality.to_dict(),
-            "refusal": self.refusal,
-            "curves": [] if self.curve is None else [self.curve.to_dict(level)],
-            **noise_dict(self.noise, level),
-        }
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside its numbers: its warnings, and that the model does not explain it."""
+        # what the residuals name is not said twice; sinusoids that were taken out are said with the goodness of fit
+        settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
+        settled |= {"lines"} if self.fit and self.fit.lines and self.explained else set()
+        doubts = () if self.noise is None else self.noise.doubts
+        return (*doubts, *(str(finding) for finding in self.quality.warnings if finding.name not in settled))
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Channel":
+    def from_dict(cls, data: dict[str, Any]) -> Self:
         """What `to_dict` has written."""
-        curve = Curve.from_dict(data["curves"][0]) if data["curves"] else None
-        noise = noise_from(data)
-        if noise is not None:
-            noise = replace(noise, fit=replace(noise.fit, curve=curve))
-        return cls(header_from(data), Quality.from_dict(data["quality"]), curve, noise, data["refusal"])
+        found = super().from_dict(data)
+        if found.noise is None:
+            return found
+        return replace(found, noise=replace(found.noise, fit=replace(found.noise.fit, curve=found.curve)))
 
     def _summary(self) -> str:
         return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analysed')}"
@@ -140,9 +131,9 @@ def analyze(
         noise = noise_of(seen.record, recipe)
         curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit.model)
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
-        return Channel(seen.record, seen.quality, curve, noise)
+        return Channel(seen.record, seen.quality, noise, curves=(curve,))
 
-    return run(Study, source, recipe, work, _refused, progress=progress)
+    return run(Study, source, recipe, work, Channel.refused, progress=progress)
 
 
 def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None) -> Study:
@@ -152,10 +143,6 @@ def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress 
     """
     recipe = recipe or Recipe()
     return run(
-        Study, source, recipe, lambda seen: Channel(seen.record, seen.quality), _refused,
+        Study, source, recipe, lambda seen: Channel(seen.record, seen.quality), Channel.refused,
         doing="inspecting", demand=False, progress=progress,
     )  # fmt: skip
-
-
-def _refused(seen: Inspected, why: str) -> Channel:
-    return Channel(seen.record, seen.quality, refusal=why)

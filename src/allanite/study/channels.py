@@ -20,39 +20,12 @@ from allanite.prepare.transform import mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
 
+from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
-
-
-@dataclass(frozen=True, eq=False)
-class Inspected:
-    """One channel before a job begins with it.
-
-    `records` are those that the job takes together: one, or a record of each recording that is compared.
-    """
-
-    name: str
-    records: tuple[Record, ...]
-    qualities: tuple[Quality, ...]
-
-    @property
-    def record(self) -> Record:
-        """The first record."""
-        return self.records[0]
-
-    @property
-    def quality(self) -> Quality:
-        """What was found in the first record."""
-        return self.qualities[0]
-
-    @property
-    def alerts(self) -> tuple[str, ...]:
-        """What must stand beside the numbers, with the number of the record where there are several."""
-        which = [f"record {i}: " for i in range(1, len(self.records) + 1)] if len(self.records) > 1 else [""]
-        return tuple(f"{w}{finding}" for w, q in zip(which, self.qualities, strict=True) for finding in q.warnings)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,13 +58,19 @@ class Job(Value, Generic[Result]):
     def __getitem__(self, key: str | int) -> Result:
         if isinstance(key, int):
             return self.channels[key]
-        names = [c.name if hasattr(c, "name") else c.record.name for c in self.channels]  # type: ignore[attr-defined]
-        if key not in names:
-            raise UsageError(f"no channel {key!r}; there are {', '.join(names)}")
-        return self.channels[names.index(key)]
+        for name, channel in zip(self._names, self.channels, strict=True):
+            if name == key:
+                return channel
+        raise UsageError(f"no channel {key!r}; there are {', '.join(self._names)}")
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.channels)
+
+    @property
+    def _names(self) -> list[str]:
+        """Of the channels: their own, or those of their records."""
+        channels: tuple[Any, ...] = self.channels
+        return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
@@ -108,7 +87,7 @@ class Job(Value, Generic[Result]):
             "recipe": self.choices(),
             "notes": list(self.notes),
             "provenance": self.provenance,
-        } | {name: write(getattr(self, name), hint, level) for name, hint in self._own()}
+        } | {name: write(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
@@ -121,29 +100,19 @@ class Job(Value, Generic[Result]):
             tuple(Finding.from_dict(finding) for finding in data["findings"]),
             tuple(data["notes"]),
             dict(data["provenance"]),
-            **{name: read_plain(data[name], hint) for name, hint in cls._own()},
+            **{name: read_plain(data[name], hint) for name, hint in stored_fields(cls, Job)},
         )
-
-    @classmethod
-    def _own(cls) -> list[tuple[str, Any]]:
-        """Fields beyond those of every job."""
-        common = {f.name for f in fields(Job)}
-        return [(name, hint) for name, hint in stored_fields(cls) if name not in common]
 
     @classmethod
     def _keeps(cls, key: str) -> bool:
         """Whether a key of the stored recipe is the recipe's, and not that of settings which have the same name."""
-        return key not in {f.name for name, hint in cls._own() if name == "settings" for f in settings_fields(hint)}
+        hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
+        kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
+        return key not in {f.name for kind in kinds for f in fields(kind)}
 
     def _summary(self) -> str:
         source = self.provenance.get("source") or "data in memory"
-        return f"{source!r}: {', '.join(channel.record.name or 'channel' for channel in self.channels)}"  # type: ignore[attr-defined]
-
-
-def settings_fields(hint: Any) -> list[Any]:
-    """Fields of a settings class, or of all that a union allows."""
-    kinds = get_args(hint) or (hint,)
-    return [f for kind in kinds if is_dataclass(kind) for f in fields(kind)]
+        return f"{source!r}: {', '.join(name or 'channel' for name in self._names)}"
 
 
 def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:
@@ -222,20 +191,13 @@ def each_channel(
 def _result(
     seen: Inspected, work: Callable[[Inspected], Result], refused: Callable[[Inspected, str], Result], fatal: str
 ) -> Result:
-    why = fatal or _refusal(seen)
+    why = fatal or "; ".join(f"{which}{q.refusal}" for which, q in seen.numbered if q.refusal)
     if why:
         return refused(seen, why)
     try:
         return work(seen)
     except DataError as error:
         return refused(seen, str(error))
-
-
-def _refusal(seen: Inspected) -> str:
-    refusals = [(i, quality.refusal) for i, quality in enumerate(seen.qualities, 1) if quality.refusal]
-    if len(seen.records) == 1:
-        return "".join(why for _, why in refusals)
-    return "; ".join(f"record {i}: {why}" for i, why in refusals)
 
 
 def run(

@@ -1,24 +1,43 @@
 """What follows from the noise of every channel, or from a model that is given: plans, checks, state spaces."""
 
 import math
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, ClassVar
+
+import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.model import Model
 from allanite.core.plain import Value, from_dict
 from allanite.core.record import Header, Record
-from allanite.core.residuals import Residuals
-from allanite.planning.selfcheck import SelfCheck
+from allanite.planning.plan import RecordingPlan, plan
+from allanite.planning.selfcheck import SelfCheck, selfcheck
+from allanite.simulation.recording import readings
+from allanite.statespace import StateSpace, state_space
 from allanite.statistics import deviation
 
 from .channels import Inspected, Job, Progress, Source, provenance_of, run
-from .modelling import NoiseSettings, PlanSettings, Result, SelfCheckSettings, StateSpaceSettings, Supposed, Use
-from .noise import Noise, noise_of
-from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
+from .noise import Noise, noise_dict, noise_from, noise_of
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+
+Random = np.random.Generator
+Result = RecordingPlan | SelfCheck | StateSpace
+
+
+@dataclass(frozen=True)
+class Supposed:
+    """A noise, and the sampling rate and length of the record that it was found in; no length of a given model."""
+
+    model: Model
+    rate: float
+    name: str = ""
+    size: int | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,13 +77,12 @@ class Modelled(Value):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data: the name, what the result has, and the noise that it follows from."""
         own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
-        left = None if self.noise is None else self.noise.residuals
-        parts = {"record": self.record, "quality": self.quality, "fit": self.fit, "residuals": left}
         return {
             "name": self.name,
             **own,
-            **{key: None if part is None else part.to_dict(level) for key, part in parts.items()},
-            "explained": None if self.noise is None else self.noise.explained,
+            "record": self.record and self.record.to_dict(level),
+            "quality": self.quality and self.quality.to_dict(level),
+            **noise_dict(self.noise, level),
             "alerts": list(self.alerts),
             "refusal": self.refusal,
         }
@@ -72,13 +90,12 @@ class Modelled(Value):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":
         """What `to_dict` has written; the record without its readings."""
-        left = data["residuals"] and partial(Residuals.from_dict, data["residuals"])
         return cls(
             data["name"],
             data["rate"],
             data["record"] and Header.from_dict(data["record"]),
             data["quality"] and Quality.from_dict(data["quality"]),
-            data["fit"] and Noise(Fit.from_dict(data["fit"]), left),
+            noise_from(data),
             from_dict(data) if "type" in data else None,
             tuple(data["alerts"]),
             data["refusal"],
@@ -97,19 +114,14 @@ class ModelJob(Job[Modelled]):
         return ", ".join(channel.name or "model" for channel in self.channels)
 
     @property
-    def recorded(self) -> bool:
-        """Whether the noise is that of a recording."""
-        return any(channel.record is not None for channel in self.channels)
-
-    @property
     def exceeded(self) -> list[str]:
         """Which limits of the settings are exceeded beyond chance, in sentences; only a check has limits."""
         return []
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
-        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self.settings).items() if v is not None}
-        return self.recipe.to_dict(_counting(self.settings, recorded=self.recorded)) | own
+        recorded = any(channel.record is not None for channel in self.channels)
+        return self.recipe.to_dict(self.settings.counting(recorded=recorded)) | chosen(self.settings)
 
 
 class RecordingPlans(ModelJob):
@@ -131,19 +143,38 @@ class StateSpaces(ModelJob):
     """A state space of each channel's noise."""
 
 
-KINDS: dict[type[NoiseSettings], type[ModelJob]] = {
-    PlanSettings: RecordingPlans,
-    SelfCheckSettings: SelfChecks,
-    StateSpaceSettings: StateSpaces,
+def _plan(settings: PlanSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> RecordingPlan:
+    share = settings.accuracy / 100
+    return plan(noise.model, noise.rate, durations=settings.durations, accuracy=share, ramp=settings.ramp)
+
+
+def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Recipe, tell: Progress) -> SelfCheck:
+    n = noise.size
+    if n is None or settings.duration is not None or settings.samples is not None:
+        n = readings(noise.rate, settings.duration, settings.samples)
+    return selfcheck(
+        noise.model, n, noise.rate, records=settings.records, rng=rng, terms=recipe.terms, method=recipe.method,
+        band=recipe.band, level=recipe.level, progress=tell,
+    )  # fmt: skip
+
+
+def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> StateSpace:
+    bias = settings.bias(noise.model.signal.unit)
+    if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
+        raise DataError("only white noise was identified, which is the measurement's: a filter needs no states for it")
+    low, high = settings.tau
+    return state_space(
+        noise.model, noise.rate, tau=(low, high), ripple=settings.ripple / 100, order=settings.order, turn_on=bias,
+        measurement=settings.measurement,
+    )  # fmt: skip
+
+
+KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] = {
+    PlanSettings: (RecordingPlans, _plan),
+    SelfCheckSettings: (SelfChecks, _check),
+    StateSpaceSettings: (StateSpaces, _space),
 }
-"""What is made by these settings."""
-
-
-def _counting(settings: NoiseSettings, *, recorded: bool) -> tuple[str, ...]:
-    """The keys of a recipe that count."""
-    if recorded:
-        return (*READING, *SELECTING, *IDENTIFYING)
-    return ("rate", *(IDENTIFYING if settings.identifies else ()))
+"""What is made by these settings, and what is done with each noise."""
 
 
 def run_model_job(
@@ -178,10 +209,13 @@ def run_model_job(
     >>> type(found).__name__, found[0].name, found[0].result.names
     ('RecordingPlans', 'fog', ('Q', 'N', 'B', 'K', 'R'))
     """
-    recipe, given, kind = recipe or Recipe(), settings.given(), partial(KINDS[type(settings)], settings=settings)
+    recipe, given = recipe or Recipe(), settings.given()
+    job, make = KINDS[type(settings)]
+    rng = np.random.default_rng(settings.seed if isinstance(settings, SelfCheckSettings) else None)
+    kind, work = partial(job, settings=settings), partial(make, settings, rng)
     if (given is None) == (source is None):
         raise UsageError("give either a recording, or the noise by --model or --sensor")
-    tell, work = progress or (lambda what, fraction: None), settings.work()
+    tell = progress or (lambda what, fraction: None)
     if given is not None:
         noise = Supposed(given, _rate(settings, recipe), settings.sensor or "")
         made = Modelled(noise.name, noise.rate, result=work(noise, recipe, tell))
@@ -210,7 +244,7 @@ def _named(tell: Progress, name: str) -> Progress:
 
 def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
     """The sampling rate of a given model, once nothing else is said of a recording."""
-    usual, counting = Recipe(), _counting(settings, recorded=False)
+    usual, counting = Recipe(), settings.counting(recorded=False)
     for key in (*READING, *SELECTING, *IDENTIFYING):
         if key not in counting and getattr(recipe, key) != getattr(usual, key):
             option = {"start": "from"}.get(key, key.replace("_", "-"))

@@ -1,40 +1,17 @@
 """Settings of what is done with a noise model: plans, checks and state spaces."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
 
-import numpy as np
-
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import UsageError
 from allanite.core.model import Model
 from allanite.core.notation import parse_model, split_quantities
 from allanite.core.plain import Value
 from allanite.core.units import convert
-from allanite.planning.plan import DURATIONS, RecordingPlan, plan
-from allanite.planning.selfcheck import SelfCheck, selfcheck
+from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
-from allanite.simulation.recording import readings
-from allanite.statespace import StateSpace, state_space
 
-from .channels import Progress
-from .recipe import Recipe
-
-Result = RecordingPlan | SelfCheck | StateSpace
-
-
-@dataclass(frozen=True)
-class Supposed:
-    """A noise, and the sampling rate and length of the record that it was found in; no length of a given model."""
-
-    model: Model
-    rate: float
-    name: str = ""
-    size: int | None = None
-
-
-Work = Callable[[Supposed, Recipe, Progress], Result]
+from .recipe import IDENTIFYING, READING, SELECTING
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,9 +46,11 @@ class NoiseSettings(Value):
             return parse_model(self.model)
         return None if self.sensor is None else typical(self.sensor)
 
-    def work(self) -> Work:
-        """What is done with each noise."""
-        raise NotImplementedError
+    def counting(self, *, recorded: bool) -> tuple[str, ...]:
+        """The keys of a recipe that count, of a recording or of a given model."""
+        if recorded:
+            return (*READING, *SELECTING, *IDENTIFYING)
+        return ("rate", *(IDENTIFYING if self.identifies else ()))
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,14 +60,6 @@ class PlanSettings(NoiseSettings):
     durations: tuple[float, ...] = DURATIONS
     accuracy: float = 10.0
     ramp: bool | None = None
-
-    def work(self) -> Work:
-        """A plan each."""
-        return self._plan
-
-    def _plan(self, noise: Supposed, _: Recipe, __: Progress) -> RecordingPlan:
-        share = self.accuracy / 100
-        return plan(noise.model, noise.rate, durations=self.durations, accuracy=share, ramp=self.ramp)
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,19 +95,6 @@ class SelfCheckSettings(NoiseSettings):
         }  # fmt: skip
         return {name: value / 100 for name, value in named.items() if value is not None}
 
-    def work(self) -> Work:
-        """A check each, of random numbers of its own."""
-        return partial(self._check, np.random.default_rng(self.seed))
-
-    def _check(self, rng: "np.random.Generator", noise: Supposed, recipe: Recipe, tell: Progress) -> SelfCheck:
-        n = noise.size
-        if n is None or self.duration is not None or self.samples is not None:
-            n = readings(noise.rate, self.duration, self.samples)
-        return selfcheck(
-            noise.model, n, noise.rate, records=self.records, rng=rng, terms=recipe.terms, method=recipe.method,
-            band=recipe.band, level=recipe.level, progress=tell,
-        )  # fmt: skip
-
 
 @dataclass(frozen=True, repr=False)
 class StateSpaceSettings(NoiseSettings):
@@ -152,23 +110,8 @@ class StateSpaceSettings(NoiseSettings):
         if len(self.tau) != 2:
             raise UsageError(f"two averaging times are wanted, as 1,1000 or '1 s,1 h', not {self.tau!r}")
 
-    def work(self) -> Work:
-        """A state space each."""
-        return self._space
-
-    def _space(self, noise: Supposed, _: Recipe, __: Progress) -> StateSpace:
-        bias = self._turn_on(noise.model.signal.unit)
-        if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
-            raise DataError(
-                "only white noise was identified, which is the measurement's: a filter needs no states for it"
-            )
-        low, high = self.tau
-        return state_space(
-            noise.model, noise.rate, tau=(low, high), ripple=self.ripple / 100, order=self.order, turn_on=bias,
-            measurement=self.measurement,
-        )  # fmt: skip
-
-    def _turn_on(self, si: str) -> float:
+    def bias(self, si: str) -> float:
+        """The bias at switch-on in the unit `si`."""
         if self.turn_on is None:
             return 0.0
         found = split_quantities(self.turn_on.split())

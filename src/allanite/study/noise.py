@@ -6,6 +6,7 @@ from functools import cached_property, partial
 from typing import Any, Self
 
 from allanite.core.encoding import plain, read, write
+from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
@@ -14,6 +15,7 @@ from allanite.core.residuals import Residuals
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
 
+from .inspected import Inspected
 from .recipe import Recipe
 
 
@@ -103,27 +105,21 @@ def noise_of(
 def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
     """What a stored channel says of its noise: the fit, what it leaves, and whether it explains the record."""
     if noise is None:
-        return {"fit": None, "residuals": None, "explained": None}
-    left = noise.residuals
+        return dict.fromkeys(("fit", "residuals", "explained"))
     fit = replace(noise.fit, curve=None)  # the channel has its curves
-    return {
-        "fit": fit.to_dict(level),
-        "residuals": None if left is None else left.to_dict(level),
-        "explained": noise.explained,
-    }
+    left = None if noise.residuals is None else noise.residuals.to_dict(level)
+    return {"fit": fit.to_dict(level), "residuals": left, "explained": noise.explained}
 
 
 def noise_from(data: dict[str, Any]) -> Noise | None:
     """The noise that `noise_dict` has written."""
-    if data["fit"] is None:
-        return None
-    left = data["residuals"]
-    return Noise(Fit.from_dict(data["fit"]), None if left is None else Stored(Residuals.from_dict(left)))
+    left = data["residuals"] and Stored(Residuals.from_dict(data["residuals"]))
+    return data["fit"] and Noise(Fit.from_dict(data["fit"]), left)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ChannelResult(Value):
-    """What a job gives for one channel, after its `record`; a child adds its fields.
+class RecordResult(Value):
+    """What was found of one record; a subclass adds its fields.
 
     Stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
     """
@@ -147,3 +143,25 @@ class ChannelResult(Value):
 
     def _summary(self) -> str:
         return ": ".join(filter(None, (repr(self.record.name), getattr(self, "refusal", ""))))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelResult(RecordResult):
+    """What a job found in one channel, or the reason (`refusal`) why there is nothing.
+
+    A subclass adds fields with defaults. What must stand beside its numbers is its `alerts`.
+    """
+
+    quality: Quality
+    noise: Noise | None = None
+    refusal: str = ""
+
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise, where it was asked for and could be identified."""
+        return None if self.noise is None else self.noise.fit
+
+    @classmethod
+    def refused(cls, seen: Inspected, why: str) -> Self:
+        """The result of a channel that has none."""
+        return cls(seen.record, seen.quality, refusal=why)

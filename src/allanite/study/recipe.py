@@ -2,10 +2,13 @@
 
 import os
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.prepare.outliers import demand_choice
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
 """Keys that say what the file holds."""
@@ -71,9 +74,7 @@ class Recipe:
 
     def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
         """Plain data of these keys; what was left open is left out."""
-        return {
-            k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items() if k in keys and v is not None
-        }
+        return {key: value for key, value in chosen(self).items() if key in keys}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":
@@ -95,6 +96,11 @@ class Recipe:
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":
         """A recipe from a TOML file."""
         return cls.from_dict(load_toml(path))
+
+
+def chosen(settings: "DataclassInstance") -> dict[str, Any]:
+    """Settings as plain data, under the names of the command line; what was left open is left out."""
+    return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
 
 
 def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:

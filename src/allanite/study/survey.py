@@ -1,16 +1,15 @@
 """Curves, spectra or surfaces of every channel of a recording."""
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
-from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.plain import Value, from_dict
-from allanite.core.record import Header, Record, header_dict, header_from
+from allanite.core.plain import Value
+from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
@@ -19,8 +18,8 @@ from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.spectrum import method_named, spectrum
 
 from .channels import Inspected, Job, Progress, Source, run
-from .noise import Noise, noise_dict, noise_from, noise_of
-from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+from .noise import ChannelResult, Noise, noise_of
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 
 Result = Curve | Spectrum | Surface
 
@@ -124,43 +123,11 @@ class Windows(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Measured(Value):
+class Measured(ChannelResult):
     """The values of one channel, or the reason (`refusal`) why there are none."""
 
-    record: Record | Header
-    quality: Quality
     values: tuple[Result, ...] = ()
-    noise: Noise | None = None
     alerts: tuple[str, ...] = ()
-    refusal: str = ""
-
-    @property
-    def fit(self) -> Fit | None:
-        """The identified noise, where it was asked for and could be identified."""
-        return None if self.noise is None else self.noise.fit
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data."""
-        return {
-            **header_dict(self.record, "Measured"),
-            "quality": self.quality.to_dict(),
-            "values": [value.to_dict(level) for value in self.values],
-            **noise_dict(self.noise, level),
-            "alerts": list(self.alerts),
-            "refusal": self.refusal,
-        }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Measured":
-        """What `to_dict` has written."""
-        return cls(
-            header_from(data),
-            Quality.from_dict(data["quality"]),
-            tuple(from_dict(value) for value in data["values"]),
-            noise_from(data),
-            tuple(data["alerts"]),
-            data["refusal"],
-        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -184,8 +151,7 @@ class Survey(Job[Measured]):
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         used = (*READING, *SELECTING, *(IDENTIFYING if self.settings.fitted else ("level",)))
-        own = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self.settings).items() if v is not None}
-        return self.recipe.to_dict(used) | own
+        return self.recipe.to_dict(used) | chosen(self.settings)
 
 
 def survey(
@@ -229,12 +195,10 @@ def survey(
         noise, alerts = _noise(seen.record, recipe) if settings.fitted else (None, ())
         values = settings.measure(seen.record, None if noise is None else noise.fit)
         shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
-        return Measured(seen.record, seen.quality, shown, noise, (*alerts, *seen.alerts))
+        return Measured(seen.record, seen.quality, noise, values=shown, alerts=(*alerts, *seen.alerts))
 
-    def refused(seen: Inspected, why: str) -> Measured:
-        return Measured(seen.record, seen.quality, refusal=why)
-
-    return run(partial(Survey, settings=settings), source, recipe, work, refused, doing="measuring", progress=progress)
+    kind = partial(Survey, settings=settings)
+    return run(kind, source, recipe, work, Measured.refused, doing="measuring", progress=progress)
 
 
 def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:

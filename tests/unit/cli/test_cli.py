@@ -4,13 +4,16 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import ROOT
 
 import allanite.study.analysis
 from allanite.cli import main
@@ -222,3 +225,31 @@ def test_a_terminal_without_the_letters_gets_the_table(file, tmp_path):
     done = subprocess.run(command("analyze", str(path)), capture_output=True, env=env, check=False)
     assert done.returncode == 0, done.stderr
     assert b"g\\xffro.csv" in done.stdout
+
+
+# the summaries and the options
+
+
+def commands(group=main, path=()):
+    """Every command with the words that call it."""
+    for name in group.list_commands(None):
+        command = group.get_command(None, name)
+        yield (*path, name), command
+        if isinstance(command, click.Group):
+            yield from commands(command, (*path, name))
+
+
+def test_no_summary_of_a_verb_is_cut():
+    for words, command in commands():
+        summary = command.help.partition("\n")[0]
+        assert len(summary) <= 58, words
+        assert command.get_short_help_str(60) == summary, words
+
+
+def test_each_option_is_declared_in_one_file():
+    declared = {}
+    for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
+        for name in re.findall(r'(?:click\.option\(\s*"--|_path\(")([a-z-]+)', path.read_text(encoding="utf-8")):
+            declared.setdefault(name, set()).add(path.name)
+    assert {"level", "window", "corrected"} < set(declared)
+    assert {name: files for name, files in declared.items() if len(files) > 1} == {}

@@ -23,7 +23,8 @@ from allanite.reporting.figures.goodness import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.sheet import printed_unit, toml
 from allanite.reporting.style import encode
-from allanite.reporting.words import title, verdict
+from allanite.reporting.views.analysis import verdict
+from allanite.reporting.words import title
 from allanite.statistics import expected
 from allanite.study.analysis import Channel, Study
 from allanite.study.noise import Noise
@@ -69,7 +70,7 @@ def channel_of(name="gyro_z", p=0.4, reasons=(), warnings=()):
     record = Record(np.sin(np.arange(600.0)), 10.0, "deg/h", name=name)
     fit = Fit(estimates, "whittle", signal_named("gyro"), model=model, name=name, goodness=good, curve=curve)
     quality = Quality(tuple(Finding("spikes", what, remedy="look at them") for what in warnings))
-    return Channel(record, quality, curve, Noise(fit))
+    return Channel(record, quality, Noise(fit), curves=(curve,))
 
 
 def refused(name="gyro_x"):
@@ -136,7 +137,7 @@ def test_a_tiny_limit_keeps_its_power_of_ten():
     channel = channel_of()
     estimates = (absent("Q", 2e-5, "arcsec"), *channel.fit.estimates[1:])
     fit = Fit(estimates, "whittle", channel.fit.signal, model=channel.fit.model)
-    assert "below 2.0e-5" in table(study_of(Channel(channel.record, channel.quality, None, Noise(fit))))
+    assert "below 2.0e-5" in table(study_of(Channel(channel.record, channel.quality, Noise(fit))))
 
 
 def test_the_ramp_has_a_sign(study):

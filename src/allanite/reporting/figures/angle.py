@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from allanite.angle import Harmonics, Scan, Solution
 from allanite.angle.calibration import Result, parts_of
@@ -19,7 +18,6 @@ from allanite.reporting.words import percent
 
 ARCSEC = unit_of("arcsec").factor
 
-FloatArray = NDArray[np.float64]
 
 PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#56B4E9", "#7F5539")
 
@@ -71,7 +69,7 @@ def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Fig
         for ax, harmonics in zip(axes, found, strict=True):
             count = 2 * len(harmonics.orders)
             _draw_history(ax, solution, range(first, first + count), half)
-            ax.set_title(printable(harmonics.name) or "angle", loc="left", fontweight="bold", parse_math=False)
+            style.title(ax, harmonics.name or "angle")
             first += count
         axes[-1].set_xlabel("readings" if _numbered(solution) else "time (min)")
     return figure

@@ -37,5 +37,5 @@ def _draw(ax: Axes, budget: Budget) -> None:
     ax.set(yscale="log", xlabel="bits", ylabel=f"{first.symbol} by rounding ({printed_unit(first.sheet_unit)})")
     style.plain_ticks(ax.yaxis)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_title(printable(budget.record.name), loc="left", fontweight="bold", parse_math=False)
+    style.title(ax, budget.record.name)
     ax.legend(loc="best")

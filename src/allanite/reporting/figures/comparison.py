@@ -18,8 +18,8 @@ from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
 from .drawing import draw_legend
+from .labels import FloatArray
 
-FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 COLORS = (0, 3)
@@ -110,7 +110,7 @@ def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     ax.set(xscale="log", yscale="log", ylim=(values.min() / 2.5, values.max() * 2.5))
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
-    ax.set_title(printable(name), loc="left", fontweight="bold", parse_math=False)
+    style.title(ax, name)
     ax.set_ylabel(f"{STATISTICS[curve.statistic].title} ({printed_unit(unit)})")
 
 

@@ -5,16 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from allanite.compensation.compensated import Compensated
 from allanite.core.curve import Curve
 from allanite.core.units import unit_of
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printed_unit
 from allanite.reporting.words import percent
 
-FloatArray = NDArray[np.float64]
+from .labels import FloatArray
 
 BEFORE, AFTER, TAKEN = style.OTHER, style.DATA, "#C1272D"
 
@@ -30,7 +29,7 @@ def plot_compensated(channels: Sequence[Compensated], level: float) -> Figure:
         for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
             _draw_curves(top, channel, level)
             _draw_rates(bottom, channel)
-            top.set_title(printable(channel.record.name) or "channel", loc="left", fontweight="bold", parse_math=False)
+            style.title(top, channel.record.name or "channel")
     return figure
 
 

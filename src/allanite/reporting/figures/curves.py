@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
@@ -61,7 +61,7 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
     if panel.fit is not None:
         _draw_model(ax, panel, drawn, level)
-    ax.set_title(printable(panel.name), loc="left", fontweight="bold", parse_math=False)
+    style.title(ax, panel.name)
     ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({printed_unit(panel.unit)})")
     good = panel.fit.goodness if panel.fit else None
     if good is not None and not good.explained:

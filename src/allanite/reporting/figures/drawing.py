@@ -10,7 +10,6 @@ from matplotlib.lines import Line2D
 
 from allanite.core.fit import Estimate
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 
 from .labels import Box, FloatArray, IntArray, place
@@ -54,10 +53,7 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
 
 def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
-    number = words.shown(estimate, estimate.sheet_unit, level)
-    assert number is not None  # noqa: S101 - only what has a value is drawn
-    value = number.value.replace("-", "−") + number.power
-    return f"{estimate.symbol} = {value} {printed_unit(estimate.sheet_unit)}"
+    return f"{estimate.symbol} = {words.number(estimate, level)}"
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:

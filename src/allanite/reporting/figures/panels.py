@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
@@ -14,8 +13,7 @@ from allanite.core.model import Model, Term, model_of
 from allanite.core.units import convert, readable_unit, unit_of
 from allanite.statistics import STATISTICS, expected
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from .labels import FloatArray, IntArray
 
 MOST_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""

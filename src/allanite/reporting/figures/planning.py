@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from allanite.planning.plan import RecordingPlan
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable
 
 from .drawing import color_of, stacked
 
@@ -22,7 +21,7 @@ def plot_plans(plans: Sequence[tuple[str, RecordingPlan]]) -> Figure:
         figure, (axes,) = stacked([len(plans)])
         for ax, (name, plan) in zip(axes, plans, strict=True):
             _draw(ax, plan)
-            ax.set_title(printable(name or str(plan.model)), loc="left", fontweight="bold", parse_math=False)
+            style.title(ax, name or str(plan.model))
         axes[-1].set_xlabel("length of the record")
     return figure
 

@@ -5,19 +5,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.spectrum import Spectrum
 from allanite.core.units import readable_unit
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printed_unit
 
 from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs, stacked
-from .labels import Box
-
-FloatArray = NDArray[np.float64]
+from .labels import Box, FloatArray
 
 MOST_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
@@ -64,7 +61,7 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
     if fit is not None:
         _draw_model(ax, spectrum, fit, level)
-    ax.set_title(printable(spectrum.name), loc="left", fontweight="bold", parse_math=False)
+    style.title(ax, spectrum.name)
     good = None if fit is None else fit.goodness
     if good is not None and not good.explained:
         ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)

@@ -10,16 +10,15 @@ from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 
-FloatArray = NDArray[np.float64]
+from .labels import FloatArray
 
 TIME_COLORS, RATIO_COLORS = "cividis", "RdBu_r"
 
@@ -52,7 +51,7 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
     _draw_curves(left, tau, deviation, surface.time / size, norm)
     left.set(xlabel="averaging time τ (s)")
     left.set_ylabel(f"{STATISTICS[surface.statistic].title} ({printed_unit(surface.unit)})")
-    left.set_title(printable(surface.name), loc="left", fontweight="bold", parse_math=False)
+    style.title(left, surface.name)
     _draw_time_scale(figure, left, norm, unit)
     left.legend(loc="upper right")
     mesh = _draw_ratios(right, tau, deviation, surface.time / size)

@@ -1,23 +1,25 @@
 """How a study is shown."""
 
-from collections.abc import Iterator, Sequence
-from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from dataclasses import replace
 
-from allanite.core.fit import Fit
-from allanite.core.units import readable_unit
+import numpy as np
+
+from allanite.core.fit import Estimate
+from allanite.core.record import Header
+from allanite.core.units import convert, readable_unit
 from allanite.identification.front import METHODS
 from allanite.reporting import words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, printable
 from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
 
-from . import View
-from .fit import definitions, goodness_parts, terms_table
-from .survey import curve_rows, numbers_table
+from . import Rows, View
+from .fit import definitions, goodness_parts, plot_curves, terms_table
+from .jobs import channel_sheet, job_face, source_of
+from .values import numbers_table, rows_of
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+BRAND = "noise coefficients of an inertial sensor"
 
 EXPLAINED = {
     "whittle": (
@@ -55,35 +57,25 @@ SHARED = (
 
 
 def _face(study: Study, level: float) -> Face:
-    name = PurePath(study.provenance.get("source", "")).name or "data in memory"
     fitted = any(channel.fit for channel in study.channels)
-    return Face(
-        f"Noise of {name}",
-        "noise coefficients of an inertial sensor",
-        [_sheet(channel, level) for channel in study.channels],
-        header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
-        parts=[Note(str(finding), "alert") for finding in study.findings],
+    sheets = [_sheet(channel, level) for channel in study.channels]
+    return replace(
+        job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets),
+        header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
         close=[*_shared(study), *_statuses(study)],
         how=list(_how(study)),
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
     )
 
 
 def _sheet(channel: Channel, level: float) -> Sheet:
     doubt = channel.fit is None or not channel.explained
-    verdicts = (words.verdict(channel, level),) if channel.fit or channel.refusal else ()
-    about = (words.about(channel.record), *channel.record.history)
-    return Sheet(channel.record.name, about, tuple(_parts(channel, level)), verdicts, doubt)
+    verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
+    return channel_sheet(channel, _parts(channel, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: Channel, level: float) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in words.alerts(channel))
-    if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
     if channel.fit is None:
-        facts = words.fitness(channel)
+        facts = fitness(channel)
         yield from [Note(facts)] if facts else []
         return
     yield from (Note(note) for note in channel.fit.notes)
@@ -95,7 +87,7 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
             f"Deviation by averaging time with its {words.percent(level)} confidence band, the model, and each term of "
             "it alone."
         )
-        yield Drawing(lambda: _plot([channel], None, level), "deviation by averaging time", caption)
+        yield Drawing(lambda: plot_curves([channel], None, level), "deviation by averaging time", caption)
     yield from goodness_parts(channel.fit, channel.residuals)
     if channel.curve is not None:
         shown = channel.curve.to(readable_unit(channel.curve.unit))
@@ -140,22 +132,56 @@ def _curve_explained(recipe: Recipe) -> str:
     return f"{READ.format(statistic=statistic)} {LIMITS}"
 
 
-def _plot(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.curves import plot_panels
-    from allanite.reporting.figures.panels import panels_of
-
-    return plot_panels(panels_of(list(values), fit), level=level)
-
-
-def _rows(study: Study, level: float) -> tuple[Sequence[str], list[list[Any]]]:
+def _rows(study: Study, level: float) -> Rows:
     curves = [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None]
-    return curve_rows(curves, level)
+    return rows_of(curves, level)
 
 
 def _channel_face(channel: Channel, level: float) -> Face:
-    sheet = _sheet(channel, level)
-    return Face(channel.record.name or "channel", "noise coefficients of an inertial sensor", (sheet,))
+    return Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),))
 
 
-STUDY = View(_face, _plot, _rows)
-CHANNEL = View(_channel_face, _plot)
+def fitness(channel: Channel) -> str:
+    """Mean and spread of a channel, and that it may be analysed if it may."""
+    record = channel.record
+    if isinstance(record, Header):
+        return ""
+    unit = record.signal.sheet[0]
+    values = record.rate_values / convert(1.0, unit, record.signal.unit)
+    facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"
+    return (
+        facts if channel.refusal else f"{facts}; fit for the job" + (", with care" if channel.quality.warnings else "")
+    )
+
+
+def verdict(channel: Channel, level: float) -> str:
+    """What the sensor is, in one or two plain sentences."""
+    name = printable(channel.record.name) or "the channel"
+    if channel.fit is None:
+        return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."
+    found, absent = [], []
+    for e in channel.fit:
+        if e.value is None:
+            absent.append(words.title(e.symbol, e.signal))
+        else:
+            found.append(_found(e, level))
+    sensor = words.SENSORS[channel.record.signal.name]
+    start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
+    first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
+    length = words.duration(channel.record.duration)
+    missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
+    doubt = "" if channel.explained else f"The model does not explain {name}: do not quote its numbers. "
+    return doubt + first + missing
+
+
+def _found(estimate: Estimate, level: float) -> str:
+    weak = " (weak)" if estimate.status == "weak" else ""
+    return f"{words.named(estimate, level)} {words.number(estimate, level)}{weak}"
+
+
+def _join(parts: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+
+
+STUDY = View(_face, plot_curves, _rows)
+CHANNEL = View(_channel_face, plot_curves)

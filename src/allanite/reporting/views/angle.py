@@ -14,7 +14,7 @@ from allanite.angle.study import AngleStudy
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.units import convert, unit_of
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, columns, header_of, toml
 
@@ -134,11 +134,12 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
     yield _harmonics(result, level)
     share = words.percent(level)
-    yield Drawing(lambda: _errors([result], None, level), "error over the angle", ERRORS.format(share))
+    yield Drawing(lambda: figures.plot_errors(result, level), "error over the angle", ERRORS.format(share))
     if len(solution.history.count) > 1:
-        yield Drawing(lambda: _history(result, level), "amplitudes after so many readings", HISTORY.format(share))
-    title = "is what is left over noise?"
-    yield Drawing(lambda: _innovations(solution), "innovations and their autocorrelation", INNOVATIONS, title)
+        label, caption = "amplitudes after so many readings", HISTORY.format(share)
+        yield Drawing(lambda: figures.plot_history(result, solution, level), label, caption)
+    label, title = "innovations and their autocorrelation", "is what is left over noise?"
+    yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     yield _others(solution)
 
 
@@ -147,7 +148,7 @@ def _harmonics(result: Result, level: float) -> Table:
     heads = (
         Column("harmonic", "symbol"), Column("S [arcsec]", aside=True), Column("error", aside=True),
         Column("C [arcsec]", aside=True), Column("error", aside=True), Column("amplitude"),
-        Column(f"{words.percent(level)} interval", "interval"), Column("phase [deg]"), Column("", "name"),
+        Column(words.interval(level), "interval"), Column("phase [deg]"), Column("", "name"),
     )  # fmt: skip
     found = [(h, i, k) for h in parts_of(result) for i, k in enumerate(h.orders)]
     marks = [MARKS[h.status(k)] for h, _, k in found]
@@ -190,25 +191,6 @@ def _others(solution: Solution) -> Table:
         factor = convert(1.0, si, unit)
         rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
     return Table(heads, rows, "estimated along with the harmonics")
-
-
-def _errors(values: Sequence[Result], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.angle import plot_errors
-
-    return plot_errors(values[0], level)
-
-
-def _history(result: Result, level: float) -> "Figure":
-    from allanite.reporting.figures.angle import plot_history
-
-    assert result.solution is not None  # noqa: S101 - drawn only where it is
-    return plot_history(result, result.solution, level)
-
-
-def _innovations(solution: Solution) -> "Figure":
-    from allanite.reporting.figures.angle import plot_innovations
-
-    return plot_innovations(solution)
 
 
 def _result_rows(result: Result, level: float) -> Rows:
@@ -264,16 +246,10 @@ def _scan_face(scan: Scan, level: float) -> Face:
         for s, a, b, t, c in zip(scan.starts, *scan.h.T, scan.totals, scan.conditions, strict=True)
     ]
     marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(rows))]
-    drawing = Drawing(lambda: _scans([scan], None, level), "expected accuracy by the start of the interval", SCANNED)
+    drawing = Drawing(lambda: figures.plot_scan(scan), "expected accuracy by the start of the interval", SCANNED)
     table = Table(heads, rows, "all windows", marks=marks, details=True)
     sheet = replace(_plan_sheet(best, "best window"), verdicts=(verdict,))
     return Face("Where to estimate the angle sensors", BRAND, (sheet,), parts=(drawing, table), how=(Note(PLANNED),))
-
-
-def _scans(values: Sequence[Scan], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.angle import plot_scan
-
-    return plot_scan(values[0])
 
 
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":
@@ -290,6 +266,8 @@ def _study_rows(study: AngleStudy, level: float) -> Rows:
 
 
 STUDY = View(_face, _study_plot, _study_rows)
-HARMONICS = CALIBRATION = View(_result_face, _errors, _result_rows)
+HARMONICS = CALIBRATION = View(
+    _result_face, lambda values, fit, level: figures.plot_errors(values[0], level), _result_rows
+)
 PLAN = View(_plan_face, rows=lambda plan, level: plan.rows())
-SCAN = View(_scan_face, _scans, lambda scan, level: scan.rows())
+SCAN = View(_scan_face, lambda values, fit, level: figures.plot_scan(values[0]), lambda scan, level: scan.rows())

@@ -1,31 +1,16 @@
 """How a budget is shown."""
 
 from collections.abc import Callable, Sequence
-from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
-from allanite.core.record import Header, Record
-from allanite.reporting import words
-from allanite.reporting.sheet import (
-    Column,
-    Drawing,
-    Face,
-    Note,
-    Part,
-    Sheet,
-    Table,
-    header_of,
-    printable,
-    printed_unit,
-    toml,
-)  # fmt: skip
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
 from allanite.signals import Budget, StageNoise, TorqueScale
 from allanite.signals.study import BudgetChannel, BudgetStudy
 
 from . import Rows, View
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .jobs import channel_sheet, job_face, source_of
 
 BRAND = "what rounding adds to the noise"
 HOW = (
@@ -70,7 +55,7 @@ def _number(value: float | None) -> str:
 
 
 def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100 * share:.2g} %"
+    return "" if share is None else words.percent(share, 2)
 
 
 def _table(stages: Sequence[StageNoise]) -> Table:
@@ -98,46 +83,26 @@ def _scale(scale: TorqueScale | float | None) -> list[str]:
 
 def _face(study: BudgetStudy, level: float) -> Face:
     notes = (*_scale(study.settings.torquer), *study.notes)
-    return Face(
-        f"Rounding in {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
-        BRAND,
-        [_sheet(channel) for channel in study.channels],
-        header_of(study.provenance, notes),
-        parts=[Note(str(finding), "alert") for finding in study.findings],
-        how=[Note(paragraph) for paragraph in HOW],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=notes,
-    )
+    face = job_face(study, (f"Rounding in {source_of(study)}", BRAND), [_sheet(channel) for channel in study])
+    return replace(face, header=header_of(study.provenance, notes), how=[*map(Note, HOW)], notes=notes)
 
 
 def _sheet(channel: BudgetChannel) -> Sheet:
-    if channel.budget is not None:
-        return _budget_sheet(channel.budget, channel.record, channel.alerts)
-    refusal = f"no result: {channel.refusal}"
-    name = channel.record.name
-    return Sheet(name, (words.about(channel.record),), (Note(refusal, "alert"),), (f"{name}: {refusal}",), doubt=True)
+    budget, name = channel.budget, channel.record.name
+    if budget is None:
+        return channel_sheet(channel, (), (f"{name}: no result: {channel.refusal}",), doubt=True)
+    named = tuple(f"{name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
+    return channel_sheet(channel, _parts(budget), named, doubt=not budget.noise.explained)
 
 
-def _budget_sheet(budget: Budget, record: Record | Header, alerts: Sequence[str]) -> Sheet:
-    parts: tuple[Part, ...] = (
-        *(Note(alert, "alert") for alert in alerts),
-        *(Note(sentence(s), where="text") for s in budget.stages),
-        _table(budget.stages),
-        Drawing(lambda: _draw([budget]), "noise of rounding by bits", CAPTION),
-    )
-    named = tuple(f"{record.name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
-    return Sheet(record.name, (words.about(record),), parts, named, doubt=not budget.noise.explained)
+def _parts(budget: Budget) -> tuple[Part, ...]:
+    sentences = (Note(sentence(s), where="text") for s in budget.stages)
+    drawing = Drawing(lambda: figures.plot_budgets([budget]), "noise of rounding by bits", CAPTION)
+    return (*sentences, _table(budget.stages), drawing)
 
 
-def _draw(budgets: Sequence[Budget]) -> "Figure":
-    from allanite.reporting.figures.budget import plot_budgets
-
-    return plot_budgets(budgets)
-
-
-def _found(study: BudgetStudy) -> list[Budget]:
-    return [channel.budget for channel in study.channels if channel.budget is not None]
+def _found(*studies: BudgetStudy) -> list[Budget]:
+    return [channel.budget for study in studies for channel in study if channel.budget is not None]
 
 
 def _rows(budgets: Sequence[Budget]) -> Rows:
@@ -155,13 +120,13 @@ def _numbers(s: StageNoise) -> list[Any]:
 
 
 def _budget_face(budget: Budget, level: float) -> Face:
-    sheet = _budget_sheet(budget, budget.record, budget.alerts)
+    sheet = _sheet(BudgetChannel(budget.record, budget, budget.alerts))
     return Face(f"Rounding in {budget.record.name or 'a record'}", BRAND, (sheet,))
 
 
 STUDY = View(
-    _face,
-    lambda values, fit, level: _draw([budget for study in values for budget in _found(study)]),
-    lambda study, level: _rows(_found(study)),
+    _face, lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study))
 )
-BUDGET = View(_budget_face, lambda values, fit, level: _draw(values), lambda budget, level: _rows([budget]))
+BUDGET = View(
+    _budget_face, lambda values, fit, level: figures.plot_budgets(values), lambda budget, level: _rows([budget])
+)

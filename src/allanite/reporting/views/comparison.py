@@ -3,24 +3,22 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
-from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.fit import Estimate
 from allanite.core.units import convert, readable_unit
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
 from . import Rows, View
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from .jobs import job_face
 
 Value = Comparison | Pool
 
@@ -90,21 +88,12 @@ def _face(value: Value, drawn: bool, level: float) -> Face:
     header = [("file", source)] if source and "source 2" not in value.provenance else []
     header += [("with" if i else "compared", name) for i, name in enumerate(value.names)]
     header += [("" if i else "assumed", note) for i, note in enumerate(value.notes)]
-    return Face(
-        f"Comparison of {len(value.names)} runs",
-        "what has changed",
-        header=[*header, ("made by", f"allanite {value.provenance['allanite']}")],
-        parts=_parts(value, drawn, level),
-        choices=toml(value.choices()),
-        provenance=value.provenance,
-        notes=value.notes,
-    )
-
-
-def _parts(value: Value, drawn: bool, level: float) -> list[Part]:
     label, caption = "curves with bands, and the ratio of their variances", CAPTION.format(level=words.percent(level))
-    drawings = [Drawing(lambda: _plot([value], None, level), label, caption)] if drawn else []
-    return [*(Note(str(finding), "alert") for finding in value.findings), *drawings]
+    drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
+    names = f"Comparison of {len(value.names)} runs", "what has changed"
+    return replace(
+        job_face(value, names, (), [drawing] if drawn else []), header=[*header, header_of(value.provenance, ())[-1]]
+    )
 
 
 def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -129,7 +118,7 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     values = [*whole.names, *(["whole"] * (pair.whole is not None))]
     heads = (
         Column("", "symbol"), Column("term", "name"), *map(Column, values), Column("unit", "unit"), Column("change"),
-        Column(_interval(level), "interval"), Column("p", aside=True), Column("p (Holm)", aside=True),
+        Column(words.interval(level), "interval"), Column("p", aside=True), Column("p (Holm)", aside=True),
         Column("outcome", "name"),
     )  # fmt: skip
     rows = []
@@ -137,7 +126,7 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
         estimates = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None else [])]
         rows.append([
             c.symbol, words.title(c.symbol, c.signal), *(value_of(e, level) for e in estimates), c.before.sheet_unit,
-            *change_of(c, level), p_cell(c.p), p_cell(c.adjusted), c.outcome,
+            *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), c.outcome,
         ])  # fmt: skip
     return Table(heads, rows, "coefficients", marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
@@ -163,27 +152,19 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
     return "-", f"above {low:+.3g} %" if low > least else "any"
 
 
-def p_cell(p: float) -> str:
-    """A probability as a cell: ``0.03``, ``< 1e-12``."""
-    return chance(p).removeprefix("p ").removeprefix("= ")
-
-
-def _interval(level: float) -> str:
-    return f"{words.percent(level)} interval"
-
-
 def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]) -> Table:
     level, alpha = levels
     unit = readable_unit(ratios.before.unit)
     heads = (
         Column("tau [s]"), *(Column(f"{name} [{unit}]") for name in whole.names), Column("edf before", aside=True),
-        Column("edf after", aside=True), Column("variance ratio"), Column(_interval(level), "interval"), Column("p"),
+        Column("edf after", aside=True), Column("variance ratio"), Column(words.interval(level), "interval"),
+        Column("p"),
     )  # fmt: skip
     factor = convert(1.0, ratios.before.unit, unit)
     rows, marks = [], []
     for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
         cells = [f"{tau:.6g}", f"{before * factor:.5g}", f"{after * factor:.5g}", f"{nu:.4g}", f"{mu:.4g}"]
-        rows.append([*cells, *digits(ratio, low, high).plain(), p_cell(p)])
+        rows.append([*cells, *digits(ratio, low, high).plain(), words.probability(p)])
         marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
     return Table(heads, rows, f"{STATISTICS[ratios.before.statistic].title} and ratio of the variances", marks=marks)
 
@@ -197,7 +178,7 @@ def _pooled_sheet(channel: PooledChannel, whole: Pool, level: float) -> Sheet:
 
 def _terms_table(channel: PooledChannel, level: float) -> Table:
     heads = (
-        Column("", "symbol"), Column("term", "name"), Column("common"), Column(_interval(level), "interval"),
+        Column("", "symbol"), Column("term", "name"), Column("common"), Column(words.interval(level), "interval"),
         Column("unit", "unit"), Column("between runs"), Column("within runs"), Column("chi-square", aside=True),
         Column("dof", aside=True), Column("p", aside=True), Column("p (Holm)"),
     )  # fmt: skip
@@ -211,7 +192,7 @@ def _term_cells(term: PooledTerm, level: float) -> list[str]:
     shown = digits(value, low, high).plain() if value > 0 else ("-", f"below {digits(high, figures=2).plain()[0]}")
     scatter = [f"{v:.3g} %" if math.isfinite(v) else "-" for v in (between, within)]
     return [term.symbol, words.title(term.symbol, term.signal), *shown, unit, *scatter, f"{statistic:.3g}", f"{dof:g}",
-            p_cell(p), p_cell(adjusted)]  # fmt: skip
+            words.probability(p), words.probability(adjusted)]  # fmt: skip
 
 
 def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
@@ -222,7 +203,7 @@ def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
     )
     rows = []
     for name, fit in zip(whole.names, channel.fits, strict=True):
-        p = p_cell(channel.apart[name]) if name in channel.apart else ""
+        p = words.probability(channel.apart[name]) if name in channel.apart else ""
         rows.append([name, *(value_of(fit[term.symbol], level) for term in channel.terms), p])
     return Table(heads, rows, "run by run", marks=["alarm" if name in channel.apart else "" for name in whole.names])
 
@@ -231,22 +212,16 @@ def _curve_table(curve: Curve, channel: PooledChannel, level: float) -> Table:
     shown = curve.to(readable_unit(curve.unit))
     assert channel.p is not None  # noqa: S101 - comes with the curve
     heads = (
-        Column("tau [s]"), Column(f"all runs [{shown.unit}]"), Column(_interval(level), "interval"), Column("edf"),
+        Column("tau [s]"), Column(f"all runs [{shown.unit}]"), Column(words.interval(level), "interval"), Column("edf"),
         Column("p of one variance"),
     )  # fmt: skip
     columns = (shown.tau, shown.deviation, *shown.interval(level), shown.edf, channel.p)
     rows = [
-        [f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", p_cell(p)]
+        [f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", words.probability(p)]
         for tau, value, low, high, edf, p in zip(*(c.tolist() for c in columns), strict=True)
     ]
     marks: list[Mark] = ["alarm" if p <= channel.alpha else "" for p in channel.p]
     return Table(heads, rows, f"{STATISTICS[curve.statistic].title} of all runs", marks=marks)
-
-
-def _plot(values: Sequence[Value], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.comparison import plot_comparison
-
-    return plot_comparison(values, level)
 
 
 def _compared_rows(value: Comparison, level: float) -> Rows:
@@ -294,5 +269,5 @@ def _curve_lines(value: Pool, level: float) -> Iterator[list[Any]]:
                    *each]  # fmt: skip
 
 
-COMPARISON = View(_compared_face, _plot, _compared_rows)
-POOL = View(_pooled_face, _plot, _pooled_rows)
+COMPARISON = View(_compared_face, lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+POOL = View(_pooled_face, lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)

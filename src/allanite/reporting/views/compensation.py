@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from pathlib import PurePath
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.compensation.compensated import Compensated, CompensationStudy
@@ -11,7 +11,7 @@ from allanite.compensation.regression import Regression
 from allanite.compensation.regressor import Effect
 from allanite.core.fit import Fit
 from allanite.core.units import unit_of
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import (
     Column,
@@ -21,14 +21,13 @@ from allanite.reporting.sheet import (
     Part,
     Sheet,
     Table,
-    header_of,
     printable,
     printed_number,
     printed_unit,
-    toml,
-)  # fmt: skip
+)
 
 from . import Rows, View
+from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,7 +60,7 @@ HEADINGS = (
 def coefficients(regression: Regression, level: float) -> Table:
     """Every coefficient of a regression."""
     heads = (
-        Column("regressor", "name"), Column("sensitivity"), Column(f"{words.percent(level)} interval", "interval"),
+        Column("regressor", "name"), Column("sensitivity"), Column(words.interval(level), "interval"),
         Column("unit", "unit"), Column("status", "text"), Column("std. error", aside=True), Column("t", aside=True),
         Column("p", aside=True), Column("VIF", aside=True),
     )  # fmt: skip
@@ -75,10 +74,9 @@ def _cells(e: Effect, unit: str) -> list[str]:
     scale = 1 / unit_of(unit).factor
     value, interval = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
     error = digits(e.standard_error * scale, figures=2).plain()[0]
-    p = "< 0.0001" if e.p < 1e-4 else f"{e.p:.2g}"
     per = "" if e.regressor.column_unit == "1" else f" per {e.regressor.column_unit}"
     return [
-        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", p,
+        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", words.probability(e.p, 1e-4),
         f"{e.inflation:.3g}",
     ]  # fmt: skip
 
@@ -120,13 +118,22 @@ def _found(name: str, regression: Regression) -> str:
 
 
 def _elsewhere(name: str, gain: Gain) -> str:
-    does = "increases" if gain.explained < 0 else "reduces"
-    did = f"{does} the variance of {name} by {100 * abs(gain.explained):.3g} %"
+    did = f"reduces the variance of {name} by {_percent(gain)}"
+    if gain.explained < 0:
+        did = f"increases the variance of {name} by {words.percent(-gain.explained, 3)}"
     if gain.low is None or gain.high is None:
         return f"The correction {did}."
     low, high = (_share(v, gain) for v in (gain.low, gain.high))
     met = "" if gain.met else ", and it does not: the dependence is another one here"
     return f"The correction {did}; {_share(gain.expected, gain)} ({low} .. {high}) could be expected{met}."
+
+
+def _names(effects: Sequence[Effect]) -> str:
+    return ", ".join(e.label for e in effects)
+
+
+def _percent(gain: Gain) -> str:
+    return words.percent(gain.explained, 3)
 
 
 def _share(part: float, gain: Gain) -> str:
@@ -143,31 +150,19 @@ def _doubtful(channel: Compensated) -> bool:
 
 def _face(study: CompensationStudy, level: float) -> Face:
     other = study.provenance.get("applied to", "")
-    return Face(
-        f"Compensation of {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
-        BRAND,
-        [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)],
-        header_of(study.provenance, study.notes),
-        parts=[Note(str(finding), "alert") for finding in study.findings],
-        how=[Note(paragraph) for paragraph in HOW],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
-    )
+    sheets = [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)]
+    return replace(job_face(study, (f"Compensation of {source_of(study)}", BRAND), sheets), how=[*map(Note, HOW)])
 
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
-    name = f"{channel.record.name or 'channel'} of {source}" if source else channel.record.name
     said = f"{source}: {verdict(channel)}" if source else verdict(channel)
-    about = (words.about(channel.record),)
-    return Sheet(name, about, tuple(_parts(channel, level)), (printed_number(said),), _doubtful(channel))
+    sheet = channel_sheet(channel, _parts(channel, level), (printed_number(said),), doubt=_doubtful(channel))
+    return replace(sheet, name=f"{channel.record.name or 'channel'} of {source}") if source else sheet
 
 
 def _parts(channel: Compensated, level: float) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in channel.alerts)
     regression = channel.regression
     if regression is None:
-        yield Note(f"no result: {channel.refusal}", "alert")
         return
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
@@ -205,9 +200,7 @@ def _curves(channel: Compensated, level: float) -> Table:
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> "Figure":
-    from allanite.reporting.figures.compensation import plot_compensated
-
-    return plot_compensated([c for c in channels if c.regression is not None], level)
+    return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 
 def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Figure":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS
 
@@ -33,7 +33,7 @@ RESIDUALS_CAPTION = (
 
 def terms_table(fit: Fit, level: float) -> Table:
     """The coefficients, in the units of data sheets and in SI."""
-    interval = f"{words.percent(level)} interval"
+    interval = words.interval(level)
     heads = (
         Column("", "symbol"), Column("term", "name"), Column("value"), Column(interval, "interval"),
         Column("unit", "unit"), Column("status", "status"), Column("SI value", aside=True),
@@ -58,17 +58,11 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
     """Whether the model explains the record: figures and checks, for the page."""
     good = fit.goodness
     if good is not None:
-        yield Drawing(
-            lambda: _goodness(fit),
-            "observed over expected power by frequency",
-            GOODNESS,
-            "does the model explain the record?",
-        )
+        label, title = "observed over expected power by frequency", "does the model explain the record?"
+        yield Drawing(lambda: figures.plot_goodness(good), label, GOODNESS, title)
     if residuals is not None and residuals.checks:
-        yield Drawing(
-            lambda: _series(residuals), "residuals over time, their correlation and quantiles", RESIDUALS_CAPTION,
-            "what the model leaves",
-        )  # fmt: skip
+        label, title = "residuals over time, their correlation and quantiles", "what the model leaves"
+        yield Drawing(lambda: figures.plot_series(residuals), label, RESIDUALS_CAPTION, title)
         yield _checks(residuals, "page")
 
 
@@ -76,19 +70,6 @@ def _checks(residuals: Residuals, where: Any = "") -> Table:
     heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("what it is", "text"))
     rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
-
-
-def _goodness(fit: Fit) -> "Figure":
-    from allanite.reporting.figures.goodness import plot_goodness
-
-    assert fit.goodness is not None  # noqa: S101 - drawn only where it is
-    return plot_goodness(fit.goodness)
-
-
-def _series(residuals: Residuals) -> "Figure":
-    from allanite.reporting.figures.residuals import plot_series
-
-    return plot_series(residuals)
 
 
 def definitions(fits: Iterable[Fit]) -> Table:
@@ -120,27 +101,15 @@ def _face(fit: Fit, level: float) -> Face:
     return Face(fit.name or "Noise", "noise coefficients", (sheet,), how=(definitions([fit]),))
 
 
-def _plot(values: Sequence[Fit], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.curves import plot_panels
-    from allanite.reporting.figures.panels import panels_of
-
-    return plot_panels(panels_of(list(values), fit), level=level)
-
-
-def _rows(fit: Fit, level: float) -> tuple[list[str], list[list[Any]]]:
-    return fit.rows(level)
+def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+    """The figure of what has curves."""
+    return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 
 
 def _residuals_face(residuals: Residuals, level: float) -> Face:
     note = Note(residuals.verdict, "good" if residuals.explained else "alert")
-    drawing = Drawing(lambda: _plot_residuals([residuals], None, level), "residuals", RESIDUALS_CAPTION)
+    drawing = Drawing(lambda: figures.plot_residuals(residuals), "residuals", RESIDUALS_CAPTION)
     return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(note, _checks(residuals), drawing)),))
-
-
-def _plot_residuals(values: Sequence[Residuals], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.residuals import plot_residuals
-
-    return plot_residuals(values[0])
 
 
 def model_table(model: Model) -> Table:
@@ -154,6 +123,6 @@ def _model_face(model: Model, level: float) -> Face:
     return Face(str(model), "a noise model", (Sheet("model", parts=(model_table(model),)),))
 
 
-FIT = View(_face, _plot, _rows)
-RESIDUALS = View(_residuals_face, _plot_residuals)
+FIT = View(_face, plot_curves, lambda fit, level: fit.rows(level))
+RESIDUALS = View(_residuals_face, lambda values, fit, level: figures.plot_residuals(values[0]))
 MODEL = View(_model_face)

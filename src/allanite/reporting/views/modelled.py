@@ -1,14 +1,15 @@
 """What the views of results have in common that follow from a noise model, given or found in a recording."""
 
 from collections.abc import Callable, Iterable, Iterator
-from pathlib import PurePath
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from allanite.reporting import words
-from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
+from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.modelled import ModelJob, Modelled
 
-from . import Rows
+from . import Rows, jobs
+from .jobs import source_of
 
 
 class Form(NamedTuple):
@@ -37,23 +38,13 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
 
     def face(job: ModelJob, _: float) -> Face:
         given = job.settings.given()
-        about = [("noise", str(given)), *header_of(job.provenance, ())[1:]] if given else None
-        name = job.settings.sensor or given or PurePath(job.provenance.get("source", "")).name or "data in memory"
-        return Face(
-            f"{form.title} {name}",
-            form.brand,
-            [_sheet(channel, form) for channel in job.channels],
-            about or header_of(job.provenance, job.notes, f", method {job.recipe.method}"),
-            parts=[
-                *(Note(str(finding), "alert") for finding in job.findings),
-                *(Note(f"limit exceeded: {sentence}", "alert", where="page") for sentence in job.exceeded),
-            ],
-            close=_legend(form),
-            how=(Note(form.key),),
-            choices=toml(job.choices()),
-            provenance=job.provenance,
-            notes=job.notes,
-        )
+        header = header_of(job.provenance, job.notes, f", method {job.recipe.method}")
+        if given:
+            header = [("noise", str(given)), *header_of(job.provenance, ())[1:]]
+        names = f"{form.title} {job.settings.sensor or given or source_of(job)}", form.brand
+        limits = [Note(f"limit exceeded: {sentence}", "alert", where="page") for sentence in job.exceeded]
+        found = jobs.job_face(job, names, [_sheet(channel, form) for channel in job], limits)
+        return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
 
     return face
 
@@ -69,9 +60,7 @@ def _sheet(channel: Modelled, form: Form) -> Sheet:
 
 
 def _parts(channel: Modelled, form: Form) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in channel.alerts)
-    if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
+    yield from jobs.warnings(channel)
     yield from (Note(note) for note in (channel.fit.notes if channel.fit else ()))
     if channel.missing:
         yield Note(f"of this record, and not reckoned with: {channel.missing}")

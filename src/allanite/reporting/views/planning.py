@@ -9,7 +9,7 @@ from allanite.core.model import Model
 from allanite.planning.bound import Bound, name_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table
 from allanite.study.modelled import Modelled, RecordingPlans
 
@@ -50,9 +50,7 @@ def expected_values(model: Model) -> dict[str, tuple[str, str]]:
 
 def percent(error: float) -> str:
     """A relative standard error."""
-    if math.isnan(error):
-        return "-"
-    return f"{100 * error:.2g} %" if error < 1 else "> 100 %"
+    return "> 100 %" if error >= 1 else words.percent(error, 2) or "-"
 
 
 def _length(seconds: float) -> str:
@@ -77,15 +75,13 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
 
 
 def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Figure":
-    from allanite.reporting.figures.planning import plot_plans
-
-    return plot_plans([pair for value in values for pair in _named(value)])
+    return figures.plot_plans([pair for value in values for pair in _named(value)])
 
 
 def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPlan]]:
     if isinstance(value, RecordingPlan):
         return [("", value)]
-    return [(c.name, c.result) for c in value.channels if isinstance(c.result, RecordingPlan)]
+    return [(c.name, c.result) for c in value if isinstance(c.result, RecordingPlan)]
 
 
 def _check_about(check: SelfCheck) -> str:
@@ -130,8 +126,7 @@ def _bound_face(bound: Bound, _: float) -> Face:
 
 
 def _bound_rows(bound: Bound, _: float) -> Rows:
-    pairs = zip(bound.names, bound.errors.tolist(), strict=True)
-    return ["parameter", "relative_error"], [list(pair) for pair in pairs]
+    return ["parameter", "relative_error"], [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))]
 
 
 _PLAN = Form("plan", "Plan for", "how long to record", _plan_about, _plan_parts, PLANNED)

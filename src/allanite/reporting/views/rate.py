@@ -2,21 +2,21 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import PurePath
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
-from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment, Ranking, RateEstimate
 from allanite.rate.estimates import rate_factor
 from allanite.rate.study import RateChannel, RateStudy
-from allanite.reporting import words
+from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.statistics import expected
 
 from . import Rows, View
+from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,17 +35,8 @@ NO_ERROR = "no standard errors: give a noise model (--noise)"
 
 
 def _face(study: RateStudy, level: float) -> Face:
-    return Face(
-        f"Rate of {PurePath(study.provenance.get('source', '')).name or 'data in memory'}",
-        BRAND,
-        [_sheet(channel, study.settings.noise, level) for channel in study.channels],
-        header_of(study.provenance, study.notes),
-        parts=[Note(str(finding), "alert") for finding in study.findings],
-        how=[_methods()],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
-    )
+    sheets = [_sheet(channel, study.settings.noise, level) for channel in study.channels]
+    return replace(job_face(study, (f"Rate of {source_of(study)}", BRAND), sheets), how=[_methods()])
 
 
 def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
@@ -55,14 +46,10 @@ def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
         said = _advice(found)
     verdicts = (f"{name or 'the channel'}, {said}",) if said else ()
     doubt = bool(channel.refusal) or (channel.noise is None and given is None)
-    about = (words.about(channel.record), *channel.record.history)
-    return Sheet(name, about, tuple(_parts(channel, given, level)), verdicts, doubt)
+    return channel_sheet(channel, _parts(channel, given, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in channel.alerts)
-    if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
     if channel.fit is not None:
         yield Note(f"noise: {channel.fit.model}")
     elif given is not None and not channel.refusal:
@@ -144,7 +131,7 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         unit = e.signal.sheet[0]
         factor = rate_factor(unit, e.signal)
         rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
-    heads = (Column("method", "symbol"), Column("rate"), Column(f"{words.percent(level)} interval", "interval"))
+    heads = (Column("method", "symbol"), Column("rate"), Column(words.interval(level), "interval"))
     yield Table((*heads, Column("unit", "unit")), rows)
     if any(math.isnan(e.standard_error) and e.limits is None for e in estimates):
         yield Note(NO_ERROR)
@@ -163,16 +150,10 @@ def _methods() -> Table:
 
 
 def _draw(channels: Iterable[RateChannel]) -> "Figure":
-    from allanite.reporting.figures.rate import plot_rates
-
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
         raise UsageError("there is nothing to draw: no channel was measured")
-    return plot_rates(shown)
-
-
-def _plot(values: Sequence[RateStudy], fit: Fit | None, level: float) -> "Figure":
-    return _draw(channel for study in values for channel in study.channels)
+    return figures.plot_rates(shown)
 
 
 HEADINGS = (
@@ -211,14 +192,8 @@ def _finite(value: float) -> float | str:
 
 def _experiment_face(found: Experiment, level: float) -> Face:
     table = (_table(found),) if found.start.size > 1 else ()
-    drawing = Drawing(lambda: _plot_experiments([found], None, level), "errors of all methods", CAPTION)
+    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), "errors of all methods", CAPTION)
     return Face(found.name or "Rate", BRAND, (Sheet(found.name, parts=(*_sentences(found), *table, drawing)),))
-
-
-def _plot_experiments(values: Sequence[Experiment], fit: Fit | None, level: float) -> "Figure":
-    from allanite.reporting.figures.rate import plot_rates
-
-    return plot_rates([(found, ()) for found in values])
 
 
 def _ranking_face(ranking: Ranking, level: float) -> Face:
@@ -239,7 +214,11 @@ def _estimate_face(found: RateEstimate, level: float) -> Face:
     return Face(found.name or "Rate", BRAND, (sheet,))
 
 
-STUDY = View(_face, _plot, _rows)
-EXPERIMENT = View(_experiment_face, _plot_experiments, lambda found, level: (HEADINGS, list(_experiment_rows(found))))
+STUDY = View(_face, lambda values, fit, level: _draw(channel for study in values for channel in study), _rows)
+EXPERIMENT = View(
+    _experiment_face,
+    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
+    lambda found, level: (HEADINGS, list(_experiment_rows(found))),
+)
 RANKING = View(_ranking_face, rows=lambda ranking, level: ranking.rows())
 ESTIMATE = View(_estimate_face)

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
+from allanite.reporting import figures
 from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Table
 from allanite.statespace import StateSpace
 from allanite.statespace.build import MEASUREMENTS
@@ -59,8 +60,6 @@ def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
 
 def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
     """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
-    from allanite.reporting.figures.statespace import plot_state_spaces
-
     spaces: list[tuple[str, StateSpace, list[Curve]]] = []
     for value in values:
         if isinstance(value, Curve):
@@ -71,7 +70,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
             spaces += [(name, space, curves) for name, space, curves in known if isinstance(space, StateSpace)]
         else:
             spaces.append(("", value, []))
-    return plot_state_spaces(spaces, level=level)
+    return figures.plot_state_spaces(spaces, level=level)
 
 
 _FORM = Form("model", "State space of", "state space of an inertial sensor's noise", _about, _parts, KEY)

@@ -1,239 +1,30 @@
-"""How curves, spectra and surfaces are shown."""
+"""How the statistics of a recording are shown."""
 
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from allanite.core.curve import Curve
-from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.spectrum import Spectrum
-from allanite.core.surface import Surface
-from allanite.reporting import words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Drawing, Face, Note, Part, Sheet, Table, Where, columns, header_of, toml
-from allanite.reporting.text import spread
-from allanite.statistics import STATISTICS
-from allanite.study.survey import Measured, Survey
+from allanite.reporting.sheet import Drawing, Face
+from allanite.study.survey import Survey
 
 from . import View
+from .jobs import channel_sheet, job_face, source_of
+from .values import BRAND, FORMS, numbers_table, rows_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Rows = tuple[Sequence[str], list[list[Any]]]
-
-MOST_COLUMNS = 8
-"""Averaging times of a surface that are printed."""
-
-
-class Form(NamedTuple):
-    """What is written of a value: title, headings, cells of its rows, and the rows of a CSV file."""
-
-    title: Callable[[Any], str]
-    table: Callable[[Any, float], tuple[list[str], list[list[str]]]]
-    headings: tuple[str, ...]
-    rows: Callable[[Any, float], Iterator[list[Any]]]
-    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Figure]"
-
-
-def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
-    """The numbers of a curve, spectrum or surface; folded away on a page."""
-    form = FORMS[type(value)]
-    headings, rows = form.table(value, level)
-    return Table(columns(*headings, left=0), rows, title or form.title(value), details=True, where=where)
-
-
-def curve_rows(curves: Sequence[Curve], level: float) -> Rows:
-    """Rows of a CSV file of curves."""
-    return _all_rows(curves, level)
-
-
-def _all_rows(values: Sequence[Any], level: float) -> Rows:
-    if not values:
-        return FORMS[Curve].headings, []
-    form = FORMS[type(values[0])]
-    return form.headings, [row for value in values for row in form.rows(value, level)]
-
-
-def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
-    numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
-    if curve.law is None:
-        return ["m", "tau [s]", f"[{curve.unit}]", "count"], [
-            [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
-        ]
-    limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
-    rows = [
-        [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
-        for (m, tau, value, n), (low, high, edf) in zip(numbers, limits, strict=True)
-    ]
-    return ["m", "tau [s]", f"[{curve.unit}]", _interval(level), "edf", "count"], rows
-
-
-def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[list[str]]]:
-    rows = [
-        [f"{f:.5g}", *digits(value, low, high).plain(), f"{amplitude:.4g}", f"{dof:.4g}"]
-        for f, value, low, high, amplitude, dof in spectrum.rows(level)[1]
-    ]
-    return ["f [Hz]", f"[{spectrum.density_unit}]", _interval(level), f"[{spectrum.amplitude_unit}]", "dof"], rows
-
-
-def _surface_table(surface: Surface, _: float) -> tuple[list[str], list[list[str]]]:
-    kept = spread(surface.tau.size, MOST_COLUMNS)
-    rows = [
-        [f"{time:.6g}", *(_number(value) or "-" for value in row)]
-        for time, row in zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
-    ]
-    return ["time [s]", *(f"{surface.tau[j]:.4g} s" for j in kept)], rows
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if np.isfinite(value) else ""
-
-
-def _interval(level: float) -> str:
-    return f"{words.percent(level)} interval"
-
-
-def _curve_title(curve: Curve) -> str:
-    return f"{STATISTICS[curve.statistic].title} in {curve.unit}"
-
-
-def _spectrum_title(spectrum: Spectrum) -> str:
-    return f"{spectrum.sides}-sided density in {spectrum.density_unit}, {spectrum.method}"
-
-
-def _surface_title(surface: Surface) -> str:
-    title = f"{STATISTICS[surface.statistic].title} in {surface.unit}"
-    return f"{title}, windows of {surface.window:g} s every {surface.step:g} s"
-
-
-def _curve_lines(curve: Curve, level: float) -> Iterator[list[Any]]:
-    data = curve.to_dict(level)
-    none = [""] * len(data["m"])
-    known = [data["m"], data["tau"], data["deviation"], data.get("low", none), data.get("high", none)]
-    for m, tau, value, low, high, edf, count in zip(*known, data.get("edf", none), data["count"], strict=True):
-        yield [curve.name, curve.statistic, m, tau, value, low, high, curve.unit, edf, count]
-
-
-def _spectrum_lines(spectrum: Spectrum, level: float) -> Iterator[list[Any]]:
-    for f, density, low, high, amplitude, dof in spectrum.rows(level)[1]:
-        yield [spectrum.name, f, density, low, high, spectrum.density_unit, spectrum.sides, amplitude,
-               spectrum.amplitude_unit, dof]  # fmt: skip
-
-
-def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
-    for time, m, tau, value, count in surface.rows()[1]:
-        yield [surface.name, surface.statistic, time, m, tau, "" if np.isnan(value) else value, surface.unit, count]
-
-
-def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.curves import plot_panels
-    from allanite.reporting.figures.overlay import plot_overlay
-    from allanite.reporting.figures.panels import Panel
-
-    panels = [Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
-    return plot_panels(panels, level=level) if len(panels) == 1 else plot_overlay(panels, level=level)
-
-
-def _plot_spectra(spectra: Sequence[Spectrum], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.spectra import plot_spectra
-
-    return plot_spectra(spectra, fits, level=level)
-
-
-def _plot_surfaces(surfaces: Sequence[Surface], fits: dict[str, Fit], level: float) -> "Figure":
-    from allanite.reporting.figures.surfaces import plot_surfaces
-
-    return plot_surfaces(surfaces)
-
-
-FORMS: dict[type, Form] = {
-    Curve: Form(
-        _curve_title,
-        _curve_table,
-        ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count"),
-        _curve_lines,
-        _plot_curves,
-    ),
-    Spectrum: Form(
-        _spectrum_title,
-        _spectrum_table,
-        ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
-        _spectrum_lines,
-        _plot_spectra,
-    ),
-    Surface: Form(
-        _surface_title,
-        _surface_table,
-        ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
-        _surface_lines,
-        _plot_surfaces,
-    ),
-}
-
 
 def _face(survey: Survey, level: float) -> Face:
-    return Face(
-        PurePath(survey.provenance.get("source", "")).name or "data in memory",
-        "statistics of an inertial sensor",
-        [_sheet(channel, level) for channel in survey.channels],
-        header_of(survey.provenance, survey.notes),
-        parts=[
-            *(Note(str(finding), "alert") for finding in survey.findings),
-            Drawing(lambda: _plot_survey([survey], None, level), "all values"),
-        ],
-        choices=toml(survey.choices()),
-        provenance=survey.provenance,
-        notes=survey.notes,
-    )
+    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
+    drawing = Drawing(lambda: _plot([survey], None, level), "all values")
+    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 
-def _sheet(channel: Measured, level: float) -> Sheet:
-    about = (words.about(channel.record), *channel.record.history)
-    return Sheet(channel.record.name, about, tuple(_parts(channel, level)))
-
-
-def _parts(channel: Measured, level: float) -> Iterator[Part]:
-    yield from (Note(alert, "alert") for alert in channel.alerts)
-    if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
-    yield from (numbers_table(value, level) for value in channel.values)
-
-
-def _plot_survey(values: Sequence[Survey], fit: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Figure":
     shown = [value for survey in values for value in survey.values]
     fits = {name: found for survey in values for name, found in survey.fits.items()}
     return FORMS[type(shown[0])].plot(shown, fits, level)
 
 
-def _survey_rows(survey: Survey, level: float) -> Rows:
-    return _all_rows(survey.values, level)
-
-
-def _one_face(value: Any, level: float) -> Face:
-    form = FORMS[type(value)]
-    title = f"{value.name}: {form.title(value)}" if value.name else form.title(value)
-    drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value))
-    sheet = Sheet(value.name or "channel", tuple(value.history), (drawing, numbers_table(value, level)))
-    return Face(title, "statistics of an inertial sensor", (sheet,))
-
-
-def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
-    kinds = {type(value) for value in values}
-    if len(kinds) > 1:
-        raise UsageError(
-            f"values of one kind are drawn together, not {' and '.join(sorted(k.__name__ for k in kinds))}"
-        )
-    fits = {value.name: fit for value in values} if fit is not None else {}
-    return FORMS[type(values[0])].plot(values, fits, level)
-
-
-def _one_rows(value: Any, level: float) -> Rows:
-    return _all_rows([value], level)
-
-
-SURVEY = View(_face, _plot_survey, _survey_rows)
-CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, _one_rows)
+SURVEY = View(_face, _plot, lambda survey, level: rows_of(survey.values, level))

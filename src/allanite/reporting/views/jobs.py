@@ -1,0 +1,66 @@
+"""What the views of jobs have in common: where the numbers come from, and what is said of each channel."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import PurePath
+from typing import Any, Protocol
+
+from allanite.core.record import Header, Record
+from allanite.reporting import words
+from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
+from allanite.study.channels import Job
+
+
+class Warned(Protocol):
+    """What is known of every channel of a job."""
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside its numbers."""
+
+    @property
+    def refusal(self) -> str:
+        """Why there are none."""
+
+
+class Recorded(Warned, Protocol):
+    """A channel with its record."""
+
+    @property
+    def record(self) -> Record | Header:
+        """What was measured."""
+
+
+def source_of(job: Job[Any]) -> str:
+    """The name of the file, for a title."""
+    return PurePath(job.provenance.get("source", "")).name or "data in memory"
+
+
+def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = ()) -> Face:
+    """The face of a job: its title and brand, its findings and other parts, its sheets, and how it came about."""
+    title, brand = names
+    return Face(
+        title,
+        brand,
+        sheets,
+        header_of(job.provenance, job.notes),
+        parts=[*(Note(str(finding), "alert") for finding in job.findings), *parts],
+        choices=toml(job.choices()),
+        provenance=job.provenance,
+        notes=job.notes,
+    )
+
+
+def channel_sheet(
+    channel: Recorded, parts: Iterable[Part], verdicts: Sequence[str] = (), *, doubt: bool = False
+) -> Sheet:
+    """The sheet of a channel: what it holds, what must stand beside its numbers, and its parts."""
+    record = channel.record
+    about = (words.about(record), *record.history)
+    return Sheet(record.name, about, (*warnings(channel), *parts), verdicts, doubt)
+
+
+def warnings(channel: Warned) -> Iterator[Part]:
+    """What must stand beside the numbers of a channel, and why there are none."""
+    yield from (Note(alert, "alert") for alert in channel.alerts)
+    if channel.refusal:
+        yield Note(f"no result: {channel.refusal}", "alert")
