@@ -11,9 +11,10 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
+from allanite.core.header import Header
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
-from allanite.core.record import Header, Record
+from allanite.core.record import Record
 
 from .change import Change, Homogeneity, told
 from .together import Together, of_symbol

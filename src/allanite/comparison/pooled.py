@@ -8,10 +8,11 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
 from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.header import Header
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
-from allanite.core.record import Header, Record
+from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 

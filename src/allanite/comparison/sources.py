@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
-from allanite.study.analysis import Study
 from allanite.study.channels import (
     Inspected,
+    Job,
     Progress,
     Source,
     demand_result,
@@ -70,7 +70,9 @@ def run_together(
     return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
 
 
-def open_sources(sources: Sequence[Source | Study], recipe: Recipe, *, against: Sequence[str] | None = None) -> Sources:
+def open_sources(
+    sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None
+) -> Sources:
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
 
     Raises
@@ -87,9 +89,9 @@ def open_sources(sources: Sequence[Source | Study], recipe: Recipe, *, against: 
     return Sources(recordings, name_sources(*sources), channels, notes)
 
 
-def open_source(source: Source | Study, recipe: Recipe) -> Recording:
+def open_source(source: Source | Job[Any], recipe: Recipe) -> Recording:
     """The recording of whatever holds one, as far as the recipe selects it."""
-    if isinstance(source, Study):
+    if isinstance(source, Job):
         made = source.provenance.get("source", ""), source.provenance.get("sha256", "")
         records = tuple(c.record for c in source.channels if isinstance(c.record, Record))
         if len(records) < len(source.channels):
@@ -100,7 +102,7 @@ def open_source(source: Source | Study, recipe: Recipe) -> Recording:
     return open_recording(source, recipe)
 
 
-def name_sources(*sources: Source | Study) -> tuple[str, ...]:
+def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:
     """The names of files or records where these differ; otherwise "before" and "after", or numbers."""
     names = [_own_name(source) for source in sources]
     if all(names) and len(set(names)) == len(names):
@@ -108,7 +110,7 @@ def name_sources(*sources: Source | Study) -> tuple[str, ...]:
     return ("before", "after") if len(sources) == 2 else tuple(f"run {i + 1}" for i in range(len(sources)))
 
 
-def _own_name(source: Source | Study) -> str:
+def _own_name(source: Source | Job[Any]) -> str:
     if isinstance(source, (str, os.PathLike)):
         return os.path.basename(source)
     if isinstance(source, Recording):

@@ -5,7 +5,8 @@ from typing import Any
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
-from allanite.core.record import Header, Record, Recording
+from allanite.core.header import Header
+from allanite.core.record import Record, Recording
 from allanite.study.channels import Job
 from allanite.study.noise import Noise, RecordResult
 

@@ -37,7 +37,7 @@ _MODULES: dict[str, str] = {
     "core.finding": "Finding Quality",
     "core.fit": "Alternative Estimate Fit Goodness Line",
     "core.model": "Model Term",
-    "core.record": "Header",
+    "core.header": "Header",
     "core.residuals": "Check Residuals Shared",
     "core.spectrum": "Spectrum",
     "core.surface": "Surface",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
+from .header import Header
 from .plain import Value
 from .units import Signal, signal_with, unit_of
 
@@ -35,41 +36,10 @@ def explain_kinds() -> str:
     return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
 
 
-@dataclass(frozen=True, repr=False)
-class Header(Value):
-    """What is known of a record beside its readings; the attributes are those of `Record`.
-
-    Results that were stored and read again have it in the place of their records.
-    """
-
-    name: str
-    rate: float
-    size: int
-    unit: str
-    kind: str
-    scale: float | None
-    start: float | None
-    history: tuple[str, ...]
-    signal: Signal
-
-    @property
-    def duration(self) -> float:
-        """Length, s."""
-        return self.size / self.rate
-
-    def _summary(self) -> str:
-        return f"{self.name!r}: {self.kind} in {self.unit}, {self.size} intervals at {self.rate:g} Hz"
-
-
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
     """The first keys of a stored channel: its type, and what is known of its record."""
     header = record if isinstance(record, Header) else record.header
     return header.to_dict() | {"type": kind}
-
-
-def header_from(data: dict[str, Any]) -> Header:
-    """The header that `header_dict` has written among other keys."""
-    return Header.from_dict({**data, "type": "Header"})
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,10 +9,11 @@ from allanite.core.encoding import read, write
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.header import Header, header_from
 from allanite.core.model import Model
 from allanite.core.notation import written
 from allanite.core.plain import Value, stored_fields
-from allanite.core.record import Header, Record, header_dict, header_from
+from allanite.core.record import Record, header_dict
 from allanite.core.units import Signal
 from allanite.rate import (
     Experiment,

@@ -3,8 +3,9 @@
 import math
 
 from allanite.core.fit import Estimate
+from allanite.core.header import Header
 from allanite.core.model import coefficient_factor
-from allanite.core.record import Header, Record
+from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 

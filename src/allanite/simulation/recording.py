@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from allanite.core.errors import UsageError
+from allanite.core.header import Header
 from allanite.core.model import Model
 from allanite.core.plain import Value
-from allanite.core.record import Header, Recording
+from allanite.core.record import Recording
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,9 +12,10 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.header import Header
 from allanite.core.model import Model
 from allanite.core.plain import Value, from_dict
-from allanite.core.record import Header, Record
+from allanite.core.record import Record
 from allanite.planning.plan import RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
 from allanite.simulation.recording import readings

@@ -8,9 +8,10 @@ from typing import Any, Self
 from allanite.core.encoding import plain, read, write
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
-from allanite.core.record import Header, Record, header_dict, header_from
+from allanite.core.record import Record, header_dict
 from allanite.core.residuals import Residuals
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.fit import Estimate
-from allanite.core.record import Header
+from allanite.core.header import Header
 from allanite.core.units import convert, readable_unit
 from allanite.identification.front import METHODS
 from allanite.reporting import words

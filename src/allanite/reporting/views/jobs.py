@@ -4,7 +4,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
 from typing import Any, Protocol
 
-from allanite.core.record import Header, Record
+from allanite.core.header import Header
+from allanite.core.record import Record
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.channels import Job
