@@ -25,6 +25,9 @@ from allanite.rate.study import RateSettings, measure_rates
 from allanite.signals import TorqueScale
 from allanite.signals.codes import codes
 from allanite.signals.study import PathSettings
+from allanite.simulation.recording import Simulation
+from allanite.study.modelled import run_model_job
+from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
 from allanite.study.survey import Densities, Deviations, Windows, survey
 from allanite.terms import TERMS
 
@@ -60,6 +63,15 @@ def selfcheck():
 
 def curve(statistic="oadev", **options):
     return al.deviation(record(), statistic, **({"noise": fit().model} | options))
+
+
+WHITE = "N 0.1 deg/sqrt(h)"
+GIVEN = al.Recipe(rate=100.0, level=LEVEL)
+
+
+@cache
+def planned():
+    return run_model_job(record(), PlanSettings(), al.Recipe(level=LEVEL))
 
 
 @cache
@@ -196,9 +208,12 @@ MAKERS = {
     "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
     "Mixture": lambda: regression().mixture,
     "Model": lambda: MODEL,
+    "Modelled": lambda: planned()[0],
+    "Modelled that was given": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN)[0],
     "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
     "Pair": lambda: comparison().pairs[0],
     "PathSettings": lambda: rounded().settings,
+    "PlanSettings": lambda: PlanSettings(model="N 0.01 deg/sqrt(h)", durations=(600.0,), ramp=True),
     "Pool": pool,
     "PooledChannel": lambda: pool().channels[0],
     "PooledTerm": lambda: pool().terms[0],
@@ -212,17 +227,23 @@ MAKERS = {
     "RecordingPlan": lambda: al.plan(MODEL, 100.0),
     "Regression": regression,
     "Regressor": lambda: regression().regressors[1],
+    "RecordingPlans": planned,
     "Residuals": residuals,
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "SelfCheck": selfcheck,
+    "SelfChecks": lambda: run_model_job(None, SelfCheckSettings(model=WHITE, samples=2000, records=3), GIVEN),
+    "SelfCheckSettings": lambda: SelfCheckSettings(sensor="fog", duration=600.0, max_bias=5.0),
     "Shared": shared,
     "Solution": lambda: calibration().solution,
+    "Simulation": lambda: Simulation.of(MODEL, 1, al.Recording((record(),))),
     "Spectrum": lambda: al.spectrum(record()),
     "Stage": lambda: al.Stage("ADC", 12, 5.0, "V"),
     "StageNoise": lambda: rounded()[0].budget.stages[0],
     "SquareRoot": lambda: calibration().solution.known,
     "StateSpace": lambda: al.state_space(MODEL, 100.0),
     "StateSpace of discrete time": lambda: al.state_space(al.N(0.1, "deg/sqrt(h)") + al.Q(1.0, "arcsec"), 100.0),
+    "StateSpaces": lambda: run_model_job(None, StateSpaceSettings(sensor="fog"), GIVEN),
+    "StateSpaceSettings": lambda: StateSpaceSettings(sensor="fog", order=3, turn_on="3 deg/h"),
     "Study": study,
     "Study by another method": lambda: al.analyze(record(), al.Recipe(method="gls", level=LEVEL)),
     "Surface": surface,
@@ -356,4 +377,4 @@ def test_a_pickle_holds_no_more_than_it_must():
 
 
 def test_a_notebook_shows_a_value():
-    assert "oadev" in curve()._repr_html_()
+    assert "overlapped Allan deviation" in curve()._repr_html_()
