@@ -66,7 +66,7 @@ def curve(statistic="oadev", **options):
 
 
 WHITE = "N 0.1 deg/sqrt(h)"
-GIVEN = al.Recipe(rate=100.0, level=LEVEL)
+GIVEN = al.Recipe(rate=100.0)
 
 
 @cache
@@ -208,8 +208,6 @@ MAKERS = {
     "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
     "Mixture": lambda: regression().mixture,
     "Model": lambda: MODEL,
-    "Modelled": lambda: planned()[0],
-    "Modelled that was given": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN)[0],
     "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
     "Pair": lambda: comparison().pairs[0],
     "PathSettings": lambda: rounded().settings,
@@ -228,6 +226,7 @@ MAKERS = {
     "Regression": regression,
     "Regressor": lambda: regression().regressors[1],
     "RecordingPlans": planned,
+    "RecordingPlans of a given model": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN),
     "Residuals": residuals,
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "SelfCheck": selfcheck,

@@ -60,7 +60,7 @@ _MODULES: dict[str, str] = {
     "simulation.recording": "Simulation",
     "statespace.space": "StateSpace",
     "study.analysis": "Channel Study",
-    "study.modelled": "Modelled RecordingPlans SelfChecks StateSpaces",
+    "study.modelled": "RecordingPlans SelfChecks StateSpaces",
     "study.modelling": "PlanSettings SelfCheckSettings StateSpaceSettings",
     "study.survey": "Densities Deviations Measured Survey Windows",
 }
