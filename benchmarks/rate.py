@@ -292,6 +292,8 @@ def main() -> None:
         f"seeds 1..{options.runs} for runs, 1..{options.records} for predictions, 1..{options.searches} for searches",
     ]
     run.publish("A constant rate in two minutes", notes, [line for part in parts for line in lines(*part)])
+    if options.write:
+        draw(options.write.with_suffix(".svg"))
 
 
 if __name__ == "__main__":

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.lines import surroundings
-from allanite.identification.likelihood.whittle import Spectrum
+from allanite.identification.likelihood.whittle import Spectrum, surroundings
 
 CELLS = 24
 """Cells of equal width in the logarithm of frequency."""

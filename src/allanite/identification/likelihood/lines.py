@@ -2,14 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
-from .whittle import Spectrum
+from .whittle import Spectrum, surroundings
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
@@ -60,12 +60,6 @@ def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np
     length = -(-n // BLOCKS)
     inner = np.exp(2j * np.pi * frequency * (np.arange(length) + 0.5))
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
-
-
-def surroundings(values: NDArray[Any]) -> NDArray[Any]:
-    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
-    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
-    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
 
 
 def levels(seen: Spectrum, m: FloatArray) -> FloatArray:

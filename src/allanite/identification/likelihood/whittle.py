@@ -7,8 +7,10 @@ What is left of flicker's correlation is a factor of k alone, and quantization h
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
@@ -201,3 +203,9 @@ def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
     return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)
+
+
+def surroundings(values: NDArray[Any]) -> NDArray[Any]:
+    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
+    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
+    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
