@@ -13,12 +13,15 @@ from typing import Any
 
 import numpy as np
 
-_spec = importlib.util.find_spec("rdata")
-if _spec is not None and "rdata" not in sys.modules:
+_spec = None if "rdata" in sys.modules else importlib.util.find_spec("rdata")
+if _spec is not None:
     # the package itself imports pandas and xarray, which take a second, and its parser needs neither
     sys.modules["rdata"] = importlib.util.module_from_spec(_spec)
 from rdata.parser import RObjectType as Type  # noqa: E402
 from rdata.parser._parser import Parser  # noqa: E402  the door of the parser alone does not let its bytes be checked
+
+if _spec is not None:
+    del sys.modules["rdata"]  # whoever else imports the package gets the whole of it
 
 MOST, NAMES = 100_000, 1000
 """Lists and other objects in a file, and the texts of a vector that are kept."""
