@@ -71,7 +71,7 @@ def test_two_gauss_markov_terms_are_an_alternative():
 def test_limits_of_the_time_constant_are_where_the_likelihood_has_dropped():
     seen = spectrum(record_of(N + GM), detrend=False)
     used = np.ones(seen.first.size, dtype=bool)
-    search = Search(likelihood(seen, ["N", "GM"]), seen, used, np.ones(2, dtype=bool))
+    search = Search(likelihood(seen, ["N", "GM"]), portion(seen, ("N", "GM"), used), np.ones(2, dtype=bool))
     best = search.refined(search.coarse.constants[0])
     low, high = search.limits(best, 3.84)
     for T in (low, high):

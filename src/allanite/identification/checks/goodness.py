@@ -54,6 +54,13 @@ def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
     return (f"{many} taken out first, at {where}: vibration, sway or interference",)
 
 
+def cell_of(spectrum: Spectrum, used: BoolArray) -> NDArray[np.intp]:
+    """Cell of each bin, those that are not used included, shape (bins,)."""
+    bounds = spectrum.first[used][[0, -1]]
+    edges = np.geomspace(bounds[0], bounds[1] + 1, CELLS + 1)
+    return np.clip(np.searchsorted(edges, spectrum.first, side="right") - 1, 0, CELLS - 1)
+
+
 def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
     bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
     cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)

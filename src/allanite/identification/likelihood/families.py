@@ -5,7 +5,7 @@ on a grid and then refined; in the subsets and the limits, T takes the values th
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,8 +20,9 @@ from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
 from .likelihood import Likelihood
+from .portion import Portion, portion
 from .selection import PENALTY, Profiles, Subset, select, subsets
-from .whittle import Spectrum, column, likelihood, spectrum
+from .whittle import Spectrum, spectrum
 
 SHORTEST, LONGEST = 3.0, 0.1
 """Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
@@ -53,21 +54,22 @@ NEAR = 3
 class Search(Portable):
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
-    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term.
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term;
+    `asked` whether it was asked for.
     """
 
     likelihood: Likelihood
-    seen: Spectrum
-    used: BoolArray
+    part: Portion
     may: BoolArray
     shortest: float = SHORTEST
     symbol: str = "GM"
+    asked: bool = False
 
     def column(self, T: float) -> FloatArray:
         """Expected power of the term in the bins that are used."""
         shaped = TERMS[self.symbol].shaped
         assert shaped is not None  # noqa: S101 - `look` has seen to it
-        return column(shaped((T,), 1.0), self.seen)[self.used]
+        return self.part.column(shaped((T,), 1.0))
 
     def at(self, T: float) -> Likelihood:
         """The likelihood with a time constant."""
@@ -81,7 +83,7 @@ class Search(Portable):
     @property
     def span(self) -> tuple[float, float]:
         """The least and the greatest time constant."""
-        return self.shortest, max(LONGEST * self.seen.size, 2 * self.shortest)
+        return self.shortest, max(LONGEST * self.part.seen.size, 2 * self.shortest)
 
     @cached_property
     def grid(self) -> FloatArray:
@@ -132,7 +134,7 @@ class Search(Portable):
 
         (T,) = best.constants
         ends = []
-        for end in (min(1.0, T / 2), max(float(self.seen.size), 2 * T)):
+        for end in (min(1.0, T / 2), max(float(self.part.seen.size), 2 * T)):
 
             def excess(x: float) -> float:
                 return 2 * (self.least(math.exp(x), best.free).value - best.value) - drop
@@ -172,22 +174,47 @@ class Search(Portable):
 
 @dataclass(frozen=True, eq=False)
 class Found(Portable):
-    """What describes the spectrum of a record: the subset `chosen`.
+    """What describes the part of a spectrum that is read: the subset `chosen`.
 
-    `used` are the bins of the spectrum `seen` that count, `noise` the symbols of the columns of the likelihood. The
-    subsets `fitted` take part in the limits, `everything` leaves nothing out; `plain` and `markov` are the best without
-    and with a Gauss-Markov term.
+    `noise` are the symbols of the columns of the likelihood, `every` the subsets without a Gauss-Markov term that was
+    not asked for; `plain` and `markov` are the best without and with one. `elsewhere` gives subsets under other
+    suppositions, a filter's cut-off, that take part in the limits.
     """
 
-    seen: Spectrum
-    used: BoolArray
+    part: Portion
     noise: list[str]
-    fitted: list[Subset]
+    every: list[Subset]
     chosen: Subset
-    everything: Subset
     search: Search | None
     plain: Subset
     markov: Subset | None
+    elsewhere: Callable[["Found"], list[Subset]] | None = None
+
+    @property
+    def seen(self) -> Spectrum:
+        """The spectrum."""
+        return self.part.seen
+
+    @property
+    def used(self) -> BoolArray:
+        """Bins that were read, shape (bins,)."""
+        return self.part.used
+
+    @cached_property
+    def fitted(self) -> list[Subset]:
+        """Subsets that take part in the limits, the last one with every term that could take another's place."""
+        around = self.search.around(self.markov) if self.search and self.markov and self.counts else []
+        return [*(self.elsewhere(self) if self.elsewhere else []), *self.every, *around] or [self.chosen]
+
+    @property
+    def counts(self) -> bool:
+        """Whether the Gauss-Markov term takes part in the limits: chosen, or asked for."""
+        return self.chosen is self.markov or (self.search is not None and self.search.asked)
+
+    @property
+    def everything(self) -> Subset:
+        """The subset in which no term is left out that could take another's place."""
+        return self.fitted[-1]
 
     @cached_property
     def profiles(self) -> Profiles:
@@ -234,54 +261,52 @@ def penalties(p: int) -> FloatArray:
 def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
     """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
     ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
-    asked = [symbol for symbol in symbols if TERMS[symbol].parameters]
-    noise = [symbol for symbol in symbols if symbol not in ramps and symbol not in asked]
+    seen = spectrum(record, detrend=bool(ramps))
+    used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
+    return fitted(portion(seen, symbols, used), rival=rival)
+
+
+def fitted(part: Portion, *, rival: bool) -> Found:
+    """Fit every subset of the terms of a portion; see `look`."""
+    asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
+    noise = [symbol for symbol in part.noise if symbol not in asked]
     if len(asked) > 1 or any(len(TERMS[symbol].parameters) > 1 for symbol in asked):
         raise UsageError(f"only one term with one time constant can be looked for at a time, not {', '.join(asked)}")
     flicker = flicker_in(noise)
-    seen = spectrum(record, detrend=bool(ramps))
-    used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
     if not asked and not (rival and flicker is not None):
-        part = likelihood(seen, [*noise, *ramps]).only(used)
-        fitted = subsets(part)
-        best = select(fitted)
-        return Found(seen, used, noise, fitted, best, fitted[-1], None, best, None)
+        every = subsets(part.likelihood)
+        best = select(every)
+        return Found(part, noise, every, best, None, best, None)
     markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
-    whole = likelihood(seen, [*noise, *ramps, markov])
-    noise.append(markov)
-    return _with_markov(whole.only(used), (seen, used), noise, asked=bool(asked))
+    return _with_markov(part.among((*noise, markov)), asked=bool(asked))
 
 
-def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spectrum, BoolArray]) -> bool:
+def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     """Whether Gauss-Markov noise that nobody asked for describes the record, and takes no more than flicker's place.
 
     What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
-    penalty = penalties(len(noise))
-    other = np.array([not TERMS[symbol].substitute for symbol in noise])
+    penalty = penalties(len(part.noise))
+    other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
         return False
-    return goodness(where[0], markov.likelihood, markov.theta, where[1]).p >= EXPLAINED
+    return goodness(part.seen, markov.likelihood, markov.theta, part.used).p >= EXPLAINED
 
 
-def _with_markov(part: Likelihood, where: tuple[Spectrum, BoolArray], noise: list[str], *, asked: bool) -> Found:
+def _with_markov(part: Portion, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
-    penalty = penalties(len(noise))
+    noise, penalty = list(part.noise), penalties(len(part.noise))
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
-    search = Search(part, *where, may, SHORTEST if asked else SLOW, noise[-1])
-    fitted = subsets(part, may=~search.must) if len(noise) > 1 else []
-    plain = select(fitted, penalty) if fitted else None
+    search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
+    every = subsets(part.likelihood, may=~search.must) if len(noise) > 1 else []
+    plain = select(every, penalty) if every else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
-    if plain and markov and best is markov and not (asked or _believed(plain, markov, noise, where)):
+    if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
         best = plain
     if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
         best = search.coarse
-    everything = fitted[-1] if fitted else best
-    if markov is not None and (asked or best is markov):
-        fitted = fitted + search.around(markov)
-        everything = fitted[-1]
-    return Found(*where, noise, fitted, best, everything, search, plain or best, markov)
+    return Found(part, noise, every, best, search, plain or best, markov)

@@ -63,6 +63,19 @@ class Likelihood(Portable):
             flat=self.flat[held],
         )
 
+    def behind(self, gain: FloatArray) -> "Likelihood":
+        """The likelihood if a filter of this power gain, shape (bins,), stands before the readings.
+
+        The edges of the record pass through it as well; a ramp lies far below its cut-off.
+        """
+        root = np.where(self.flat, 1.0, np.sqrt(gain)[:, None])
+        UU = self.UU * root[:, :, None] * root[:, None, :]
+        return replace(self, S=self.S * gain[:, None], UU=UU, Uc=self.Uc * root)
+
+    def trusted(self, share: FloatArray) -> "Likelihood":
+        """The likelihood in which only a share of each bin's coefficients counts, shape (bins,)."""
+        return replace(self, count=self.count * share)
+
     def with_column(self, which: int, S: FloatArray) -> "Likelihood":
         """The likelihood with another column of the bins for one of the terms."""
         columns = self.S.copy()

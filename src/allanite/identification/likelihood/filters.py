@@ -1,0 +1,109 @@
+"""Low-pass filters of sensors and loggers, as factors of the expected power: their table.
+
+The gain of a row is the power of white noise behind the filter, over that before it, at a frequency f in cycles per
+sample. It holds what the sampling folds back. The other terms of noise lie far below the cut-off wherever they matter,
+and take the same factor.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+
+NARROWEST = 0.004
+"""The lowest cut-off frequency that is looked for, cycles per sample."""
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A low-pass filter.
+
+    Attributes
+    ----------
+    title : str
+    gain : (frequency, cut-off) -> power
+        Both in cycles per sample; the frequency is an array. 1 at zero frequency.
+    widest : float
+        The highest cut-off that is looked for; sampling folds what is above 0.5.
+    """
+
+    title: str
+    gain: Callable[[FloatArray, float], FloatArray]
+    widest: float = 0.9
+
+
+def _sampled_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
+    """An RC filter that is sampled; the same as y += a (x - y) at each sample."""
+    p = math.exp(-2 * math.pi * cutoff)
+    return np.asarray((1 - p) ** 2 / (1 - 2 * p * np.cos(2 * np.pi * f) + p * p))
+
+
+def _sampled_two_poles(f: FloatArray, cutoff: float) -> FloatArray:
+    """A Butterworth filter that is sampled: the sum of exp(-a|h|) (cos ah + sin a|h|) cos(2 pi f h) over all lags h."""
+    a = math.sqrt(2) * math.pi * cutoff
+
+    def total(x: FloatArray) -> FloatArray:
+        both = [np.exp(-a + 1j * (a + sign * 2 * np.pi * x)) for sign in (1, -1)]
+        return 1 + np.real((1 - 1j) * sum(z / (1 - z) for z in both))
+
+    return total(f) / total(np.zeros(1))
+
+
+def _averaged_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
+    """An RC filter whose output is averaged over each sample interval.
+
+    The sum over the images x = f + l of sinc(x)^2 / (1 + (x/c)^2), from the autocovariances of the mean of an
+    Ornstein-Uhlenbeck process over one sample.
+    """
+    T = 1 / (2 * math.pi * cutoff)  # samples
+    p = math.exp(-1 / T)
+    g0 = 1 - T * (1 - p)
+    first = 0.5 * T * (1 - p) ** 2
+    cosine = np.cos(2 * np.pi * f)
+    return np.asarray(g0 + 2 * first * (cosine - p) / (1 - 2 * p * cosine + p * p))
+
+
+def _digital(order: int) -> Callable[[FloatArray, float], FloatArray]:
+    """A Butterworth filter of the samples by the bilinear transform, which has zeros at half the sampling rate."""
+
+    def gain(f: FloatArray, cutoff: float) -> FloatArray:
+        ratio = np.tan(np.pi * np.minimum(f, 0.5 - 1e-9)) / math.tan(np.pi * cutoff)  # infinite at 0.5
+        return np.asarray(1 / (1 + ratio ** (2 * order)))
+
+    return gain
+
+
+def _from_lags(r: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Spectrum of the autocovariances 1, r_1, r_2 .. of white noise behind a window, 1 at zero frequency."""
+    h = np.arange(1, r.size + 1)
+    return lambda f: (1 + 2 * np.cos(2 * np.pi * np.multiply.outer(f, h)) @ r) / (1 + 2 * r.sum())
+
+
+def _moving_average(f: FloatArray, cutoff: float) -> FloatArray:
+    """The mean over 0.443 / cut-off samples, a whole number or not."""
+    length = max(0.4430 / cutoff, 1.0)
+    h = np.arange(1, math.ceil(length))
+    return _from_lags(1 - h / length)(f)
+
+
+def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
+    """Two moving averages, one behind the other: a triangular window."""
+    length = 0.3189 / cutoff
+    x = np.arange(1, math.ceil(2 * length)) / length
+    r = np.where(x < 1, 4 - 6 * x**2 + 3 * x**3, (2 - x) ** 3) / 4
+    return _from_lags(r)(f)
+
+
+FILTERS: dict[str, Filter] = {
+    "rc": Filter("1st-order low-pass", _sampled_one_pole),
+    "averaged rc": Filter("1st-order low-pass, averaged over each sample", _averaged_one_pole),
+    "butterworth": Filter("2nd-order low-pass", _sampled_two_poles),
+    "bilinear 1": Filter("digital 1st-order low-pass", _digital(1), widest=0.45),
+    "bilinear 2": Filter("digital 2nd-order low-pass", _digital(2), widest=0.45),
+    "average": Filter("moving average", _moving_average),
+    "bartlett": Filter("moving average of a moving average (Bartlett window)", _bartlett),
+}
+"""Filters that are tried, each with its cut-off as the one unknown."""

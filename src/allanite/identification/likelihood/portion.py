@@ -1,0 +1,93 @@
+"""The part of a spectrum that a fit reads, with the filter that it supposes and the trust it puts in each bin."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.plain import Portable
+from allanite.terms import TERMS, NoiseTerm
+
+from .filters import FILTERS
+from .likelihood import Likelihood
+from .whittle import Spectrum, column, likelihood
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A row of `FILTERS` with its cut-off, cycles per sample."""
+
+    row: str
+    cutoff: float
+
+    def gain(self, seen: Spectrum) -> FloatArray:
+        """Mean power that it lets pass in each bin, shape (bins,)."""
+        nodes, weights, starts = seen.nodes
+        power = FILTERS[self.row].gain(nodes / (2 * seen.size), self.cutoff)
+        return np.asarray(np.add.reduceat(weights * power, starts) / seen.count)
+
+
+@dataclass(frozen=True, eq=False)
+class Portion(Portable):
+    """What of a spectrum is read, and how.
+
+    Attributes
+    ----------
+    seen : Spectrum
+    noise, ramps : sequence of str
+        Terms of noise in the order of the likelihood's columns, and deterministic ones.
+    used : bool array, shape (bins,)
+    filter : Tuned, optional
+        In front of the readings.
+    trust : array, shape (bins,), optional
+        Share of the coefficients of each bin that count.
+    """
+
+    seen: Spectrum
+    noise: tuple[str, ...]
+    ramps: tuple[str, ...]
+    used: BoolArray
+    filter: Tuned | None = None
+    trust: FloatArray | None = None
+
+    @cached_property
+    def whole(self) -> Likelihood:
+        """The likelihood of all bins without a filter."""
+        return likelihood(self.seen, [*self.noise, *self.ramps])
+
+    @cached_property
+    def gain(self) -> FloatArray:
+        """Of the filter in each bin, 1 without one, shape (bins,)."""
+        return np.ones(self.used.size) if self.filter is None else self.filter.gain(self.seen)
+
+    @cached_property
+    def likelihood(self) -> Likelihood:
+        """The likelihood of what is read."""
+        found = self.whole.only(self.used)
+        if self.filter is not None:
+            found = found.behind(self.gain[self.used])
+        return found if self.trust is None else found.trusted(self.trust[self.used])
+
+    def column(self, row: NoiseTerm) -> FloatArray:
+        """Expected power of a term in the bins that are read."""
+        return np.asarray((column(row, self.seen) * self.gain)[self.used])
+
+    def but(
+        self, used: BoolArray | None = None, filter: Tuned | None = None, trust: FloatArray | None = None
+    ) -> "Portion":
+        """The same spectrum read in another way."""
+        found = replace(self, used=self.used if used is None else used, filter=filter, trust=trust)
+        found.__dict__["whole"] = self.whole  # the columns stay what they are
+        return found
+
+    def among(self, noise: tuple[str, ...]) -> "Portion":
+        """The same with other terms of noise."""
+        return self if noise == self.noise else replace(self, noise=noise)
+
+
+def portion(seen: Spectrum, symbols: Sequence[str], used: BoolArray) -> Portion:
+    """All terms of a spectrum in the bins that are used."""
+    ramps = tuple(symbol for symbol in symbols if TERMS[symbol].waveform is not None)
+    return Portion(seen, tuple(symbol for symbol in symbols if symbol not in ramps), ramps, used)
