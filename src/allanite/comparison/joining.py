@@ -73,7 +73,8 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     ]
     if constant is not None:
         notes.append(f"Gauss-Markov noise is compared at one time constant, {constant:.3g} s")
-    return Joined(joint(quiet, shown, recipe.band, constant=constant), noises, tuple(notes))
+    both = joint(quiet, shown, asked_band(recipe), constant=constant, scopes=[fit.scope for fit in fits])
+    return Joined(both, noises, tuple(notes))
 
 
 def _demand_different(records: Sequence[Record]) -> None:
@@ -83,9 +84,14 @@ def _demand_different(records: Sequence[Record]) -> None:
                 raise DataError(f"records {i + 1} and {j + 1} hold the same readings; there is nothing to compare")
 
 
+def asked_band(recipe: Recipe) -> tuple[float, float] | None:
+    """The band that was given, Hz."""
+    return None if isinstance(recipe.band, str) else recipe.band
+
+
 def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[Noise, ...], tuple[str, ...]]:
     """The noise of each record, of the same terms, in the common band where that leaves out a part of one."""
-    low, high = common_band(records, recipe.band)
+    low, high = common_band(records, asked_band(recipe))
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
     symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]

@@ -22,14 +22,20 @@ from allanite.core.errors import DataError
 from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
+from allanite.core.scope import Scope
 from allanite.core.units import Signal
 from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.portion import Tuned
 from allanite.identification.likelihood.selection import DOUBT, Profiles, Subset, select, subsets
 from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
 from allanite.terms import TERMS
 
 RANK = 1e-9
 """Share of a bin's largest direction below which another is none."""
+
+
+PASSED = 0.25
+"""Share of a filter's cut-off up to which records are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +99,7 @@ def joint(
     band: tuple[float, float] | None = None,
     *,
     constant: float | None = None,
+    scopes: Sequence[Scope | None] = (),
 ) -> Joint:
     """The likelihoods of records in the band of frequencies that all of them have.
 
@@ -106,6 +113,8 @@ def joint(
         Frequencies that count, Hz, within the common band.
     constant : float, optional
         Time constant of Gauss-Markov noise, s, in all records, where that is among the terms.
+    scopes : sequence of Scope, optional
+        Where the model of each record holds: all are compared where all of them do, each behind its own filter.
 
     Raises
     ------
@@ -120,19 +129,26 @@ def joint(
     shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and not TERMS[s].periodic]
     noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
     seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
-    band = common_band(records, band)
+    band = common_band(records, band, scopes)
+    masks = [mask for scope in scopes if scope for mask in scope.masks]
     parts = []
-    for record, found in zip(records, seen, strict=True):
+    for record, found, scope in zip(records, seen, scopes or [None] * len(records), strict=True):
         whole = likelihood(found, plain)
         for symbol in shaped:
             row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
             whole = whole.with_more(column(row, found))
-        parts.append(_in_si(_in_band(found, whole, band), found, noise))
+        if scope is not None and scope.filter is not None:
+            whole = whole.behind(Tuned(scope.filter.row, scope.filter.cutoff / record.rate).gain(found))
+        parts.append(_in_si(_in_band(found, whole, band, masks), found, noise))
     return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
 
 
-def common_band(records: Sequence[Record], band: tuple[float, float] | None = None) -> tuple[float, float]:
-    """The frequencies that all records have, Hz, within a band if one is given.
+def common_band(
+    records: Sequence[Record], band: tuple[float, float] | None = None, scopes: Sequence[Scope | None] = ()
+) -> tuple[float, float]:
+    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
+
+    Of a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
 
     Raises
     ------
@@ -140,6 +156,9 @@ def common_band(records: Sequence[Record], band: tuple[float, float] | None = No
         There are none.
     """
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
+    for scope in filter(None, scopes):
+        low, high = max(low, scope.band[0]), min(high, scope.band[1])
+        high = min(high, PASSED * scope.filter.cutoff) if scope.filter else high
     low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
     if not low < high:
         spans = ", ".join(f"{1 / (2 * r.duration):.3g} to {r.rate / 2:.3g} Hz" for r in records)
@@ -167,12 +186,16 @@ def demand_one_kind(records: Sequence[Record]) -> None:
         )
 
 
-def _in_band(seen: Spectrum, whole: Likelihood, band: tuple[float, float]) -> Likelihood:
-    """The bins within a band; coefficient k stands for the frequencies from k - 1/2 to k + 1/2."""
+def _in_band(
+    seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
+) -> Likelihood:
+    """The bins within a band and outside the masks; coefficient k stands for frequencies from k - 1/2 to k + 1/2."""
     low, high = band
     half = seen.rate / (4 * seen.size)
     first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
     inside = (first > low) & (last <= high * (1 + 1e-9))
+    for mask in masks:
+        inside &= (last < mask[0]) | (first > mask[1])
     if inside.sum() < FEWEST:
         raise DataError(
             f"the records have hardly a band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them "

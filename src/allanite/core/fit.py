@@ -1,8 +1,8 @@
 """Fit: the coefficients found, each with its interval, and whether the model explains the data."""
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from allanite.terms import TERMS
@@ -14,6 +14,7 @@ from .errors import UsageError
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
+from .scope import UNEXPLAINED, Scope, worst
 from .units import Signal
 
 WEAK = 0.25
@@ -38,9 +39,11 @@ class Estimate(Value):
         The estimate; None where the term was not found.
     standard_error : float or None
         Of `value`; None where the method gives none.
-    status : {"identified", "weak", "absent", "reported", "negative"}
+    status : {"identified", "weak", "absent", "not observable", "not valid", "reported", "negative"}
         "identified": found, relative standard error at most 25 %; "weak": found, above; "absent": not found, see
-        `upper`; "reported": by a method that gives no evidence; "negative": the method gives a negative square.
+        `upper`; "not observable": this record cannot tell, see `reason`; "not valid": the model does not explain the
+        record, or the measured curve contradicts the value, see `reason`; "reported": by a method that gives no
+        evidence; "negative": the method gives a negative square.
     upper : float or None
         One-sided 95 % upper limit of the size of the coefficient.
     limits : level -> (low, high)
@@ -50,6 +53,8 @@ class Estimate(Value):
     shape : tuple of float
         Values of the `parameters` of the term's row: the time constant of GM, s.
     shape_limits : level -> (low, high) of each of them
+    reason : str
+        Why nothing is known, or why the value is not valid.
     """
 
     symbol: str
@@ -63,6 +68,14 @@ class Estimate(Value):
     profile: Callable[[float], tuple[float, float]] | None = None
     shape: tuple[float, ...] = ()
     shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
+    reason: str = ""
+
+    def invalid(self, reason: str) -> "Estimate":
+        """The same, not valid: the value stays to be looked at, its limits do not."""
+        return replace(
+            self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None, profile=None,
+            shape_limits=None,
+        )  # fmt: skip
 
     @property
     def unit(self) -> str:
@@ -99,6 +112,11 @@ class Estimate(Value):
         """
         unit = unit or self.sheet_unit
         scale = 1 / coefficient_factor(self.symbol, unit, self.signal)
+        if self.status == "not observable":
+            return f"not observable: {self.reason}"
+        if self.status == "not valid":
+            shown = "" if self.value is None else f" ({self.value * scale:.4g} {unit})"
+            return f"not valid{shown}: {self.reason}"
         if self.value is None:
             return "not identified" if self.upper is None else f"not identified, below {self.upper * scale:.3g} {unit}"
         low, high = self.interval(level)
@@ -218,6 +236,7 @@ class Fit(Value):
     for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
+    `scope` says which frequencies were read and behind which filter.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
@@ -233,6 +252,19 @@ class Fit(Value):
     notes: tuple[str, ...] = field(default=())
     lines: tuple[Line, ...] = ()
     rivals: Callable[[], tuple[Alternative, ...]] | None = None
+    scope: Scope | None = None
+
+    @property
+    def validity(self) -> str:
+        """Grade of the model, one of `GRADES`; empty where the method does not test it."""
+        if self.goodness is None:
+            return ""
+        return worst(self.scope.grade if self.scope else "", "explained" if self.goodness.explained else UNEXPLAINED)
+
+    def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
+        """The fit whose coefficients, all or those of the symbols, are not valid."""
+        wrong = tuple(e.symbol for e in self) if symbols is None else tuple(symbols)
+        return replace(self, estimates=tuple(e.invalid(reason) if e.symbol in wrong else e for e in self))
 
     @property
     def alternatives(self) -> tuple[Alternative, ...]:
@@ -261,7 +293,12 @@ class Fit(Value):
         """Plain data."""
         good = self.goodness
         p, reasons, remarks = (good.p, good.reasons, good.remarks) if good else (None, (), ())
-        extra = {"gof_p": p, "gof_reasons": list(reasons), "gof_remarks": list(remarks)}
+        extra = {
+            "validity": self.validity or None,
+            "gof_p": p,
+            "gof_reasons": list(reasons),
+            "gof_remarks": list(remarks),
+        }
         return super().to_dict(level) | {"alternatives": [other.to_dict() for other in self.alternatives]} | extra
 
     @classmethod

@@ -39,6 +39,7 @@ _MODULES: dict[str, str] = {
     "core.model": "Model Term",
     "core.header": "Header",
     "core.residuals": "Check Residuals Shared",
+    "core.scope": "LowPass Scope",
     "core.spectrum": "Spectrum",
     "core.surface": "Surface",
     "planning.bound": "Bound",

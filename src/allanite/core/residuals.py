@@ -5,8 +5,9 @@ from typing import Any
 
 from .arrays import FloatArray
 from .finding import Finding
-from .fit import Goodness, chance
+from .fit import Fit, Goodness, chance
 from .plain import Value
+from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, worst
 
 SURE = 1e-3
 """p value of a check below which it says that the model does not explain the record."""
@@ -71,22 +72,19 @@ class Residuals(Value):
     observed: FloatArray
 
     @property
+    def grade(self) -> str:
+        """Of the residuals themselves: a finding makes the model approximate, a fatal one wrong."""
+        return worst(EXPLAINED, *(UNEXPLAINED if finding.fatal else APPROXIMATE for finding in self.findings))
+
+    @property
     def explained(self) -> bool:
-        """Whether the model can be believed."""
-        return not self.findings and (self.goodness is None or self.goodness.explained)
+        """Whether the model can be believed, if only approximately."""
+        return self.grade != UNEXPLAINED and (self.goodness is None or self.goodness.explained)
 
     @property
     def verdict(self) -> str:
         """One sentence; the likeliest reason comes first."""
-        fit = "" if self.goodness is None else f"goodness of fit {chance(self.goodness.p)}, "
-        also = "" if self.goodness is None else "".join(f"; {remark}" for remark in self.goodness.remarks)
-        if self.explained:
-            if not self.checks:
-                return f"the model explains the record ({fit.removesuffix(', ')}){also}"
-            least = chance(min(check.p for check in self.checks))
-            return f"the model explains the record ({fit}residuals {least} or more){also}"
-        why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record ({fit.removesuffix(', ')}){why}{also}"
+        return verdict(worst(self.grade, "" if self.explained else UNEXPLAINED), None, self)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -111,6 +109,34 @@ class Residuals(Value):
 
     def _summary(self) -> str:
         return f"of {self.name!r}: {self.verdict}"
+
+
+def verdict(grade: str, fit: Fit | None, left: Residuals | None) -> str:
+    """How well a model explains a record, in a sentence: the grade, the test, the reasons, what was supposed."""
+    good = fit.goodness if fit is not None else left.goodness if left is not None else None
+    scope = None if fit is None else fit.scope
+    if not grade:
+        return ""
+    test = "" if good is None else f" (goodness of fit {chance(good.p)})"
+    why = left.reasons if left is not None else good.reasons if good is not None else ()
+    if grade != UNEXPLAINED and fit is not None:
+        why = (*(f"{e.symbol} is not valid: {e.reason}" for e in fit if e.status == "not valid"), *why)
+    if grade == UNEXPLAINED:
+        said = (f"no model of these terms explains the record{test}", *why)
+    elif scope is not None and scope.misfit:
+        said = (
+            f"the model explains the record within {100 * scope.within:.2g} % of the power{test}; the limits allow "
+            "for it",
+            *why,
+        )
+    elif grade == APPROXIMATE:
+        said = (f"the model explains the spectrum of the record{test}, with a reservation", *why)
+    else:
+        said = (f"the model explains the record{test}",)
+    supposed = () if scope is None or grade == UNEXPLAINED else scope.sentences
+    remarks = () if good is None else good.remarks
+    head, *rest = (*said, *supposed, *remarks)
+    return "; ".join((f"{head}: {rest[0]}" if why and rest else head, *(rest[1:] if why else rest)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

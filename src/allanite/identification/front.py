@@ -8,6 +8,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.record import Record, Recording
+from allanite.core.scope import Band, demand_band
 from allanite.prepare import outliers as robust
 from allanite.statistics import deviation
 from allanite.terms import TERMS
@@ -64,7 +65,7 @@ class Choices(TypedDict, total=False):
 
     terms: str
     statistic: str | None
-    band: tuple[float, float] | None
+    band: Band | None
     lines: bool
     ranges: Mapping[str, tuple[float, float]] | None
     outliers: str
@@ -84,7 +85,7 @@ def identify(
     *,
     terms: str = "auto",
     statistic: str | None = None,
-    band: tuple[float, float] | None = None,
+    band: Band | None = None,
     lines: bool = True,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     outliers: str = "mark",
@@ -106,8 +107,10 @@ def identify(
         so ("whittle" only); or symbols, for example "QNK" or "N,GM,K", which are obeyed.
     statistic : str, optional
         Of the curve that is made of a record, for methods that read one; oadev if left out.
-    band : (low, high), optional
-        Frequencies that count, Hz ("whittle" only).
+    band : {"auto", "all"} or (low, high), optional
+        Frequencies that count, Hz ("whittle" only). "auto", the default there, reads all of them if the terms explain
+        them; else it looks for a filter before the readings, leaves out resonances, and finds the widest band that the
+        terms explain (`Fit.scope`).
     lines : bool
         Whether sinusoids are found, taken out and reported before the noise is identified ("whittle" only).
     ranges : mapping of symbol to (low, high), optional
@@ -147,6 +150,8 @@ def identify(
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
     robust.demand_choice(outliers)
+    if band is not None:
+        demand_band(band)
     row = METHODS[name]
     symbols = symbols_of(terms)
     said = {"band": band, "lines": None if lines else False, "ranges": ranges}

@@ -12,6 +12,7 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
+from allanite.core.scope import Band
 from allanite.identification.front import identify
 from allanite.simulation.record import simulate
 from allanite.terms import TERMS
@@ -116,7 +117,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     rng: "np.random.Generator",
     terms: str = "auto",
     method: str | None = None,
-    band: tuple[float, float] | None = None,
+    band: Band | None = None,
     level: float = 0.95,
     progress: Callable[[str, float], None] | None = None,
 ) -> SelfCheck:

@@ -64,7 +64,7 @@ def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str
         m = round(seconds * record.rate)
         if m < 2 or record.size // m < SHORTEST:
             continue
-        coarse = noise_of(block_means(record, m), replace(recipe, band=None), terms=terms, lines=False)
+        coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
         if coarse.verdict and coarse.explained:
             note = (
                 f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "

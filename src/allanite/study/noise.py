@@ -7,14 +7,17 @@ from typing import Any, Self
 
 from allanite.core.encoding import plain, read, write
 from allanite.core.finding import Quality
-from allanite.core.fit import Fit
+from allanite.core.fit import Estimate, Fit
 from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.record import Record, header_dict
-from allanite.core.residuals import Residuals
+from allanite.core.residuals import Residuals, verdict
+from allanite.core.scope import APPROXIMATE, UNEXPLAINED, Band, worst
+from allanite.identification.checks.contradiction import contradictions
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
+from allanite.statistics import deviation
 
 from .inspected import Inspected
 from .recipe import Recipe
@@ -22,9 +25,9 @@ from .recipe import Recipe
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Noise(Portable):
-    """A fit, and what its model leaves of the record.
+    """A fit whose coefficients are graded, and what its model leaves of the record.
 
-    `leftover` makes `residuals` when they are first asked for; None without a model of all frequencies.
+    `leftover` gives `residuals`; None where the method has no test.
     """
 
     fit: Fit
@@ -32,20 +35,29 @@ class Noise(Portable):
 
     @cached_property
     def residuals(self) -> Residuals | None:
-        """What the model leaves of the record; None where the method or the band does not give it."""
+        """What the model leaves of the record; None where the method does not give it."""
         return None if self.leftover is None else self.leftover()
 
     @property
+    def validity(self) -> str:
+        """Grade of the model, one of `GRADES`; empty where the method does not test it."""
+        left = "" if self.residuals is None else self.residuals.grade
+        return worst(self.fit.validity, left, APPROXIMATE if self.contradicted else "")
+
+    @property
+    def contradicted(self) -> tuple[Estimate, ...]:
+        """Coefficients that the measured curve contradicts."""
+        return tuple(e for e in self.fit if e.status == "not valid" and e.reason != REJECTED)
+
+    @property
     def explained(self) -> bool:
-        """Whether nothing says that the model does not explain the record."""
-        good = self.residuals or self.fit.goodness
-        return good is None or good.explained
+        """Whether nothing says that the numbers are wrong: the model explains the record, if only approximately."""
+        return self.validity != UNEXPLAINED
 
     @property
     def verdict(self) -> str:
-        """Whether the model explains the record, in a sentence; empty where the method does not say."""
-        good = self.residuals or self.fit.goodness
-        return "" if good is None else good.verdict
+        """How well the model explains the record, in a sentence; empty where the method does not say."""
+        return verdict(self.validity, self.fit, self.residuals)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -53,12 +65,29 @@ class Noise(Portable):
         return () if self.explained else (self.verdict,)
 
 
+REJECTED = "the model does not explain the record"
+"""Reason why the coefficients of a model that is not valid are not."""
+
+
+def graded(noise: Noise, record: Record) -> Noise:
+    """The noise whose coefficients are not valid where the record, or its curve, contradicts them."""
+    fit = noise.fit
+    if noise.leftover is None:
+        return noise
+    if noise.validity == UNEXPLAINED:
+        return replace(noise, fit=fit.invalid(REJECTED))
+    curve = deviation(record, "oadev", taus="octave", noise=fit.model)
+    for symbol, reason in contradictions(fit, curve).items():
+        fit = fit.invalid(reason, (symbol,))
+    return replace(noise, fit=fit)
+
+
 def noise_of(
     record: Record,
     recipe: Recipe,
     *,
     terms: str | None = None,
-    band: tuple[float, float] | None = None,
+    band: Band | None = None,
     lines: bool = True,
 ) -> Noise:
     """The noise of a channel as the recipe wants it identified.
@@ -71,8 +100,8 @@ def noise_of(
     recipe : Recipe
     terms : str, optional
         In place of those of the recipe.
-    band : (low, high), optional
-        In place of that of the recipe, Hz.
+    band : {"auto", "all"} or (low, high), optional
+        In place of that of the recipe.
     lines : bool
         Whether sinusoids are found and taken out first.
 
@@ -85,12 +114,13 @@ def noise_of(
     readable = row is not None and recipe.statistic in row.allowed
     outliers = recipe.outliers or "mark"
     band = band or recipe.band
+    able = row is None or "band" in row.options or band != "auto"
     fit = identify(
         record,
         method=recipe.method,
         terms=terms or recipe.terms,
         statistic=recipe.statistic if readable else None,
-        band=band,
+        band=band if able else None,
         outliers=outliers,
         lines=lines,
     )
@@ -99,17 +129,19 @@ def noise_of(
             f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
         )
         fit = replace(fit, notes=(*fit.notes, note))
-    known = fit.goodness is not None and band is None
-    return Noise(fit, partial(residuals, record, fit, outliers=outliers) if known else None)
+    if fit.goodness is None:
+        return Noise(fit)
+    return graded(Noise(fit, partial(residuals, record, fit, outliers=outliers)), record)
 
 
 def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
     """What a stored channel says of its noise: the fit, what it leaves, and whether it explains the record."""
     if noise is None:
-        return dict.fromkeys(("fit", "residuals", "explained"))
+        return dict.fromkeys(("fit", "residuals", "explained", "validity", "verdict"))
     fit = replace(noise.fit, curve=None)  # the channel has its curves
     left = None if noise.residuals is None else noise.residuals.to_dict(level)
-    return {"fit": fit.to_dict(level), "residuals": left, "explained": noise.explained}
+    said = {"explained": noise.explained, "validity": noise.validity or None, "verdict": noise.verdict}
+    return {"fit": fit.to_dict(level), "residuals": left} | said
 
 
 def noise_from(data: dict[str, Any]) -> Noise | None:

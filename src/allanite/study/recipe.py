@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.core.scope import Band, demand_band
 from allanite.prepare.outliers import demand_choice
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ class Recipe:
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
     method: str = "whittle"
-    band: tuple[float, float] | None = None
+    band: Band = "auto"
     level: float = 0.95
 
     def __post_init__(self) -> None:
@@ -69,8 +70,7 @@ class Recipe:
             demand_choice(self.outliers)
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
-        if self.band is not None and (len(self.band) != 2 or not all(isinstance(f, (int, float)) for f in self.band)):
-            raise UsageError(f"a band is two frequencies in Hz, not {self.band!r}")
+        demand_band(self.band)
 
     def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
         """Plain data of these keys; what was left open is left out."""

@@ -8,10 +8,7 @@ from numpy.typing import NDArray
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.whittle import Spectrum, surroundings
-
-CELLS = 24
-"""Cells of equal width in the logarithm of frequency."""
+from allanite.identification.likelihood.whittle import CELLS, Spectrum, surroundings
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
@@ -52,13 +49,6 @@ def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
     where = ", ".join(line.words() for line in taken)
     many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
     return (f"{many} taken out first, at {where}: vibration, sway or interference",)
-
-
-def cell_of(spectrum: Spectrum, used: BoolArray) -> NDArray[np.intp]:
-    """Cell of each bin, those that are not used included, shape (bins,)."""
-    bounds = spectrum.first[used][[0, -1]]
-    edges = np.geomspace(bounds[0], bounds[1] + 1, CELLS + 1)
-    return np.clip(np.searchsorted(edges, spectrum.first, side="right") - 1, 0, CELLS - 1)
 
 
 def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:

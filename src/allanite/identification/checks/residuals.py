@@ -31,6 +31,9 @@ UNSTEADY, TAILED, KIN = 1.05, 0.1, 0.02
 LOUD = 1.2
 """Ratio of levels from which it matters beside a spectrum that is not explained."""
 
+DIFFERENT = 1.5
+"""Ratio of levels of the noise from which one set of coefficients is none of either part's."""
+
 SHOWN, QUANTILES = 400, 100_000
 """Stretches of which the extremes are kept for the eye; residuals of which quantiles are taken."""
 
@@ -42,7 +45,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     ----------
     record : Record
     fit : Fit
-        Of this record, over all of its frequencies.
+        Of this record.
     outliers : {"mark", "keep"}
         What the fit did with them.
 
@@ -69,7 +72,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
     record = treated(record, outliers)
-    return checked(whitened(record, fit.model), record, fit)
+    return checked(whitened(record, fit.model, fit.scope), record, fit)
 
 
 def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
@@ -226,7 +229,8 @@ def _reasons(
     # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
     if not spectral and not tails.passed and tails.value > TAILED:
         found.append(_tailed(tails))
-    if not spectral and not near.passed and abs(near.value) > KIN:
+    read = fit.scope is None or not (fit.scope.masks or fit.scope.limited)
+    if read and not spectral and not near.passed and abs(near.value) > KIN:
         found.append(_kin(near))
     return found
 
@@ -246,6 +250,7 @@ def _undithered(record: Record) -> Finding | None:
         f"is {found.noise:.2g} step",
         "the rounding error follows the signal, and N and Q are not meaningful",
         "use a finer output of the sensor, or add dither before rounding",
+        fatal=True,
     )
 
 
@@ -261,6 +266,7 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
         "one set of coefficients describes neither part",
         "analyse the parts apart (--from, --until)",
         (float(time[odd]), float(time[odd + 1])),
+        fatal=check.value > DIFFERENT,
     )
 
 
@@ -279,5 +285,6 @@ def _kin(check: Check) -> Finding:
         "correlation",
         f"what the model leaves is not white: neighbours correlate by {check.value:.2g}",
         "the model misses something fast",
-        "look for a filter in the sensor or a line; use a part of the spectrum (--band)",
+        "let the fit choose the frequencies that the terms explain (--band auto)",
+        fatal=abs(check.value) > 5 * KIN,
     )

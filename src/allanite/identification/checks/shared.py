@@ -64,7 +64,7 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     for name in names:
         record = treated(recording[name], outliers)
         # what was lost is zero, and counts nowhere
-        u = np.nan_to_num(whitened(record, fits[name].model), copy=False)
+        u = np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
         bounds = np.linspace(0, u.size, STRETCHES + 1).astype(np.int64)[:-1]
         series.append(u)
         means.append(np.add.reduceat(u, bounds, dtype=np.float64))

@@ -10,13 +10,14 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
+from allanite.core.scope import Scope
 from allanite.prepare.gaps import Gaps, joined, whole
 
 SINGLE, PER_OCTAVE = 64, 32
 """Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
 
 
-def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
+def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> NDArray[np.float32]:
     """The record over its model: white Gaussian noise of variance 1, if the model explains the record.
 
     Deterministic terms are taken off. Each coefficient of the orthonormal DCT-II of the rest (readings that were lost
@@ -27,6 +28,9 @@ def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     record : Record
     model : Model, Term or Fit
         For example `Fit.model`.
+    scope : Scope, optional
+        Of the fit: its filter is part of the model, and where the fit does not read, the power that was observed stands
+        in the place of the model's.
 
     Returns
     -------
@@ -64,7 +68,10 @@ def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     size = float(np.abs(y).max()) or 1.0
     c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
     del y
-    _divide(c, *_deviations(model, gaps, record.rate), unit * size)
+    at, deviation = _deviations(model, gaps, record.rate)
+    if scope is not None and not scope.whole:
+        deviation *= np.sqrt(np.interp(at * (record.rate / (2 * gaps.size)), scope.frequency, scope.level))
+    _divide(c, at, deviation, unit * size)
     u = idct(c, norm="ortho", overwrite_x=True)
     if left is None:
         return np.asarray(u)

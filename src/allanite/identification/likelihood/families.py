@@ -65,11 +65,11 @@ class Search(Portable):
     symbol: str = "GM"
     asked: bool = False
 
-    def column(self, T: float) -> FloatArray:
-        """Expected power of the term in the bins that are used."""
+    def column(self, T: float, part: Portion | None = None) -> FloatArray:
+        """Expected power of the term in the bins that are read, or in another portion."""
         shaped = TERMS[self.symbol].shaped
         assert shaped is not None  # noqa: S101 - `look` has seen to it
-        return self.part.column(shaped((T,), 1.0))
+        return (part or self.part).column(shaped((T,), 1.0))
 
     def at(self, T: float) -> Likelihood:
         """The likelihood with a time constant."""

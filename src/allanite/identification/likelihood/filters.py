@@ -49,7 +49,7 @@ def _sampled_two_poles(f: FloatArray, cutoff: float) -> FloatArray:
         both = [np.exp(-a + 1j * (a + sign * 2 * np.pi * x)) for sign in (1, -1)]
         return 1 + np.real((1 - 1j) * sum(z / (1 - z) for z in both))
 
-    return total(f) / total(np.zeros(1))
+    return np.asarray(total(f) / total(np.zeros(1)))
 
 
 def _averaged_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
@@ -79,7 +79,7 @@ def _digital(order: int) -> Callable[[FloatArray, float], FloatArray]:
 def _from_lags(r: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Spectrum of the autocovariances 1, r_1, r_2 .. of white noise behind a window, 1 at zero frequency."""
     h = np.arange(1, r.size + 1)
-    return lambda f: (1 + 2 * np.cos(2 * np.pi * np.multiply.outer(f, h)) @ r) / (1 + 2 * r.sum())
+    return lambda f: np.asarray((1 + 2 * np.cos(2 * np.pi * np.multiply.outer(f, h)) @ r) / (1 + 2 * r.sum()))
 
 
 def _moving_average(f: FloatArray, cutoff: float) -> FloatArray:

@@ -13,13 +13,16 @@ from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
 from allanite.core.limits import Below, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.core.scope import Band, Scope
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
+from .described import scope_of
 from .families import Found, Search, look
 from .removal import without_lines
+from .scope import scoped
 from .selection import Profiles, Subset, standard_error
 
 Limits = Callable[[float], tuple[float, float]]
@@ -28,10 +31,14 @@ DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
 
 
+HIDDEN = 0.6
+"""Share of half the sampling rate below which a band's end hides the noise of the angle."""
+
+
 def whittle(
     record: Record,
     symbols: Sequence[str],
-    band: tuple[float, float] | None = None,
+    band: Band = "auto",
     *,
     lines: bool = True,
     rival: bool = False,
@@ -47,8 +54,8 @@ def whittle(
     record : Record
     symbols : sequence of str
         Keys of `TERMS`.
-    band : (low, high), optional
-        Frequencies to be used, Hz.
+    band : {"auto", "all"} or (low, high)
+        Frequencies to be used, Hz; "auto" finds those that the terms explain, and a filter before the readings.
     lines : bool
         Whether sinusoids are looked for.
     rival : bool
@@ -58,15 +65,19 @@ def whittle(
     if why:
         raise DataError(f"{record.name or 'the record'}: {why}")
     terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
-    found = look(record, terms, band, rival=rival)
+    asked = None if isinstance(band, str) else band
+    found = look(record, terms, asked, rival=rival)
     taken: tuple[Line, ...] = ()
     if lines:
-        taken, left = without_lines(record, found, band)
-        found = look(left, terms, band, rival=rival) if taken else found
+        taken, left = without_lines(record, found, asked)
+        found = look(left, terms, asked, rival=rival) if taken else found
+    found = scoped(found, rival=rival) if band == "auto" else found
+    scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
+    estimates = {s: _observable(s, estimates.get(s), found, scope, scale) for s in shown}
     model = _model(estimates, found, scale)
     return Fit(
         estimates=tuple(estimates[s] for s in shown),
@@ -78,6 +89,7 @@ def whittle(
         notes=(*_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
+        scope=scope,
     )
 
 
@@ -168,6 +180,31 @@ def _with_constant(estimate: Estimate, found: Found) -> Estimate:
 def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", Below(upper), profile)
+
+
+def _observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
+    """The estimate, unless what was read cannot tell the term: then why not."""
+    reason = ""
+    if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
+        if estimate is None or not _dominates(symbol, found):
+            hidden = (
+                "the filter hides" if scope.filter else f"the band, which ends at {scope.band[1]:.3g} Hz, leaves out"
+            )
+            reason = f"{hidden} the frequencies where it would be seen"
+    elif (
+        scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
+    ):
+        reason = f"the band begins at {scope.band[0]:.3g} Hz, above where it would be seen"
+    if not reason and estimate is not None:
+        return estimate
+    return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
+
+
+def _dominates(symbol: str, found: Found) -> bool:
+    """Whether a term makes most of the power at the highest frequency that is read."""
+    which, chosen = found.noise.index(symbol), found.chosen
+    share = chosen.likelihood.S[-1] * chosen.theta
+    return bool(share[which] > 0.5 * share.sum())
 
 
 @dataclass(frozen=True, eq=False)

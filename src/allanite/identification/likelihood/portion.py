@@ -12,7 +12,7 @@ from allanite.terms import TERMS, NoiseTerm
 
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .whittle import Spectrum, column, likelihood
+from .whittle import CELLS, Spectrum, cell_of, column, likelihood
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,8 @@ class Portion(Portable):
         In front of the readings.
     trust : array, shape (bins,), optional
         Share of the coefficients of each bin that count.
+    misfit : float
+        Allowed for by `trust`: rms over cells of the spectrum, as a share of the power.
     """
 
     seen: Spectrum
@@ -51,6 +53,7 @@ class Portion(Portable):
     used: BoolArray
     filter: Tuned | None = None
     trust: FloatArray | None = None
+    misfit: float = 0.0
 
     @cached_property
     def whole(self) -> Likelihood:
@@ -74,12 +77,18 @@ class Portion(Portable):
         """Expected power of a term in the bins that are read."""
         return np.asarray((column(row, self.seen) * self.gain)[self.used])
 
-    def but(
-        self, used: BoolArray | None = None, filter: Tuned | None = None, trust: FloatArray | None = None
-    ) -> "Portion":
-        """The same spectrum read in another way."""
-        found = replace(self, used=self.used if used is None else used, filter=filter, trust=trust)
+    def but(self, used: BoolArray | None = None, filter: Tuned | None = None) -> "Portion":  # noqa: A002
+        """The same spectrum, read elsewhere or behind a filter, with full trust."""
+        found = replace(self, used=self.used if used is None else used, filter=filter, trust=None, misfit=0.0)
         found.__dict__["whole"] = self.whole  # the columns stay what they are
+        return found
+
+    def doubted(self, misfit: float) -> "Portion":
+        """The same with less trust in many coefficients, as if each cell had a misfit of its own of that size."""
+        cell = cell_of(self.seen, self.used)
+        nu = np.bincount(cell[self.used], self.seen.count[self.used], CELLS)[cell]
+        found = replace(self.but(filter=self.filter), trust=1 / (1 + misfit**2 * nu / 2), misfit=misfit)
+        found.__dict__["whole"] = self.whole
         return found
 
     def among(self, noise: tuple[str, ...]) -> "Portion":

@@ -5,21 +5,24 @@ filter before the readings; leaving out resonances and unsteady lines; both; a m
 which widens the limits; a band of frequencies; a larger misfit. The first that explains what it reads is taken.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
-from allanite.identification.checks.goodness import cell_of, goodness
+from allanite.core.arrays import BoolArray
+from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
+from .described import expected_power
 from .families import Found, fitted
 from .humps import humps
 from .portion import Portion, Tuned
 from .selection import Subset
 from .tuning import FALL, falls, left_open, octave_levels, tuning
+from .whittle import FEWEST
 
 MASKED = 0.25
 """Share of the bins that may be left out as humps."""
@@ -32,6 +35,9 @@ PASSES = 0.05
 
 SMALL, LARGE = 0.03, 0.1
 """Misfits, rms over cells of the spectrum as a share of the power, that are accepted before and after the bands."""
+
+NEARLY = 8.0
+"""Factor by which the highest frequency may be lowered before a small misfit is accepted instead."""
 
 RISE = 1.5
 """Ratio of the highest level of the power to the lowest below it, by which a strong noise of the angle is seen."""
@@ -60,7 +66,9 @@ def explains(found: Found) -> bool:
 
 def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     """Ways to read the spectrum, the one that leaves out least first."""
-    whole = found.part
+    # a rival that nobody asked for enters each candidate anew
+    asked = tuple(symbol for symbol in found.noise if not (rival and TERMS[symbol].parameters))
+    whole = found.part.among(asked)
     best = found
     for behind in _behind(whole, rival):
         best = behind
@@ -73,16 +81,18 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
         for behind in _behind(masked, rival):
             best = behind
             yield behind
-    yield from _approximately(best.part, rival, SMALL)
+    last = best.part.among(tuple(symbol for symbol in best.noise if symbol in asked))
+    yield from _bands(last, rival, NEARLY)
+    yield from _approximately(last, rival, SMALL)
     yield from _behind_angle(masked, rival)
-    yield from _bands(best.part, rival)
-    yield from _approximately(best.part, rival, LARGE)
+    yield from _bands(last, rival)
+    yield from _approximately(last, rival, LARGE)
 
 
 def _quiet(found: Found, used: BoolArray) -> bool:
     """Whether what is not read has less than half of the power beyond the model's: else the sensor was not at rest."""
     seen, part = found.seen, found.part
-    m = part.whole.S @ found.chosen.theta * part.gain
+    m = expected_power(found) * part.gain
     excess = np.maximum(seen.power - m, 0) * seen.count
     return float(excess[~used].sum()) < LOUD * float(m @ seen.count)
 
@@ -119,40 +129,52 @@ def _elsewhere(found: Found, others: tuple[Tuned, ...]) -> list[Subset]:
 
 
 def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
-    """With less trust in cells of many coefficients, as if each had a misfit of its own; the least that is needed."""
-    cell = cell_of(part.seen, part.used)
-    nu = np.bincount(cell[part.used], part.seen.count[part.used])[cell]
+    """With a misfit in every cell, the smallest first."""
     for misfit in most / 2 ** np.arange(1.0, -0.1, -0.5):
-        trust = 1 / (1 + misfit**2 * nu / 2)
-        yield fitted(part.but(filter=part.filter, trust=trust), rival=rival)
+        yield fitted(part.doubted(float(misfit)), rival=rival)
 
 
-def _bands(part: Portion, rival: bool) -> Iterator[Found]:
-    seen = part.seen
-    half = seen.rate / 2
-    lowest = seen.rate / (2 * seen.size)
-    top = float(seen.frequency(seen.first[part.used][-1]))
-    f = seen.frequency(seen.first)
-    def inside(low, high):
-        return part.used & (f >= low) & (seen.frequency(seen.first + seen.count - 1) <= high)
-    def enough(used):
-        g = f[used]
-        return used.sum() >= 24 and seen.count[used].sum() >= ENOUGH and np.log10(g[-1] / g[0]) >= DECADES
-    spans = []
-    highs = [half] + list(half * 2.0 ** -np.arange(0.5, 16, 0.5))
-    lows = [0.0] + list(lowest * 2.0 ** np.arange(2, 16))
-    for low in lows:
-        for high in highs:
-            if low < high:
-                spans.append((low, high))
-    spans.sort(key=lambda s: -np.log(s[1] / max(s[0], lowest)))
-    for low, high in spans:
-        final = (2 * low, high / 2 if high < half else high)
-        if final[0] >= final[1] or not enough(inside(*final)):
+def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found]:
+    """In a band of frequencies: the widest in which all terms together explain the spectrum, and what is left of it.
+
+    A band that just passes the test holds at its ends what leaks in from beyond, less than the test sees but more than
+    the standard errors: the ends are moved inwards by an octave.
+    """
+    top = float(part.seen.frequency(part.seen.first[part.used][-1]))
+    for low, high in _spans(part):
+        if most < math.inf and (low > 0 or high < top / most):
             continue
-        used = inside(low, high)
-        p2 = part.but(used=used, filter=part.filter)
-        lik = p2.likelihood
-        theta, _ = lik.minimise(np.ones(lik.S.shape[1], dtype=bool))
-        if goodness(seen, lik, theta, used).p >= PASSES:
-            yield fitted(part.but(used=inside(*final), filter=part.filter), rival=rival)
+        used = _inside(part, low, high)
+        final = _inside(part, 2 * low, high / 2 if high < part.seen.rate / 2 else high)
+        if not _enough(part, final):
+            continue
+        likelihood = part.but(used=used).likelihood
+        theta, _ = likelihood.minimise(np.ones(likelihood.S.shape[1], dtype=bool))
+        if goodness(part.seen, likelihood, theta, used).p >= PASSES:
+            found = fitted(part.but(used=final), rival=rival)
+            if _quiet(found, final):
+                yield found
+
+
+def _spans(part: Portion) -> list[tuple[float, float]]:
+    """Bands of half-octave ends, Hz, the widest in octaves first."""
+    half, lowest = part.seen.rate / 2, part.seen.rate / (2 * part.seen.size)
+    octaves = math.log2(part.seen.size)
+    highs = half * 2.0 ** -np.arange(0.0, octaves, 0.5)
+    lows = [0.0, *(lowest * 2.0 ** np.arange(2.0, octaves))]
+    spans = [(float(low), float(high)) for low in lows for high in highs if 4 * low < high]
+    return sorted(spans, key=lambda span: max(span[0], lowest) / span[1])
+
+
+def _inside(part: Portion, low: float, high: float) -> BoolArray:
+    seen = part.seen
+    above, below = seen.frequency(seen.first) >= low, seen.frequency(seen.first + seen.count - 1) <= high
+    return np.asarray(part.used & above & below)
+
+
+def _enough(part: Portion, used: BoolArray) -> bool:
+    """Whether a band holds so much that its test has power."""
+    if used.sum() < FEWEST or part.seen.count[used].sum() < ENOUGH:
+        return False
+    first = part.seen.first[used]
+    return bool(first[-1] >= first[0] * 10**DECADES)

@@ -1,7 +1,6 @@
 """Which low-pass filter stands before the readings: found by likelihood, with the cut-offs that it leaves open."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ EVIDENCE = 15.0
 """What a filter must gain in 2 L: for its cut-off, and for being one of several that are tried."""
 
 FALL = 0.1
-"""Share of the power that must be missing at the top of what is read, from its highest level, for a filter to be seen."""
+"""Share of the highest level of the power that must be missing at the top of what is read."""
 
 SAME = 4.0
 """Filters that lose less than this in 2 L describe the record as well as the best one."""
@@ -48,10 +47,10 @@ class Tuning:
         return tuple(f for f, gain in zip(self.filters, self.gains, strict=True) if gain > self.gains[0] - SAME)
 
 
-def least(part: Portion, filter: Tuned | None, start: FloatArray | None = None) -> tuple[float, FloatArray]:
+def least(part: Portion, through: Tuned | None, start: FloatArray | None = None) -> tuple[float, FloatArray]:
     """2 L with all terms free behind a filter, and their thetas."""
-    through = part.but(filter=filter).likelihood
-    theta, value = through.minimise(np.ones(through.S.shape[1], dtype=bool), start)
+    behind = part.but(filter=through).likelihood
+    theta, value = behind.minimise(np.ones(behind.S.shape[1], dtype=bool), start)
     return 2 * value, theta
 
 
@@ -117,8 +116,8 @@ def octave_levels(part: Portion) -> FloatArray:
     if not used.any():
         return np.ones(1)
     octave = np.floor(np.log2(seen.first[used][-1] / seen.first[used])).astype(int)
-    median: Callable[[int], float] = lambda j: float(np.median(seen.power[used][octave == j]))
-    return np.array([median(j) for j in range(octave.max(), -1, -1) if (octave == j).any()])
+    there = [octave == j for j in range(octave.max(), -1, -1)]
+    return np.array([np.median(seen.power[used][one]) for one in there if one.any()])
 
 
 def falls(part: Portion) -> float:

@@ -33,6 +33,10 @@ FEWEST = 24
 """Bins that a fit needs."""
 
 
+CELLS = 24
+"""Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
+
+
 @dataclass(frozen=True, eq=False)
 class Spectrum(Portable):
     """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit.
@@ -209,3 +213,10 @@ def surroundings(values: NDArray[Any]) -> NDArray[Any]:
     """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
     windows = np.lib.stride_tricks.sliding_window_view(values, 9)
     return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
+
+
+def cell_of(spectrum: Spectrum, used: BoolArray) -> IntArray:
+    """Cell of each bin, those that are not used included, shape (bins,)."""
+    bounds = spectrum.first[used][[0, -1]]
+    edges = np.geomspace(bounds[0], bounds[1] + 1, CELLS + 1)
+    return np.asarray(np.clip(np.searchsorted(edges, spectrum.first, side="right") - 1, 0, CELLS - 1))

@@ -1,0 +1,65 @@
+"""Coefficients that the measured curve contradicts, whatever the likelihood says."""
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray
+from allanite.core.curve import Curve
+from allanite.core.fit import Estimate, Fit
+from allanite.core.model import Model, Term
+from allanite.statistics import expected
+from allanite.terms import TERMS
+
+SETTLED = 10.0
+"""Periods of a filter's cut-off after which it no longer lowers the curve by more than a few per cent."""
+
+SURE = 0.99
+"""Level of the limits of the curve that a coefficient is held against."""
+
+
+def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
+    """Why the curve contradicts coefficients, by symbol.
+
+    A term alone cannot lie above the whole curve: where the deviation that the lower limit of a coefficient makes is
+    larger than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is
+    wrong.
+
+    Parameters
+    ----------
+    fit : Fit
+    curve : Curve
+        Allan deviation of the same record, with limits.
+    """
+    inside = _inside(fit, curve)
+    if not inside.any():
+        return {}
+    upper = np.where(inside, curve.upper(SURE), np.inf)
+    reasons = ((e.symbol, _exceeds(e, curve, upper)) for e in fit if e.claimed)
+    return {symbol: reason for symbol, reason in reasons if reason}
+
+
+def _inside(fit: Fit, curve: Curve) -> BoolArray:
+    """Averaging times at which the terms themselves are measured."""
+    scope = fit.scope
+    if scope is None:
+        return np.ones(curve.tau.size, dtype=bool)
+    shortest = 0.5 / scope.band[1] if scope.limited else 0.0
+    if scope.filter is not None:
+        shortest = max(shortest, SETTLED / scope.filter.cutoff)
+    longest = 0.25 / scope.band[0] if scope.band[0] else np.inf
+    return np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
+
+
+def _exceeds(estimate: Estimate, curve: Curve, upper: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    low = abs(estimate.value or 0.0) if estimate.limits is None else min(map(abs, estimate.interval()))
+    if not low > 0 or (TERMS[estimate.symbol].waveform is not None and estimate.limits is None):
+        return ""
+    model = Model((Term(estimate.symbol, low, estimate.signal, estimate.shape),))
+    own = np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+    excess = own / upper
+    at = int(excess.argmax())
+    if not excess[at] > 1:
+        return ""
+    return (
+        f"at {curve.tau[at]:.3g} s it alone would make an Allan deviation of at least {excess[at]:.3g} times the upper "
+        "limit of the measured one"
+    )

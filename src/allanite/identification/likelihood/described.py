@@ -1,0 +1,133 @@
+"""Where a model was found to hold, as a value with words."""
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.scope import LowPass, Scope
+
+from .families import Found
+from .filters import FILTERS
+from .tuning import limits
+from .whittle import cell_of, surroundings
+
+CONFIDENT = 3.84
+"""Rise of 2 L at the 95 % limits of a cut-off."""
+
+WELL_KNOWN = 50
+"""Coefficients of a bin whose power needs no smoothing."""
+
+CHANGED = 0.2
+"""Share of the power by which the spectrum outside a band differs from the model before it is mentioned."""
+
+
+def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
+    """The scope of what was found; `asked` is a band that was given."""
+    seen, used = found.seen, found.used
+    level = _levels(found)
+    band = asked or _band(found)
+    return Scope(
+        choice=choice,
+        band=band,
+        masks=_masks(found),
+        filter=_filter(found),
+        misfit=found.part.misfit,
+        within=_within(found) if found.part.misfit else 0.0,
+        frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
+        level=level,
+        remarks=_outside(found, band, level) if choice == "auto" else (),
+    )
+
+
+def _band(found: Found) -> tuple[float, float]:
+    """The ends of what is read, Hz; 0 and half the sampling rate where nothing is left out."""
+    seen, (first, last) = found.seen, np.flatnonzero(found.used)[[0, -1]]
+    low = float(seen.frequency(seen.first[first])) if first else 0.0
+    high = seen.first[last] + seen.count[last] - 0.5
+    return low, seen.rate / 2 if last == found.used.size - 1 else float(seen.frequency(high))
+
+
+def _masks(found: Found) -> tuple[tuple[float, float], ...]:
+    """Runs of bins between the ends that are not read, Hz."""
+    seen, there = found.seen, np.flatnonzero(found.used)
+    out = ~found.used
+    out[: there[0]] = out[there[-1] :] = False
+    ends = np.flatnonzero(np.diff(np.concatenate(([0], out.astype(np.int8), [0])))).reshape(-1, 2)
+    return tuple(
+        (float(seen.frequency(seen.first[a] - 0.5)), float(seen.frequency(seen.first[b - 1] + seen.count[b - 1] - 0.5)))
+        for a, b in ends
+    )
+
+
+def _filter(found: Found) -> LowPass | None:
+    part, rate = found.part, found.seen.rate
+    if part.filter is None:
+        return None
+    low, high = limits(part, part.filter, CONFIDENT)
+    row, cutoff = part.filter.row, part.filter.cutoff
+    return LowPass(row, FILTERS[row].title, cutoff * rate, low * rate, high * rate, rate)
+
+
+def expected_power(found: Found) -> FloatArray:
+    """Of the terms in every bin, without a filter, shape (bins,)."""
+    m = found.chosen.likelihood.expectation(found.chosen.theta) / found.part.gain[found.used]
+    if found.used.all():
+        return m
+    rest = found.part.but(used=np.ones_like(found.used))
+    columns = rest.whole.S
+    if found.chosen.constants:
+        columns = _with_shapes(found, columns)
+    return np.asarray(columns @ found.chosen.theta)
+
+
+def _with_shapes(found: Found, columns: FloatArray) -> FloatArray:
+    """All bins' columns with the time constant that was found."""
+    assert found.search is not None  # noqa: S101 - there is a time constant
+    everywhere = found.part.but(used=np.ones_like(found.used))
+    shaped = columns.copy()
+    shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants[0], everywhere)
+    return shaped
+
+
+def _levels(found: Found) -> FloatArray:
+    """The gain of the filter where the fit reads; elsewhere what was observed, smoothed."""
+    ratio = found.seen.power / expected_power(found)
+    around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
+    known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
+    return np.where(found.used, found.part.gain, known)
+
+
+def _within(found: Found) -> float:
+    """The largest misfit of a cell beyond twice its standard error, as a share of the power."""
+    seen, used = found.seen, found.used
+    cell = cell_of(seen, used)[used]
+    m = found.chosen.likelihood.expectation(found.chosen.theta)
+    nu = np.bincount(cell, seen.count[used])
+    total = np.bincount(cell, seen.count[used] * seen.power[used] / m)
+    held = nu > 0
+    beyond = np.abs(total[held] / nu[held] - 1) - 2 * np.sqrt(2 / nu[held])
+    return max(float(beyond.max()), found.part.misfit)
+
+
+def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tuple[str, ...]:
+    """What the spectrum does beyond the ends of the band."""
+    there = np.flatnonzero(found.used)
+    first, last = int(there[0]), int(there[-1])
+    said = []
+    if first:
+        said.append(_beyond(f"below {band[0]:.3g} Hz", _mean(found, level, slice(0, first)), "drift or motion"))
+    if last < level.size - 1:
+        what = "vibration or interference"
+        said.append(_beyond(f"above {band[1]:.3g} Hz", _mean(found, level, slice(last + 1, None)), what))
+    return tuple(said)
+
+
+def _mean(found: Found, level: FloatArray, part: slice) -> float:
+    """Mean level of bins by the number of octaves they hold."""
+    return float(np.exp(np.log(level[part]).mean()))
+
+
+def _beyond(where: str, ratio: float, what: str) -> str:
+    if abs(ratio - 1) < CHANGED:
+        return f"{where} the spectrum departs from the model by less than {100 * CHANGED:.0f} % on average"
+    why = f"{ratio:.2g} times the model's power: {what}" if ratio > 1 else f"{ratio:.2g} of the model's power: a filter"
+    return f"{where} the record has {why}"
