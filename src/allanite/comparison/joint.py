@@ -138,7 +138,8 @@ def joint(
             row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
             whole = whole.with_more(column(row, found))
         if scope is not None and scope.filter is not None:
-            whole = whole.behind(Tuned(scope.filter.row, scope.filter.cutoff / record.rate).gain(found))
+            gain = Tuned(scope.filter.row, scope.filter.cutoff / record.rate).gain(found)
+            whole = whole.behind(gain, float(gain @ found.count / found.count.sum()))
         parts.append(_in_si(_in_band(found, whole, band, masks), found, noise))
     return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
 

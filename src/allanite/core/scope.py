@@ -33,6 +33,10 @@ def demand_band(band: object) -> None:
         raise UsageError(f"a band is 'auto', 'all' or two frequencies in Hz, not {band!r}")
 
 
+STOPPED = 0.1
+"""Level below which a mask is the stop band of a filter."""
+
+
 @dataclass(frozen=True, repr=False)
 class LowPass(Value):
     """A low-pass filter before the readings, found in a record.
@@ -121,8 +125,13 @@ class Scope(Value):
             [f"the readings are low-pass filtered: {self.filter.words()}; the model includes it"] if self.filter else []
         )
         if self.masks:
-            where = ", ".join(f"{low:.3g} to {high:.3g} Hz" for low, high in self.masks)
-            said.append(f"left out of the fit, since the power stands out there: {where} (vibration, resonance)")
+            out = [(f"{low:.3g} to {high:.3g} Hz", self._loud(low, high)) for low, high in self.masks]
+            loud, stop = ([where for where, one in out if one is kind] for kind in (True, False))
+            reasons = (
+                (loud, "the power stands out there: vibration or a resonance"),
+                (stop, "stop band of the filter"),
+            )
+            said += [f"left out of the fit: {', '.join(where)} ({why})" for where, why in reasons if where]
         if self.limited:
             low, high = self.band
             slowest = f"{1 / low:.3g} s" if low else "the whole record"
@@ -130,6 +139,11 @@ class Scope(Value):
                 f"the model holds from {low:.3g} to {high:.3g} Hz, that is from {0.5 / high:.2g} s to {slowest}"
             )
         return (*said, *self.remarks)
+
+    def _loud(self, low: float, high: float) -> bool:
+        """Whether a mask leaves out power that the model does not have."""
+        inside = (self.frequency >= low) & (self.frequency <= high)
+        return bool(self.level[inside].max(initial=0.0) > STOPPED)
 
     def _summary(self) -> str:
         return "; ".join(self.sentences) or "all frequencies"

@@ -229,8 +229,8 @@ def _reasons(
     # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
     if not spectral and not tails.passed and tails.value > TAILED:
         found.append(_tailed(tails))
-    read = fit.scope is None or not (fit.scope.masks or fit.scope.limited)
-    if read and not spectral and not near.passed and abs(near.value) > KIN:
+    whole = fit.scope is None or fit.scope.whole
+    if whole and not spectral and not near.passed and abs(near.value) > KIN:
         found.append(_kin(near))
     return found
 

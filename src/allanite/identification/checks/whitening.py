@@ -13,6 +13,9 @@ from allanite.core.record import Record
 from allanite.core.scope import Scope
 from allanite.prepare.gaps import Gaps, joined, whole
 
+BLOCK = 64
+"""Coefficients that are brought to one level together where a fit does not read."""
+
 SINGLE, PER_OCTAVE = 64, 32
 """Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
 
@@ -69,15 +72,30 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
     del y
     at, deviation = _deviations(model, gaps, record.rate)
-    if scope is not None and not scope.whole:
-        deviation *= np.sqrt(np.interp(at * (record.rate / (2 * gaps.size)), scope.frequency, scope.level))
-    _divide(c, at, deviation, unit * size)
+    if scope is None or scope.whole:
+        _divide(c, at, deviation, unit * size)
+    else:
+        step = record.rate / (2 * gaps.size)
+        _divide(c, at, deviation * np.sqrt(np.interp(at * step, scope.frequency, scope.level)), unit * size)
+        _flatten(c, scope, step)
     u = idct(c, norm="ortho", overwrite_x=True)
     if left is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)
     everywhere[left] = u
     return everywhere
+
+
+def _flatten(c: NDArray[np.float32], scope: Scope, step: float) -> None:
+    """Give coefficients that the fit does not read a mean square of 1, block by block, in place."""
+    low, high = scope.band
+    spans = [(0.0, low), *scope.masks, (high, step * c.size)]
+    for a, b in ((max(1, math.ceil(f / step)), min(c.size, math.floor(g / step) + 1)) for f, g in spans if f < g):
+        starts = np.arange(a, b, BLOCK)
+        if starts.size:
+            count = np.diff(np.append(starts, b))
+            power = np.add.reduceat(np.square(c[a:b], dtype=np.float64), starts - a) / count
+            c[a:b] /= np.repeat(np.sqrt(np.maximum(power, np.finfo(np.float32).tiny)), count).astype(np.float32)
 
 
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:

@@ -22,8 +22,7 @@ CHANGED = 0.2
 
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
     """The scope of what was found; `asked` is a band that was given."""
-    seen, used = found.seen, found.used
-    level = _levels(found)
+    seen, level = found.seen, _levels(found)
     band = asked or _band(found)
     return Scope(
         choice=choice,

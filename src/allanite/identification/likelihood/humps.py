@@ -16,7 +16,7 @@ SLOPE, FOOT = 2.0, 0.03
 """The same for its neighbours, which are left out with it."""
 
 MARGIN = 2
-"""Bins on either side that are left out as well: the foot of a hump is below the scatter."""
+"""Least number of bins on either side that are left out as well: the foot of a hump is below the scatter."""
 
 FEWEST = 4
 """Coefficients of a bin whose power is known well enough to stand out."""
@@ -61,5 +61,6 @@ def _clusters(above: FloatArray, error: FloatArray, able: BoolArray) -> BoolArra
             left -= 1
         while right < above.size - 1 and slope[right + 1]:
             right += 1
-        out[max(left - MARGIN, 0) : right + 1 + MARGIN] = True
+        margin = max(MARGIN, (right - left + 1) // 2)  # a skirt falls with the square of the distance
+        out[max(left - margin, 0) : right + 1 + margin] = True
     return out

@@ -63,14 +63,13 @@ class Likelihood(Portable):
             flat=self.flat[held],
         )
 
-    def behind(self, gain: FloatArray) -> "Likelihood":
+    def behind(self, gain: FloatArray, mean: float) -> "Likelihood":
         """The likelihood if a filter of this power gain, shape (bins,), stands before the readings.
 
-        The edges of the record pass through it as well; a ramp lies far below its cut-off.
+        The angle at the edges of the record is that behind the filter: white noise of the angle has there the share
+        `mean` of its variance, the mean gain over all frequencies. A ramp lies far below the cut-off.
         """
-        root = np.where(self.flat, 1.0, np.sqrt(gain)[:, None])
-        UU = self.UU * root[:, :, None] * root[:, None, :]
-        return replace(self, S=self.S * gain[:, None], UU=UU, Uc=self.Uc * root)
+        return replace(self, S=self.S * gain[:, None], W=self.W * mean)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
         """The likelihood in which only a share of each bin's coefficients counts, shape (bins,)."""

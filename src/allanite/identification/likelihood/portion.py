@@ -70,7 +70,8 @@ class Portion(Portable):
         """The likelihood of what is read."""
         found = self.whole.only(self.used)
         if self.filter is not None:
-            found = found.behind(self.gain[self.used])
+            count = self.seen.count
+            found = found.behind(self.gain[self.used], float(self.gain @ count / count.sum()))
         return found if self.trust is None else found.trusted(self.trust[self.used])
 
     def column(self, row: NoiseTerm) -> FloatArray:

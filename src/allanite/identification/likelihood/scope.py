@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -42,8 +43,11 @@ NEARLY = 8.0
 RISE = 1.5
 """Ratio of the highest level of the power to the lowest below it, by which a strong noise of the angle is seen."""
 
-LOUD = 0.5
+LOUD = 1.0
 """Power that may be left out, over that of the model."""
+
+STOP = 0.003
+"""Gain below which a filter leaves nothing to be read."""
 
 REMOTE = 4.0
 """Subsets that lose more than this in L are not tried at other cut-offs."""
@@ -70,21 +74,20 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     asked = tuple(symbol for symbol in found.noise if not (rival and TERMS[symbol].parameters))
     whole = found.part.among(asked)
     best = found
-    for behind in _behind(whole, rival):
-        best = behind
-        yield behind
-    out = humps(best)
+    for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
+        yield best
+    out = humps(best) & whole.used
     masked = whole.but(used=whole.used & ~out)
-    if out.any() and out.sum() <= MASKED * out.size and _quiet(best, ~out):
+    if out.any() and not out[-1] and out.sum() <= MASKED * out.size and _quiet(best, ~out):
         best = fitted(masked, rival=rival)
         yield best
-        for behind in _behind(masked, rival):
-            best = behind
-            yield behind
+        for best in chain(_behind(masked, rival), _behind_angle(masked, rival)):
+            yield best
+    elif out.any() and out.sum() <= MASKED * out.size:
+        best = fitted(masked, rival=rival)
     last = best.part.among(tuple(symbol for symbol in best.noise if symbol in asked))
     yield from _bands(last, rival, NEARLY)
     yield from _approximately(last, rival, SMALL)
-    yield from _behind_angle(masked, rival)
     yield from _bands(last, rival)
     yield from _approximately(last, rival, LARGE)
 
@@ -114,6 +117,11 @@ def _behind_angle(part: Portion, rival: bool) -> Iterator[Found]:
 
 def _tuned(part: Portion, rival: bool) -> Iterator[Found]:
     tuned = tuning(part)
+    # what leaks into the stop band of a filter, or is added behind it, is no part of the model
+    open_ = part.used & (tuned.filters[0].gain(part.seen) > STOP)
+    if tuned.believed and not open_[part.used].all():
+        part = part.but(used=open_)
+        tuned = tuning(part)
     if tuned.believed:
         found = fitted(part.but(filter=tuned.filters[0]), rival=rival)
         yield replace(found, elsewhere=partial(_elsewhere, others=tuned.likely[1:]))
@@ -141,11 +149,15 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
     the standard errors: the ends are moved inwards by an octave.
     """
     top = float(part.seen.frequency(part.seen.first[part.used][-1]))
+    whole = bool(part.used[-1])
     for low, high in _spans(part):
         if most < math.inf and (low > 0 or high < top / most):
             continue
         used = _inside(part, low, high)
-        final = _inside(part, 2 * low, high / 2 if high < part.seen.rate / 2 else high)
+        if not used.any():
+            continue
+        reach = float(part.seen.frequency(part.seen.first[used][-1]))
+        final = _inside(part, 2 * low, high if whole and high >= part.seen.rate / 2 else reach / 2)
         if not _enough(part, final):
             continue
         likelihood = part.but(used=used).likelihood

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.terms import TERMS
 
 from .filters import FILTERS, NARROWEST
 from .portion import Portion, Tuned
@@ -48,9 +49,10 @@ class Tuning:
 
 
 def least(part: Portion, through: Tuned | None, start: FloatArray | None = None) -> tuple[float, FloatArray]:
-    """2 L with all terms free behind a filter, and their thetas."""
+    """2 L with all terms free behind a filter, but for Gauss-Markov noise beside others, and their thetas."""
     behind = part.but(filter=through).likelihood
-    theta, value = behind.minimise(np.ones(behind.S.shape[1], dtype=bool), start)
+    plain = np.array([not TERMS[symbol].parameters for symbol in part.noise])  # a time constant is not known yet
+    theta, value = behind.minimise(plain if plain.any() else ~plain, start)
     return 2 * value, theta
 
 
@@ -121,6 +123,11 @@ def octave_levels(part: Portion) -> FloatArray:
 
 
 def falls(part: Portion) -> float:
-    """Share of the power that is missing at the top of what is read: by raw levels, which no model bends."""
+    """Share of the power that is missing at the top of what is read: by raw levels, which no model bends.
+
+    Less than the highest level of the upper octaves; beside a hump that is left out, whose skirts rise above the noise,
+    less than the lowest.
+    """
     levels = octave_levels(part)
-    return 1 - float(levels[-1] / levels[len(levels) // 2 :].max())
+    upper = levels[len(levels) // 2 :]
+    return 1 - float(levels[-1] / (upper.max() if part.used.all() else upper[:-2].min(initial=upper[0])))
