@@ -11,6 +11,7 @@ from .arrays import FloatArray
 from .curve import Curve
 from .encoding import finite
 from .errors import UsageError
+from .finding import Finding
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
@@ -218,6 +219,7 @@ class Fit(Value):
     for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
+    `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
@@ -233,6 +235,7 @@ class Fit(Value):
     notes: tuple[str, ...] = field(default=())
     lines: tuple[Line, ...] = ()
     rivals: Callable[[], tuple[Alternative, ...]] | None = None
+    findings: tuple[Finding, ...] = ()
 
     @property
     def alternatives(self) -> tuple[Alternative, ...]:

@@ -64,7 +64,7 @@ def whitened(record: Record, model: ModelLike) -> NDArray[np.float32]:
     size = float(np.abs(y).max()) or 1.0
     c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
     del y
-    _divide(c, *_deviations(model, gaps, record.rate), unit * size)
+    _divide(c, *deviations(model, gaps, record.rate), unit * size)
     u = idct(c, norm="ortho", overwrite_x=True)
     if left is None:
         return np.asarray(u)
@@ -82,7 +82,7 @@ def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: fl
     c[k[-1] :] *= np.float32(weight[-1])
 
 
-def _deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
+def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
     """Some coefficients, the first and the last among them, and their standard deviations in SI."""
     n = gaps.size
     nodes = SINGLE * 2.0 ** np.arange(0, np.log2(n / SINGLE), 1 / PER_OCTAVE)
@@ -105,5 +105,5 @@ def memory(model: Model, size: int, rate: float) -> int:
     """
     if not any(t.row.edge for t in model):
         return 0
-    _, deviation = _deviations(model, whole(size), rate)
+    _, deviation = deviations(model, whole(size), rate)
     return math.ceil(2 * float(deviation.max() / deviation.min()))

@@ -5,7 +5,7 @@ on a grid and then refined; in the subsets and the limits, T takes the values th
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -250,6 +250,16 @@ def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | Non
     whole = likelihood(seen, [*noise, *ramps, markov])
     noise.append(markov)
     return _with_markov(whole.only(used), (seen, used), noise, asked=bool(asked))
+
+
+def again(found: Found, change: Callable[[Likelihood], Likelihood]) -> Found:
+    """The same search in a likelihood that was changed, of the same terms and bins."""
+    if found.search is None:
+        fitted = subsets(change(found.chosen.likelihood))
+        best = select(fitted)
+        return replace(found, fitted=fitted, chosen=best, everything=fitted[-1], plain=best)
+    asked = bool(found.search.may.all())
+    return _with_markov(change(found.search.likelihood), (found.seen, found.used), found.noise, asked=asked)
 
 
 def _believed(plain: Subset, markov: Subset, noise: list[str], where: tuple[Spectrum, BoolArray]) -> bool:

@@ -14,6 +14,7 @@ from allanite.core.limits import Below, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.units import Signal
+from allanite.identification.checks.exponent import exponent_finding
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
@@ -21,6 +22,7 @@ from allanite.terms import TERMS
 from .families import Found, Search, look
 from .removal import without_lines
 from .selection import Profiles, Subset, standard_error
+from .warmup import without_warm_up
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -63,21 +65,25 @@ def whittle(
     if lines:
         taken, left = without_lines(record, found, band)
         found = look(left, terms, band, rival=rival) if taken else found
+    warm, found = without_warm_up(found, record.signal)
+    slow = (warm.finding,) if warm else exponent_finding(found)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     model = _model(estimates, found, scale)
+    good = goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken)
     return Fit(
         estimates=tuple(estimates[s] for s in shown),
         method="whittle",
         signal=record.signal,
         name=record.name,
         model=model if not taken else Model((*model, *(line.term for line in taken))),
-        goodness=goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken),
-        notes=(*_unclear(estimates, found), *_ambiguous(found)),
+        goodness=replace(good, reasons=(*map(str, slow), *good.reasons)),
+        notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
+        findings=slow,
     )
 
 
