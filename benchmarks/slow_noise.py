@@ -4,8 +4,8 @@
 
 Slow: records of noise with such a thing. Clean: records of noise alone, where nothing may be named. The share of the
 records in which each is named, in which K and R are claimed, and in which the 95 % intervals of N, B and K hold the
-truth of the noise. Cured: of the records in which it was named with options to type, the share in which these help: a
-window in which it is no longer named, or a band in which the interval of N holds the truth.
+truth of the noise. Cured: of the records in which it was named with options to type, the share in which it is no longer
+named in that window; with a power law the share in which N beside it holds within 1.96 standard errors.
 """
 
 from table import begin, markdown
@@ -92,7 +92,8 @@ CELLS = [
     *(("warm-up", sensor, LENGTH) for sensor in ("MEMS", "FOG", "RLG", "N B")),
     *((what, "N", LENGTH) for what in SLOW if what.startswith("f^")),
     *((what, "MEMS", LENGTH) for what in SLOW if what.startswith("bursts")),
-    *(("clean", sensor, n) for n in (2**14, LENGTH, 2**18) for sensor in ("MEMS", "FOG", "RLG")),
+    *(("clean", sensor, n) for n in (2**14, LENGTH) for sensor in SENSORS),
+    ("clean", "MEMS", 2**18),
     *(("clean", sensor, LENGTH) for sensor in MODELS if sensor not in SENSORS),
 ]
 HEADINGS = (
@@ -121,11 +122,12 @@ def asked_of(job: tuple[int, int]) -> list[float]:
 
 
 def cured(record: al.Record, finding: Finding, N: float) -> float:
-    """Whether the options that a finding names help; NaN where it names none."""
-    options = dict(re.findall(r"--(from|until|band) ([0-9.,]*[0-9])", finding.remedy))
-    if "band" in options:
-        low, high = map(float, options["band"].split(","))
-        return holds(al.identify(record, band=(low, high))["N"], N)
+    """Whether what a finding advises helps; NaN where it names no window and no N."""
+    beside = re.search(r"N is (\S+) ± (\S+) (\S+)", finding.consequence)
+    if beside:
+        value, error = (float(beside[i]) * al.N(1, beside[3]).value for i in (1, 2))
+        return float(abs(value - N) < 1.96 * error)
+    options = dict(re.findall(r"--(from|until) ([0-9.]*[0-9])", finding.remedy))
     if not options:
         return math.nan
     first, last = (round(float(options.get(key, end)) * RATE) for key, end in (("from", 0), ("until", 1e9)))

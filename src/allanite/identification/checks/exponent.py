@@ -10,10 +10,12 @@ from functools import partial
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
+from allanite.core.model import coefficient_factor
+from allanite.core.units import Signal
 from allanite.identification.likelihood.families import Found, flicker_in
-from allanite.identification.likelihood.selection import Subset
+from allanite.identification.likelihood.selection import Subset, standard_error
 from allanite.identification.likelihood.whittle import column
 from allanite.terms import TERMS
 
@@ -40,15 +42,17 @@ INTERVAL = 3.841
 class Exponent:
     """A power law f^-a of what wanders.
 
-    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` what it gains in 2 L over the best of the terms,
-    `corner` the frequency, Hz, at which it equals the white noise; None without white noise.
+    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` what it gains in 2 L over the best of the terms;
+    `corner` is the frequency, Hz, at which it equals the white noise, `N` that noise with its standard error, SI, both
+    0 without white noise.
     """
 
     a: float
     low: float
     high: float
     gain: float
-    corner: float | None
+    corner: float = 0.0
+    N: tuple[float, float] = (0.0, 0.0)
 
     @property
     def named(self) -> bool:
@@ -75,7 +79,7 @@ def exponent(found: Found) -> Exponent | None:
     return _refined(found, a, kept, best)
 
 
-def _refined(found: Found, around: float, kept: np.ndarray, best: float) -> Exponent:
+def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Exponent:
     from scipy.optimize import brentq, minimize_scalar
 
     def twice(a: float) -> float:
@@ -90,10 +94,25 @@ def _refined(found: Found, around: float, kept: np.ndarray, best: float) -> Expo
         end if twice(end) < drop else float(brentq(lambda x: twice(x) - drop, a, end, xtol=1e-3))
         for end in (LEAST, MOST)
     )
-    return Exponent(a, low, high, best - 2 * subset.value, _corner(found, subset, a))
+    law = Exponent(a, low, high, best - 2 * subset.value)
+    return _beside_white(law, found, subset, kept) if "N" in found.noise else law
 
 
-def _with(found: Found, a: float, kept: np.ndarray) -> Subset:
+def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) -> Exponent:
+    """The same with the angle random walk beside it, whose error allows for an exponent that is unknown."""
+    which, at = flicker_in(found.noise), found.noise.index("N")
+    white, size = float(subset.theta[at]), float(subset.theta[which or 0])
+    if white <= 0 or size <= 0:
+        return law
+    up, down = (_with(found, law.a + step, kept).likelihood.S[:, which] for step in (0.01, -0.01))
+    error = standard_error(subset, at, size * (up - down) / 0.02)
+    scale = found.seen.unit_factor * found.seen.rate ** -TERMS["N"].power
+    root = math.sqrt(white)
+    corner = found.seen.rate * (size / white) ** (1 / law.a)
+    return replace(law, corner=corner, N=(scale * root, scale * error / (2 * root)))
+
+
+def _with(found: Found, a: float, kept: BoolArray) -> Subset:
     """The least of L with f^-a in the place of flicker."""
     which = flicker_in(found.noise)
     assert which is not None  # noqa: S101 - `exponent` has seen to it
@@ -118,27 +137,22 @@ def _dct(k: FloatArray, n: int, a: float) -> FloatArray:
     return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
 
 
-def _corner(found: Found, subset: Subset, a: float) -> float | None:
-    which = flicker_in(found.noise)
-    assert which is not None  # noqa: S101 - `exponent` has seen to it
-    white = float(subset.theta[found.noise.index("N")]) if "N" in found.noise else 0.0
-    return found.seen.rate * (float(subset.theta[which]) / white) ** (1 / a) if white > 0 else None
-
-
-def exponent_finding(found: Found) -> tuple[Finding, ...]:
+def exponent_finding(found: Found, signal: Signal) -> tuple[Finding, ...]:
     """That what wanders is not flicker."""
     law = exponent(found)
     if law is None or not law.named:
         return ()
-    nyquist = found.seen.rate / 2
-    remedy = "read what you need off the Allan deviation"
-    if law.corner is not None and law.corner < nyquist / 8:
-        remedy += f"; N is found above the corner (--band {2 * law.corner:.2g},{nyquist:g})"
+    harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"
+    if law.corner:
+        unit = signal.sheet[TERMS["N"].power]
+        value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
+        harm += f", and N is {value:.4g} ± {error:.2g} {unit} beside it"
+        begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
     return (
         Finding(
             "flicker exponent",
-            f"towards low frequencies the power rises as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
-            "B, K and Q are not meaningful as coefficients, and N is off by a few per cent",
-            remedy,
+            f"{begins} the power falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
+            harm,
+            "read the noise at your averaging times off the Allan deviation (allanite curves)",
         ),
     )

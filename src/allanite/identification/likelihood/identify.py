@@ -66,7 +66,7 @@ def whittle(
         taken, left = without_lines(record, found, band)
         found = look(left, terms, band, rival=rival) if taken else found
     warm, found = without_warm_up(found, record.signal)
-    slow = (warm.finding,) if warm else exponent_finding(found)
+    slow = (warm.finding,) if warm else exponent_finding(found, record.signal)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
