@@ -89,12 +89,11 @@ SLOW = {
     "clean": nothing,
 }
 CELLS = [
-    *(("warm-up", sensor, LENGTH) for sensor in ("MEMS", "FOG", "RLG", "N B")),
+    *(("clean", sensor, LENGTH) for sensor in ("MEMS", "FOG", "RLG", "N K", "N GM 5 s")),
+    ("clean", "MEMS", 2**14),
     *((what, "N", LENGTH) for what in SLOW if what.startswith("f^")),
     *((what, "MEMS", LENGTH) for what in SLOW if what.startswith("bursts")),
-    *(("clean", sensor, n) for n in (2**14, LENGTH) for sensor in SENSORS),
-    ("clean", "MEMS", 2**18),
-    *(("clean", sensor, LENGTH) for sensor in MODELS if sensor not in SENSORS),
+    *(("warm-up", sensor, LENGTH) for sensor in ("MEMS", "FOG", "N B")),
 ]
 HEADINGS = (
     "record", "noise", "n", *(f"{name} %" for name in NAMES), "any %", "K claimed %", "R claimed %",

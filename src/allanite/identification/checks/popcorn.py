@@ -38,7 +38,10 @@ CHANCE = 0.025
 QUIET = 0.25
 """Share of the record from which a stretch without jumps is worth a window."""
 
-SEEN = 3.8
+MEDIAN = 0.4549
+"""Median of the square of a normal deviate."""
+
+SEEN = 3.5
 """Standard deviations from which a score is counted as a jump."""
 
 
@@ -109,14 +112,15 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     most = int(square.argmax())
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
+    quiet = float(np.median(square)) / MEDIAN  # bursts add to the variance, and hardly to this
     return Jumps(
         size=(total.size - 1) * block,
         length=length * block,
-        jump=float(score[most]) / variance,
+        jump=float(score[most]) / quiet,
         largest=(2 * most + length) * block // 2,
         deviate=_normal(kurtosis, 1.2 * total.size / length),
         chance=chances * largest * density,
-        at=_apart(square > SEEN**2 * variance, length) * block,
+        at=_apart(square > SEEN**2 * quiet, length) * block,
     )
 
 

@@ -60,7 +60,7 @@ class Spectrum(Portable):
     unit_factor : float
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
-        With gaps, means over equal blocks of the times of the readings that are left, in samples; empty without.
+        With gaps, times of readings that are left, in the middles of equal blocks of them, in samples; empty without.
     """
 
     size: int
@@ -118,7 +118,9 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if slope:
         y -= slope * time
     ramp = ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n) if left is None else _transformed(time)
-    times = np.empty(0) if left is None else np.array([part.mean() for part in np.array_split(left, min(n, BLOCKS))])
+    blocks = min(n, BLOCKS)
+    middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
+    times = np.empty(0) if left is None else left[middle].astype(np.float64)
     del time
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
@@ -216,7 +218,7 @@ def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
 
 
 def _blocked(values: FloatArray, n: int) -> FloatArray:
-    """The lowest coefficients of what is smooth, from its means over blocks of n samples."""
+    """The lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples."""
     from scipy.fft import dct
 
     return np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(n / values.size)
