@@ -136,7 +136,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert back.findings == fit.findings
 
 
-def test_the_window_that_a_warm_up_advises_is_free_of_it(tmp_path):
+def test_the_window_that_a_warm_up_advises_is_free_of_it():
     record = record_of(N + B, 2**16, 3, settling(-30, 0.1))
     text = str(al.identify(record).findings[0])
     first = float(re.search(r"\(--from ([0-9.]+)\)", text)[1])
@@ -154,7 +154,7 @@ def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
 @pytest.mark.parametrize("a", [0.8, 1.2])
 def test_another_power_law_is_named(a):
     model = al.Model((N,))
-    record = record_of(model, 2**16, 5, slow_noise.power_law(a, 1.0))
+    record = record_of(model, 2**16, 1, slow_noise.power_law(a, 1.0))
     fit = al.identify(record)
     (finding,) = fit.findings
     assert finding.name == "flicker exponent"
@@ -180,11 +180,16 @@ def test_without_flicker_or_a_low_end_nothing_is_looked_for():
 
 
 def test_bursts_are_named_with_a_window_without_them():
-    record = record_of(N + B + K, 2**16, 3, slow_noise.popcorn(5.0, 200.0, 12.0))
+    values = record_of(N + B + K, 2**16, 3).values.copy()
+    values[40_000:40_500] += 15 * B.value
+    record = al.Record(values, RATE, "rad/s")
     left = al.residuals(record, al.identify(record))
     (finding,) = left.findings
     assert finding.name == "popcorn"
-    assert re.search(r"the largest burst, of \d+(\.\d+)? deg/h, is at \d", finding.what)
+    size, at = map(float, re.search(r"largest burst, of (\S+) deg/h, is at (\S+) s", finding.what).groups())
+    assert size == pytest.approx(15 * 7.2, rel=0.3)
+    assert at == pytest.approx(402.5, abs=2)
+    assert finding.place[0] < 402.5 < finding.place[1]
     assert not left.explained
     first, last = map(int, re.search(r"--from (\d+) --until (\d+)", finding.remedy).groups())
     part = al.Record(record.values[first * 100 : last * 100], RATE, "rad/s")
