@@ -84,7 +84,7 @@ SLOW = {
     "warm-up": warm_up,
     "f^-0.8, corner 1 Hz": power_law(0.8, 1.0),
     "f^-1.2, corner 1 Hz": power_law(1.2, 1.0),
-    "bursts of 3 s every 100 s by 8.5 B": popcorn(3.0, 100.0, 8.5),
+    "bursts of 3 s every 100 s by 9 B": popcorn(3.0, 100.0, 9.0),
     "bursts of 5 s every 200 s by 11 B": popcorn(5.0, 200.0, 11.0),
     "clean": nothing,
 }

@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
-import slow_noise
 
 import allanite as al
+import slow_noise
 from allanite.identification.checks.exponent import exponent
 from allanite.identification.checks.popcorn import _normal, jumps
 from allanite.identification.likelihood.families import look

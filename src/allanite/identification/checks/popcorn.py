@@ -29,14 +29,17 @@ SHORTEST, LONGEST, GROWTH = 4, 1 / 16, math.sqrt(2)
 FEWEST = 512
 """Blocks that tails can be told from."""
 
-TAILED = 2.7
-"""Normal deviate of the excess kurtosis that says so: the greatest of the windows exceeds it in 1 of 300 records."""
+TAILED = 2.9
+"""Normal deviate of the excess kurtosis that says so: the greatest of the windows exceeds it in 1 of 500 records."""
 
-CHANCE = 0.025
+CHANCE = 0.012
 """The same for the expected number of scores beyond the largest; windows overlap, so that it is not a probability."""
 
 QUIET = 0.25
 """Share of the record from which a stretch without jumps is worth a window."""
+
+DENSE = 16
+"""Windows that begin within the length of one."""
 
 MEDIAN = 0.4549
 """Median of the square of a normal deviate."""
@@ -95,7 +98,9 @@ def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> F
     from scipy.fft import dct, idct
 
     blocks = u.size // block
-    means = u[: blocks * block].reshape(blocks, block).mean(axis=1, dtype=np.float64)
+    means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
+        np.float64
+    )
     k, deviation = deviations(model, whole(u.size), rate)
     c = dct(means, norm="ortho", overwrite_x=True)
     c[0] = 0.0
@@ -104,8 +109,9 @@ def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> F
 
 
 def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
-    """The scores of windows of a length in blocks, from the running total."""
-    score = total[length:] - total[:-length]
+    """The scores of windows of a length in blocks, a sixteenth of it apart, from the running total."""
+    step = max(1, length // DENSE)
+    score = total[length::step] - total[:-length:step]
     square = score * score
     variance = float(square.mean())
     kurtosis = float(square @ square) / square.size / variance**2 - 3
@@ -117,20 +123,20 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
         size=(total.size - 1) * block,
         length=length * block,
         jump=float(score[most]) / quiet,
-        largest=(2 * most + length) * block // 2,
+        largest=(2 * most * step + length) * block // 2,
         deviate=_normal(kurtosis, 1.2 * total.size / length),
         chance=chances * largest * density,
-        at=_apart(square > SEEN**2 * quiet, length) * block,
+        at=(step * _apart(square > SEEN**2 * quiet, length // step) + length // 2) * block,
     )
 
 
 def _apart(above: BoolArray, length: int) -> IntArray:
-    """Middles, in blocks, of the runs of windows that stand out; those that overlap are one."""
+    """Middles of the runs that stand out; those no more than a length apart are one."""
     at = np.flatnonzero(above)
     if not at.size:
         return at
     runs = np.split(at, np.flatnonzero(np.diff(at) > length) + 1)
-    return np.array([(run[0] + run[-1] + length) // 2 for run in runs])
+    return np.array([(run[0] + run[-1]) // 2 for run in runs])
 
 
 def _normal(kurtosis: float, n: float) -> float:
