@@ -168,7 +168,7 @@ def main() -> None:
         "## Slow",
         "",
         "Warm-up: 10 to 30 B, time constant from an eighth to a third of the record. The power laws equal N at the "
-        "corner. Bursts make the median B of the fit about 1.33 times the true one.",
+        "corner. The last column says what bursts do to B.",
         "",
         *markdown(HEADINGS, slow),
         "## Clean",
