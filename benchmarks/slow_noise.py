@@ -175,7 +175,7 @@ def main() -> None:
         "",
         *markdown(HEADINGS, [r for r in rows if r[0] == "clean"]),
     ]
-    run.publish("Slow things that are no noise", notes, body)
+    run.publish("What is slow and no noise", notes, body)
 
 
 if __name__ == "__main__":
