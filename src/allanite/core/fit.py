@@ -11,10 +11,12 @@ from .arrays import FloatArray
 from .curve import Curve
 from .encoding import finite
 from .errors import UsageError
+from .finding import Finding
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
-from .scope import UNEXPLAINED, Scope, worst
+from .scope import APPROXIMATE, UNEXPLAINED, Scope, worst
+from .scope import EXPLAINED as EXACT
 from .units import Signal
 
 WEAK = 0.25
@@ -237,6 +239,7 @@ class Fit(Value):
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
     `scope` says which frequencies were read and behind which filter.
+    `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
@@ -253,13 +256,16 @@ class Fit(Value):
     lines: tuple[Line, ...] = ()
     rivals: Callable[[], tuple[Alternative, ...]] | None = None
     scope: Scope | None = None
+    findings: tuple[Finding, ...] = ()
 
     @property
     def validity(self) -> str:
         """Grade of the model, one of `GRADES`; empty where the method does not test it."""
         if self.goodness is None:
             return ""
-        return worst(self.scope.grade if self.scope else "", "explained" if self.goodness.explained else UNEXPLAINED)
+        slow = (UNEXPLAINED if finding.fatal else APPROXIMATE for finding in self.findings)
+        spectral = EXACT if self.goodness.explained else UNEXPLAINED
+        return worst(self.scope.grade if self.scope else "", spectral, *slow)
 
     def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
         """The fit whose coefficients, all or those of the symbols, are not valid."""

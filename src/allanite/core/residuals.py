@@ -92,7 +92,7 @@ class Residuals(Value):
         found = [(finding.name != "no dither", str(finding)) for finding in self.findings]
         spectral = () if self.goodness is None else self.goodness.reasons
         first = tuple(text for late, text in found if not late)
-        return (*first, *spectral, *(text for late, text in found if late))
+        return tuple(dict.fromkeys((*first, *spectral, *(text for late, text in found if late))))
 
     def __getitem__(self, name: str) -> Check:
         return next(check for check in self.checks if check.name == name)

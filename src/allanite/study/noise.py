@@ -71,9 +71,9 @@ REJECTED = "the model does not explain the record"
 
 def graded(noise: Noise, record: Record) -> Noise:
     """The noise whose coefficients are not valid where the record, or its curve, contradicts them."""
-    fit = noise.fit
-    if noise.leftover is None:
+    if noise.residuals is None:
         return noise
+    fit, noise = noise.fit, replace(noise, leftover=Stored(noise.residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
     curve = deviation(record, "oadev", taus="octave", noise=fit.model)

@@ -35,7 +35,7 @@ def goodness(
     p = float(chdtrc(max(filled.sum() - terms, 1), (z**2).sum()))
     ratio = total[filled] / nu[filled]
     bounds = np.append(edges[:-1][filled], edges[-1])
-    reasons = [*_lines(spectrum, used, m)]
+    reasons = [*_lines(spectrum, used, m, power)]
     if p < EXPLAINED:
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
         named = _roll_off(spectrum, used, m) + _where(bounds, ratio, z * moving)
@@ -68,11 +68,12 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
     return np.where(np.isfinite(z), z, cube)
 
 
-def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray) -> list[str]:
-    """Coefficients that stand out of their own neighbourhood, as one sentence."""
+def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray) -> list[str]:
+    """Coefficients that stand out of their own neighbourhood, as one sentence; `rest` is power without directions."""
     from scipy.special import ndtri
 
-    power, peak, count = spectrum.power[used], spectrum.peak[used], spectrum.count[used]
+    power, count = spectrum.power[used], spectrum.count[used]
+    peak = np.where(count == 1, rest, spectrum.peak[used])
     around = np.median(surroundings(power), axis=1)
     threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
     found = peak > threshold * np.maximum(around, m)

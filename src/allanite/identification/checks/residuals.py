@@ -14,6 +14,7 @@ from allanite.core.residuals import Check, Residuals
 from allanite.prepare.outliers import treated
 from allanite.prepare.rounding import fast_noise, rounding
 
+from .popcorn import jumps, popcorn
 from .whitening import memory, whitened
 
 LAGS = 20
@@ -90,13 +91,16 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
 
     checks, correlation, power, error = _checks(series, parts)
     expected, observed = _quantiles(series)
+    # what else is slow, or a level that changes, makes tails of its own
+    steady = not fit.findings and all(check.passed for check in checks if check.name in ("halves", "eighths"))
+    jumping = popcorn(jumps(series, fit.model, record.rate), record.signal, seconds) if steady else []
     return Residuals(
         name=record.name,
         rate=record.rate,
         size=record.size,
         goodness=fit.goodness,
         checks=checks,
-        findings=tuple(_reasons(record, fit, checks, (power, seconds(parts)))),
+        findings=(*fit.findings, *_reasons(record, fit, checks, (power, seconds(parts))), *jumping),
         correlation=correlation,
         level=np.sqrt(power),
         level_error=error,

@@ -71,7 +71,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     size = float(np.abs(y).max()) or 1.0
     c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
     del y
-    at, deviation = _deviations(model, gaps, record.rate)
+    at, deviation = deviations(model, gaps, record.rate)
     if scope is None or scope.whole:
         _divide(c, at, deviation, unit * size)
     else:
@@ -107,7 +107,7 @@ def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: fl
     c[k[-1] :] *= np.float32(weight[-1])
 
 
-def _deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
+def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
     """Some coefficients, the first and the last among them, and their standard deviations in SI."""
     n = gaps.size
     nodes = SINGLE * 2.0 ** np.arange(0, np.log2(n / SINGLE), 1 / PER_OCTAVE)
@@ -130,5 +130,5 @@ def memory(model: Model, size: int, rate: float) -> int:
     """
     if not any(t.row.edge for t in model):
         return 0
-    _, deviation = _deviations(model, whole(size), rate)
+    _, deviation = deviations(model, whole(size), rate)
     return math.ceil(2 * float(deviation.max() / deviation.min()))

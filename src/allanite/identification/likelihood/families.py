@@ -200,6 +200,12 @@ class Found(Portable):
         """Bins that were read, shape (bins,)."""
         return self.part.used
 
+    @property
+    def base(self) -> Portion:
+        """The portion without a Gauss-Markov term that nobody asked for."""
+        rival = self.search is not None and not self.search.asked
+        return self.part.among(self.part.noise[:-1]) if rival else self.part
+
     @cached_property
     def fitted(self) -> list[Subset]:
         """Subsets that take part in the limits, the last one with every term that could take another's place."""

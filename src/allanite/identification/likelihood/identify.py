@@ -15,6 +15,7 @@ from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.scope import Band, Scope
 from allanite.core.units import Signal
+from allanite.identification.checks.exponent import exponent_finding
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
@@ -22,7 +23,7 @@ from allanite.terms import TERMS
 from .described import scope_of
 from .families import Found, Search, look
 from .removal import without_lines
-from .scope import scoped
+from .scope import steady
 from .selection import Profiles, Subset, standard_error
 
 Limits = Callable[[float], tuple[float, float]]
@@ -71,7 +72,8 @@ def whittle(
     if lines:
         taken, left = without_lines(record, found, asked)
         found = look(left, terms, asked, rival=rival) if taken else found
-    found = scoped(found, rival=rival) if band == "auto" else found
+    warm, found = steady(found, record.signal, rival=rival, free=band == "auto")
+    slow = (warm.finding,) if warm else exponent_finding(found, record.signal)
     scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
@@ -79,17 +81,19 @@ def whittle(
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     estimates = {s: _observable(s, estimates.get(s), found, scope, scale) for s in shown}
     model = _model(estimates, found, scale)
+    good = goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken)
     return Fit(
         estimates=tuple(estimates[s] for s in shown),
         method="whittle",
         signal=record.signal,
         name=record.name,
         model=model if not taken else Model((*model, *(line.term for line in taken))),
-        goodness=goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken),
-        notes=(*_unclear(estimates, found), *_ambiguous(found)),
+        goodness=good,
+        notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
         scope=scope,
+        findings=slow,
     )
 
 

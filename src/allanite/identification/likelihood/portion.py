@@ -12,7 +12,7 @@ from allanite.terms import TERMS, NoiseTerm
 
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .whittle import CELLS, Spectrum, cell_of, column, likelihood
+from .whittle import CELLS, Spectrum, cell_of, column, likelihood, with_warm_up
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class Portion(Portable):
         Share of the coefficients of each bin that count.
     misfit : float
         Allowed for by `trust`: rms over cells of the spectrum, as a share of the power.
+    warm : float, optional
+        Time constant of a warm-up, in samples, whose size is left open.
     """
 
     seen: Spectrum
@@ -54,11 +56,15 @@ class Portion(Portable):
     filter: Tuned | None = None
     trust: FloatArray | None = None
     misfit: float = 0.0
+    warm: float | None = None
 
     @cached_property
     def whole(self) -> Likelihood:
         """The likelihood of all bins without a filter."""
-        return likelihood(self.seen, [*self.noise, *self.ramps])
+        found = likelihood(self.seen, [*self.noise, *self.ramps])
+        if self.warm is None:
+            return found
+        return with_warm_up(found, self.seen, np.ones_like(self.used), self.warm)
 
     @cached_property
     def gain(self) -> FloatArray:

@@ -14,6 +14,7 @@ from itertools import chain
 import numpy as np
 
 from allanite.core.arrays import BoolArray
+from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
@@ -23,6 +24,7 @@ from .humps import humps
 from .portion import Portion, Tuned
 from .selection import Subset
 from .tuning import FALL, falls, left_open, octave_levels, tuning
+from .warmup import WarmUp, without_warm_up
 from .whittle import FEWEST
 
 MASKED = 0.25
@@ -63,6 +65,17 @@ def scoped(found: Found, *, rival: bool) -> Found:
     return found
 
 
+def steady(found: Found, signal: Signal, *, rival: bool, free: bool) -> tuple[WarmUp | None, Found]:
+    """What explains the spectrum beside a warm-up, if there is one, and that; `free` to choose what is read."""
+    first = scoped(found, rival=rival) if free else found
+    warm, best = without_warm_up(first, signal)
+    if warm or not free or (first.used[0] and explains(first)):
+        return warm, best
+    warm, best = without_warm_up(found, signal)
+    second = scoped(best, rival=rival) if warm else first
+    return (warm, second) if warm and second.used[0] and explains(second) else (None, first)
+
+
 def explains(found: Found) -> bool:
     """Whether the model explains what is read."""
     return goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used).explained
@@ -70,10 +83,7 @@ def explains(found: Found) -> bool:
 
 def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     """Ways to read the spectrum, the one that leaves out least first."""
-    # a rival that nobody asked for enters each candidate anew
-    asked = tuple(symbol for symbol in found.noise if not (rival and TERMS[symbol].parameters))
-    whole = found.part.among(asked)
-    best = found
+    whole, best = found.base, found
     for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
         yield best
     out = humps(best) & whole.used
@@ -85,7 +95,7 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
             yield best
     elif out.any() and out.sum() <= MASKED * out.size:
         best = fitted(masked, rival=rival)
-    last = best.part.among(tuple(symbol for symbol in best.noise if symbol in asked))
+    last = best.base
     yield from _bands(last, rival, NEARLY)
     yield from _approximately(last, rival, SMALL)
     yield from _bands(last, rival)

@@ -4,8 +4,9 @@ DCT-II diagonalises white noise and a random walk with unknown start exactly: no
 What is left of flicker's correlation is a factor of k alone, and quantization has a closed edge term (`terms.py`).
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -28,6 +29,9 @@ SINGLE = 64
 PER_OCTAVE = 16
 """Bins per octave above."""
 
+
+BLOCKS = 4096
+"""Blocks of readings in which a warm-up with gaps is taken."""
 
 FEWEST = 24
 """Bins that a fit needs."""
@@ -59,6 +63,8 @@ class Spectrum(Portable):
         Where readings were lost: `size` are left.
     unit_factor : float
         The record's unit of rate in SI.
+    times : array, shape (at most 4096,)
+        With gaps, times of readings that are left, in the middles of equal blocks of them, in samples; empty without.
     """
 
     size: int
@@ -74,6 +80,7 @@ class Spectrum(Portable):
     slope: float
     gaps: Gaps
     unit_factor: float
+    times: FloatArray
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
@@ -115,6 +122,9 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if slope:
         y -= slope * time
     ramp = ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n) if left is None else _transformed(time)
+    blocks = min(n, BLOCKS)
+    middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
+    times = np.empty(0) if left is None else left[middle].astype(np.float64)
     del time
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
@@ -128,7 +138,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
     peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
     factor = record.rate_factor
-    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor)
+    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor, times)
 
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
@@ -148,28 +158,74 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     )
 
 
-def _directions(spectrum: Spectrum, with_ramp: bool) -> tuple[FloatArray, FloatArray]:
-    """Products of the loose directions: the even and the odd half of the first sample, and the ramp.
+def with_warm_up(part: Likelihood, spectrum: Spectrum, used: BoolArray, tau: float) -> Likelihood:
+    """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size.
+
+    Tau is in samples. The direction stands behind the edges and before the ramp.
+    """
+    UU, Uc = _directions(spectrum, bool(part.flat.any()), tau)
+    at = np.count_nonzero(~part.flat)
+    return replace(
+        part, UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0), flat=np.insert(part.flat, at, True)
+    )
+
+
+def _directions(spectrum: Spectrum, with_ramp: bool, tau: float | None = None) -> tuple[FloatArray, FloatArray]:
+    """Products of the loose directions: the even and the odd half of the first sample, a warm-up, and the ramp.
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
     halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
     coefficient each; without gaps only the odd ones are not zero.
     """
-    n, bins = spectrum.size, spectrum.first.size
     centre = spectrum.first + (spectrum.count - 1) / 2
-    a = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * centre)
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
-    d = np.zeros(bins)
-    d[: spectrum.ramp.size] = spectrum.ramp
-    d_even, d_odd = d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
-    UU, Uc = np.zeros((bins, 3, 3)), np.zeros((bins, 3))
-    UU[:, 0, 0], UU[:, 1, 1], UU[:, 2, 2] = a**2 * (spectrum.count - odd), a**2 * odd, d**2
-    UU[:, 0, 2] = UU[:, 2, 0] = a * d_even
-    UU[:, 1, 2] = UU[:, 2, 1] = a * d_odd
-    Uc[:, 0], Uc[:, 1] = a * spectrum.even, a * spectrum.odd
-    Uc[:, 2] = d_even * spectrum.even + d_odd * spectrum.odd
-    size = 3 if with_ramp else 2
-    return UU[:, :size, :size], Uc[:, :size]
+    a = np.sqrt(2 / spectrum.size) * np.cos(np.pi / (2 * spectrum.size) * centre)
+    pairs = [(a, 0 * a), (0 * a, a)]
+    if tau is not None:
+        pairs.append(_warm_up(spectrum, tau, centre))
+    if with_ramp:
+        pairs.append(_in_bins(spectrum, spectrum.ramp))
+    D = np.stack([np.stack(pair) for pair in pairs])  # shape (directions, 2, bins)
+    count, sums = np.stack((spectrum.count - odd, odd)), np.stack((spectrum.even, spectrum.odd))
+    return np.einsum("ipb,jpb,pb->bij", D, D, count), np.einsum("ipb,pb->bi", D, sums)
+
+
+def _in_bins(spectrum: Spectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest coefficients of a direction in the bins, those of even and those of odd index."""
+    d = np.zeros(spectrum.first.size)
+    d[: lowest.size] = lowest
+    return d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
+
+
+def _warm_up(spectrum: Spectrum, tau: float, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of exp(-t / tau) in the bins, of even and of odd index; with gaps of the lowest bins only."""
+    if spectrum.times.size:
+        return _in_bins(spectrum, _blocked(np.exp(-spectrum.times / tau), spectrum.size))
+    left = math.exp(-spectrum.size / tau)
+    smooth = decay_coefficients(centre, spectrum.size, tau)
+    return smooth * (1 - left), smooth * (1 + left)
+
+
+def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
+    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, but for a factor 1 - (-1)^k exp(-n / tau).
+
+    Examples
+    --------
+    >>> from scipy.fft import dct
+    >>> literal = dct(np.exp(-np.arange(50) / 8), norm="ortho")
+    >>> k = np.arange(1.0, 50)
+    >>> bool(np.allclose(literal[1:], decay_coefficients(k, 50, 8.0) * (1 - (-1) ** k * np.exp(-50 / 8))))
+    True
+    """
+    half, lost = (0.5 * math.pi / n) * k, -math.expm1(-1 / tau)
+    return np.asarray(math.sqrt(2 / n) * np.cos(half) * lost / (lost**2 + 4 * (1 - lost) * np.sin(half) ** 2))
+
+
+def _blocked(values: FloatArray, n: int) -> FloatArray:
+    """The lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples."""
+    from scipy.fft import dct
+
+    return np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(n / values.size)
 
 
 def _transformed(time: FloatArray) -> FloatArray:

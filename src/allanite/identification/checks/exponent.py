@@ -1,0 +1,159 @@
+"""The power law of what wanders: f^-1, as flicker has it, or another one.
+
+Noise whose density falls as f^-1.2 is described by flicker with a little of a random walk or of quantization, well
+enough for a goodness of fit to pass, and all three coefficients are wrong.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.finding import Finding
+from allanite.core.model import coefficient_factor
+from allanite.core.units import Signal
+from allanite.identification.likelihood.families import Found, flicker_in
+from allanite.identification.likelihood.selection import Subset, standard_error
+from allanite.identification.likelihood.whittle import column
+from allanite.terms import TERMS
+
+GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
+"""Exponents of the first search."""
+
+LEAST, MOST = 0.4, 1.8
+"""Exponents between which the limits are sought."""
+
+GAIN = 7.0
+"""What a free exponent must gain in 2 L over the best of the terms, which have more coefficients."""
+
+NEAR = 3.0
+"""Refining the exponent gains less than this in 2 L beyond the grid."""
+
+APART = 0.05
+"""Distance from 1 that the 95 % limits of the exponent must keep."""
+
+INTERVAL = 3.841
+"""Rise of 2 L at the 95 % limits."""
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """A power law f^-a of what wanders.
+
+    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` what it gains in 2 L over the best of the terms;
+    `corner` is the frequency, Hz, at which it equals the white noise, `N` that noise with its standard error, SI, both
+    0 without white noise.
+    """
+
+    a: float
+    low: float
+    high: float
+    gain: float
+    corner: float = 0.0
+    N: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def named(self) -> bool:
+        """Whether the noise is not flicker."""
+        return self.gain > GAIN and (self.low > 1 + APART or self.high < 1 - APART)
+
+
+def exponent(found: Found) -> Exponent | None:
+    """The free exponent of what wanders; None where flicker was not looked for, nothing wanders, or nothing is gained.
+
+    Quantization, angle random walk and a power law f^-a of any size are fitted in place of the terms.
+    """
+    which = flicker_in(found.noise)
+    wanders = np.array([not TERMS[s].slope < 0 for s in found.noise])
+    if which is None or not (wanders & found.chosen.free[: wanders.size]).any():
+        return None
+    kept = np.append(~wanders, np.zeros(found.plain.free.size - wanders.size, dtype=bool))
+    kept[which] = True
+    best = min(2 * s.value for s in (*found.every, found.plain, found.markov or found.chosen))
+    tried = [(_with(found, a, kept), a) for a in GRID]
+    coarse, a = min(tried, key=lambda pair: pair[0].value)
+    if best - 2 * coarse.value < GAIN - NEAR:
+        return None
+    return _refined(found, a, kept, best)
+
+
+def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Exponent:
+    from scipy.optimize import brentq, minimize_scalar
+
+    def twice(a: float) -> float:
+        return 2 * _with(found, a, kept).value
+
+    step = GRID[1] - GRID[0]
+    bounds = (max(LEAST, around - step), min(MOST, around + step))
+    a = float(minimize_scalar(twice, bounds=bounds, method="bounded", options={"xatol": 0.002}).x)
+    subset = _with(found, a, kept)
+    drop = 2 * subset.value + INTERVAL
+    low, high = (
+        end if twice(end) < drop else float(brentq(lambda x: twice(x) - drop, a, end, xtol=1e-3))
+        for end in (LEAST, MOST)
+    )
+    law = Exponent(a, low, high, best - 2 * subset.value)
+    return _beside_white(law, found, subset, kept) if "N" in found.noise else law
+
+
+def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) -> Exponent:
+    """The same with the angle random walk beside it, whose error allows for an exponent that is unknown."""
+    which, at = flicker_in(found.noise), found.noise.index("N")
+    white, size = float(subset.theta[at]), float(subset.theta[which or 0])
+    if white <= 0 or size <= 0:
+        return law
+    up, down = (_with(found, law.a + step, kept).likelihood.S[:, which] for step in (0.01, -0.01))
+    error = standard_error(subset, at, size * (up - down) / 0.02)
+    scale = found.seen.unit_factor * found.seen.rate ** -TERMS["N"].power
+    root = math.sqrt(white)
+    corner = found.seen.rate * (size / white) ** (1 / law.a)
+    return replace(law, corner=corner, N=(scale * root, scale * error / (2 * root)))
+
+
+def _with(found: Found, a: float, kept: BoolArray) -> Subset:
+    """The least of L with f^-a in the place of flicker."""
+    which = flicker_in(found.noise)
+    assert which is not None  # noqa: S101 - `exponent` has seen to it
+    part = found.plain.likelihood
+    row = replace(TERMS[found.noise[which]], dct=partial(_dct, a=a))
+    shape = column(row, found.seen)[found.used]
+    if "N" in found.noise:  # its column is 1, but for a filter
+        shape = shape * part.S[:, found.noise.index("N")]
+    part = part.with_column(which, shape)
+    return Subset(part, kept, *part.minimise(kept))
+
+
+def _dct(k: FloatArray, n: int, a: float) -> FloatArray:
+    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample.
+
+    The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
+    """
+    from scipy.special import zeta
+
+    x = k / (2.0 * n)
+    aliases = zeta(2 + a, x) + zeta(2 + a, 1 - x)
+    return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
+
+
+def exponent_finding(found: Found, signal: Signal) -> tuple[Finding, ...]:
+    """That what wanders is not flicker."""
+    law = exponent(found)
+    if law is None or not law.named:
+        return ()
+    harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"
+    if law.corner:
+        unit = signal.sheet[TERMS["N"].power]
+        value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
+        harm += f", and N is {value:.4g} ± {error:.2g} {unit} beside it"
+        begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
+    return (
+        Finding(
+            "flicker exponent",
+            f"{begins} the power falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
+            harm,
+            "read the noise at your averaging times off the curve itself (allanite deviation)",
+            fatal=True,
+        ),
+    )

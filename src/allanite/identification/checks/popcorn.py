@@ -1,0 +1,181 @@
+"""Jumps and bursts in what a model leaves of a record: popcorn noise, whose spectrum that of Gaussian noise can match.
+
+A level that jumps for a while is what a window of that length sees best, if the noise of each frequency is weighed by
+its inverse: the score of a window is the generalised least squares estimate of a jump that lasts as long. Scores of
+Gaussian noise are Gaussian; those of popcorn noise have tails, or a largest one that chance does not make.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.finding import Finding
+from allanite.core.model import Model
+from allanite.core.units import Signal, convert
+from allanite.prepare.gaps import whole
+
+from .whitening import deviations
+
+FINEST, MOST = 8, 1 << 17
+"""Readings in a block, and how many blocks there may be before there are more readings in each."""
+
+SHORTEST, LONGEST, GROWTH = 4, 1 / 16, math.sqrt(2)
+"""Windows: blocks in the shortest, share of the record of the longest, ratio of neighbours."""
+
+FEWEST = 512
+"""Blocks that tails can be told from."""
+
+TAILED = 2.9
+"""Normal deviate of the excess kurtosis that says so: the greatest of the windows exceeds it in 1 of 500 records."""
+
+CHANCE = 0.012
+"""The same for the expected number of scores beyond the largest; windows overlap, so that it is not a probability."""
+
+QUIET = 0.25
+"""Share of the record from which a stretch without jumps is worth a window."""
+
+DENSE = 16
+"""Windows that begin within the length of one."""
+
+MEDIAN = 0.4549
+"""Median of the square of a normal deviate."""
+
+SEEN = 3.5
+"""Standard deviations from which a score is counted as a jump."""
+
+
+HARMLESS = 0.05
+"""Share of the variance of the scores below which jumps change no coefficient."""
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """What the windows of one length say of a series.
+
+    `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
+    middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` what the largest score is
+    compared with, `at` the middles of the windows that stand out, `share` the part of the variance of the scores that
+    jumps make.
+    """
+
+    size: int
+    length: int
+    jump: float
+    largest: int
+    deviate: float
+    chance: float
+    at: IntArray
+    share: float
+
+    @property
+    def weight(self) -> float:
+        """How far it stands out; 1 and above is named."""
+        return max(self.deviate / TAILED, math.log(max(self.chance, 1e-300)) / math.log(CHANCE))
+
+
+def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
+    """The windows that see jumps best in a whitened series; None if it is too short, or the shortest see best.
+
+    What the shortest windows see best is outliers and heavy tails of single readings, not jumps that last.
+    """
+    block = max(FINEST, -(-u.size // MOST))
+    blocks = u.size // block
+    if blocks < FEWEST:
+        return None
+    total = np.concatenate(([0.0], np.cumsum(_weighed(u, block, model, rate))))
+    lengths = _lengths(blocks)
+    chances = 2 * sum(blocks / length for length in lengths)
+    found = [_scored(total, length, block, chances) for length in lengths]
+    best = max(found, key=lambda one: one.weight)
+    return None if best is found[0] else best
+
+
+def _lengths(blocks: int) -> list[int]:
+    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
+    return [round(SHORTEST * GROWTH**i) for i in range(count)]
+
+
+def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> FloatArray:
+    """Sums over blocks of the record weighed by the inverse of its covariance."""
+    from scipy.fft import dct, idct
+
+    blocks = u.size // block
+    means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
+        np.float64
+    )
+    k, deviation = deviations(model, whole(u.size), rate)
+    c = dct(means, norm="ortho", overwrite_x=True)
+    c[0] = 0.0
+    c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
+    return np.asarray(block * idct(c, norm="ortho", overwrite_x=True))
+
+
+def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
+    """The scores of windows of a length in blocks, a sixteenth of it apart, from the running total."""
+    step = max(1, length // DENSE)
+    score = total[length::step] - total[:-length:step]
+    square = score * score
+    variance = float(square.mean())
+    kurtosis = float(square @ square) / square.size / variance**2 - 3
+    most = int(square.argmax())
+    largest = math.sqrt(float(square[most]) / variance)
+    density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
+    quiet = float(np.median(square)) / MEDIAN  # bursts add to the variance, and hardly to this
+    return Jumps(
+        size=(total.size - 1) * block,
+        length=length * block,
+        jump=float(score[most]) / quiet,
+        largest=(2 * most * step + length) * block // 2,
+        deviate=_normal(kurtosis, 1.2 * total.size / length),
+        chance=chances * largest * density,
+        share=1 - quiet / variance,
+        at=(step * _apart(square > SEEN**2 * quiet, length // step) + length // 2) * block,
+    )
+
+
+def _apart(above: BoolArray, length: int) -> IntArray:
+    """Middles of the runs that stand out; those no more than a length apart are one."""
+    at = np.flatnonzero(above)
+    if not at.size:
+        return at
+    runs = np.split(at, np.flatnonzero(np.diff(at) > length) + 1)
+    return np.array([(run[0] + run[-1]) // 2 for run in runs])
+
+
+def _normal(kurtosis: float, n: float) -> float:
+    """Excess kurtosis of n normal deviates as one normal deviate (F. J. Anscombe, W. J. Glynn, Biometrika 70, 227)."""
+    variance = 24 * n * (n - 2) * (n - 3) / ((n + 1) ** 2 * (n + 3) * (n + 5))
+    x = (kurtosis + 6 / (n + 1)) / math.sqrt(variance)
+    skewness = (
+        6 * (n * n - 5 * n + 2) / ((n + 7) * (n + 9)) * math.sqrt(6 * (n + 3) * (n + 5) / (n * (n - 2) * (n - 3)))
+    )
+    A = 6 + 8 / skewness * (2 / skewness + math.sqrt(1 + 4 / skewness**2))
+    return float((1 - 2 / (9 * A) - np.cbrt((1 - 2 / A) / (1 + x * math.sqrt(2 / (A - 4))))) / math.sqrt(2 / (9 * A)))
+
+
+def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
+    """What to say of jumps; `seconds` gives the times of samples of the series."""
+    if found is None or found.weight < 1 or found.share < HARMLESS:
+        return []
+    unit = signal.sheet[0]
+    ends = seconds(np.concatenate(([0], found.at, [found.size])))
+    middle, half = float(seconds(np.array([found.largest]))[0]), float(found.length / 2 * ends[-1] / found.size)
+    free = np.diff(ends)
+    longest = int(free.argmax())
+    first = math.ceil(ends[longest] + (2 * half if longest else 0))
+    last = math.floor(ends[longest + 1] - (2 * half if longest < free.size - 1 else 0))
+    remedy = "look for a bad contact or a part that fails; the Allan deviation holds as it is measured"
+    if last - first >= QUIET * ends[-1]:
+        remedy += f"; without them is --from {first} --until {last}"
+    size = abs(convert(found.jump, signal.unit, unit))
+    count = max(found.at.size, 1)
+    what = (
+        f"the bias jumps: the largest burst, of {size:.3g} {unit}, is at {middle:.4g} s, and {count} of about "
+        f"{2 * half:.2g} s stand out in {ends[-1]:.4g} s"
+    )
+    harm = "popcorn noise is none of the terms: B, K and GM hold what it adds, and their intervals are too narrow"
+    return [Finding("popcorn", what, harm, remedy, (max(0.0, middle - half), middle + half), fatal=True)]

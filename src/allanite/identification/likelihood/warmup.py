@@ -1,0 +1,150 @@
+"""An exponential warm-up, exp(-t / tau), in a record whose noise was looked at.
+
+A bias that settles looks like a random walk or a ramp: all three bring power to the lowest frequencies. It is one
+direction of any size in the likelihood, as a ramp is, whose time constant is searched for.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from allanite.core.finding import Finding
+from allanite.core.plain import Portable
+from allanite.core.units import Signal, convert
+
+from .families import Found, fitted
+from .selection import PENALTY, Subset, subsets
+from .whittle import with_warm_up
+
+SHORTEST, LONGEST, STEPS = 1 / 30, 0.37, 9
+"""Time constants of the first search, shares of the record: a longer one is a ramp and a parabola, and mimics noise."""
+
+EVIDENCE = 15.0
+"""What a warm-up must gain in 2 L over the best of the terms; a weak random walk gains as much in 1 of 100 records."""
+
+HARMLESS = 2.0
+"""Standard errors to which the warm-up has fallen where a window can begin."""
+
+USABLE = 0.75
+"""Share of the record that may be cut off."""
+
+
+@dataclass(frozen=True, eq=False)
+class WarmUp(Portable):
+    """A warm-up that was found: amplitude exp(-t / tau), SI and seconds.
+
+    `error` is the standard error of the amplitude, `gain` what the warm-up gains in 2 L, `duration` that of the record.
+    """
+
+    signal: Signal
+    amplitude: float
+    error: float
+    tau: float
+    gain: float
+    duration: float
+
+    @property
+    def until(self) -> float:
+        """Seconds after which what is left of it does no harm, rounded up to two digits."""
+        needed = self.tau * math.log(max(abs(self.amplitude) / (HARMLESS * self.error), 1.1))
+        step = 10.0 ** (math.floor(math.log10(needed)) - 1)
+        return float(f"{math.ceil(needed / step) * step:.3g}")
+
+    @property
+    def finding(self) -> Finding:
+        """What the reader of the coefficients must know."""
+        unit = self.signal.sheet[0]
+        size, error = (convert(value, self.signal.unit, unit) for value in (self.amplitude, self.error))
+        usable = self.until <= USABLE * self.duration
+        remedy = (
+            f"cut it off (--from {self.until:g})"
+            if usable
+            else f"record again, at least {self.until:.3g} s after switching on: cutting it off would leave too little"
+        )
+        return Finding(
+            "warm-up",
+            f"the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with a time "
+            f"constant of {self.tau:.3g} s",
+            "the coefficients are those of the noise without it, K and R less certain",
+            remedy,
+            (0.0, min(self.until, self.duration)),
+        )
+
+
+def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]:
+    """The warm-up of a record whose noise was looked at, and its noise beside it; None and the same if there is none.
+
+    The best model with a warm-up, in which a random walk may be gone, is compared with the best one without.
+    """
+    seen = found.seen
+    if not found.used[0]:
+        return None, found
+    slope = seen.slope if found.chosen.likelihood.flat.any() else None
+    bare = min(_score(subset, slope) for subset in (*found.every, found.plain, found.markov or found.chosen))
+    grid = np.geomspace(SHORTEST, LONGEST, STEPS) * seen.size
+    tried = [(base, float(tau), _profiled(_beside(found, base, float(tau)))) for base in _bases(found) for tau in grid]
+    base, tau, least = min(tried, key=lambda one: one[2])
+    if bare - least - PENALTY < EVIDENCE:  # one term at least is there
+        return None, found
+    tau = _refined(found, base, tau)
+    part = with_warm_up(base.likelihood, seen, found.used, tau)
+    best = min(subsets(part, may=base.free, constants=base.constants), key=lambda subset: _score(subset, slope))
+    gain = bare - _score(best, slope)
+    if gain < EVIDENCE:
+        return None, found
+    eta, V, _ = best.likelihood.directions(best.theta)
+    at = int(np.count_nonzero(~part.flat))
+    amplitude, error = float(eta[at]) * seen.unit_factor, math.sqrt(float(V[at, at])) * seen.unit_factor
+    duration = (seen.size + int(seen.gaps.lost.sum())) / seen.rate
+    warm = WarmUp(signal, amplitude, error, tau / seen.rate, gain, duration)
+    rival = found.search is not None and not found.search.asked
+    return warm, fitted(replace(found.base, warm=tau), rival=rival)
+
+
+def _bases(found: Found) -> list[Subset]:
+    """What stands beside a warm-up, all of it free: the terms; these and Gauss-Markov noise too where that is there."""
+    bases = [replace(found.chosen, free=found.search.may)] if found.search and found.chosen.constants else []
+    if not found.plain.constants:
+        free = np.ones(found.plain.free.size, dtype=bool) if found.search is None else ~found.search.must
+        bases.append(replace(found.plain, free=free))
+    return bases
+
+
+def _refined(found: Found, base: Subset, around: float) -> float:
+    """The best time constant near one of the grid, in samples."""
+    from scipy.optimize import minimize_scalar
+
+    step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), found.seen.size
+    best = minimize_scalar(
+        lambda x: _profiled(_beside(found, base, math.exp(x))), method="bounded", options={"xatol": 0.02},
+        bounds=(math.log(max(around / step, SHORTEST * n)), math.log(min(around * step, LONGEST * n))),
+    )  # fmt: skip
+    return math.exp(float(best.x))
+
+
+def _beside(found: Found, base: Subset, tau: float) -> Subset:
+    """The least of L with a warm-up beside what is free in `base`."""
+    part = with_warm_up(base.likelihood, found.seen, found.used, tau)
+    return Subset(part, base.free, *part.minimise(base.free, base.theta), base.constants)
+
+
+def _profiled(subset: Subset) -> float:
+    """2 L at the best size of each loose direction, rather than its integral, whose unit would count."""
+    flat = subset.likelihood.flat
+    if not flat.any():
+        return 2 * subset.value
+    V = subset.likelihood.directions(subset.theta)[1][np.ix_(flat, flat)]
+    return 2 * subset.value + float(np.linalg.slogdet(V)[1])
+
+
+def _score(subset: Subset, slope: float | None) -> float:
+    """The same and the penalties of the terms, of which a time constant counts as two.
+
+    A ramp, the last direction, of which `slope` was taken out before, costs no more than leaving it out would.
+    """
+    score = _profiled(subset) + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
+    if slope is None:
+        return score
+    eta, V, _ = subset.likelihood.directions(subset.theta)
+    return score + min(PENALTY, float((eta[-1] + slope) ** 2 / V[-1, -1]))

@@ -1,0 +1,202 @@
+"""What is slow and no noise: the pieces against literal forms, and each thing named in a record that has it."""
+
+import re
+
+import numpy as np
+import pytest
+
+import allanite as al
+import slow_noise
+from allanite.identification.checks.exponent import exponent
+from allanite.identification.checks.popcorn import _normal, jumps
+from allanite.identification.likelihood.families import look
+from allanite.identification.likelihood.warmup import without_warm_up
+from allanite.identification.likelihood.whittle import likelihood, spectrum, with_warm_up
+
+N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
+RATE, LENGTH = 100.0, 2**15
+
+
+def record_of(model, n=LENGTH, seed=1, spoil=None):
+    y = al.simulate(model, n, RATE, rng=np.random.default_rng(seed)).values.copy()
+    if spoil is not None:
+        spoil(y, model, np.random.default_rng(seed + 1000))
+    return al.Record(y, RATE, "rad/s")
+
+
+def settling(size, share):
+    def add(y, model, rng):
+        y += size * model["B"].value * np.exp(-np.arange(y.size) / (share * y.size))
+
+    return add
+
+
+# --- pieces --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tau", [40.0, 300.0])
+def test_directions_are_sums_of_literal_transforms(tau):
+    """Edges, warm-up and ramp, by bins: exact where a bin holds one coefficient, nearly so where it holds several."""
+    from scipy.fft import dct
+
+    n = 700
+    seen = spectrum(record_of(N + B, n), detrend=True)
+    part = with_warm_up(likelihood(seen, [*"QNBK", "R"]), seen, np.ones(seen.first.size, dtype=bool), tau)
+    assert part.flat.tolist() == [False, False, True, True]
+    y = np.asarray(record_of(N + B, n).values) - seen.slope * (np.arange(n) - (n - 1) / 2)
+    first, warm, ramp = (dct(x, norm="ortho") for x in (np.eye(n)[0], np.exp(-np.arange(n) / tau), np.arange(n)))
+    even = np.arange(n) % 2 == 0
+    ramp[65:] = 0.0
+    U = np.stack((first * even, first * ~even, warm, ramp))[:, 1:]
+    c = dct(y, norm="ortho")[1:]
+    at = seen.first - 1
+    UU, Uc = np.add.reduceat(U[:, None] * U, at, axis=2), np.add.reduceat(U * c, at, axis=1)
+    single = seen.count == 1
+    np.testing.assert_allclose(part.UU[single], np.moveaxis(UU, 2, 0)[single], rtol=1e-9, atol=1e-9 * UU.max())
+    np.testing.assert_allclose(part.UU, np.moveaxis(UU, 2, 0), rtol=0.01, atol=1e-6 * UU.max())
+    np.testing.assert_allclose(part.Uc, Uc.T, atol=2e-3 * np.abs(Uc).max())
+
+
+def test_a_warm_up_with_gaps_is_that_of_the_readings_that_are_left():
+    from scipy.fft import dct
+
+    y = record_of(N + B, 20_000).values.copy()
+    y[3000:4500] = np.nan
+    seen = spectrum(al.Record(y, RATE, "rad/s"), detrend=True)
+    tau = 4000.0
+    part = with_warm_up(likelihood(seen, [*"NBK", "R"]), seen, np.ones(seen.first.size, dtype=bool), tau)
+    literal = dct(np.exp(-np.flatnonzero(np.isfinite(y)) / tau), norm="ortho")[1:65]
+    np.testing.assert_allclose(part.UU[:64, 2, 2], literal**2, rtol=2e-3, atol=1e-5 * literal.max() ** 2)
+
+
+def test_the_size_of_a_warm_up_is_that_of_weighted_least_squares():
+    from scipy.fft import dct
+
+    record, tau = record_of(N + B, 2000, spoil=settling(40, 0.2)), 400.0
+    seen = spectrum(record, detrend=False)
+    part = with_warm_up(likelihood(seen, "NB"), seen, np.ones(seen.first.size, dtype=bool), tau)
+    theta = np.array([N.power(RATE), B.power(RATE)])
+    eta, V, _ = part.directions(theta)
+    c, d = (dct(x, norm="ortho")[1:] for x in (record.values, np.exp(-np.arange(2000) / tau)))
+    m = np.repeat(part.expectation(theta), seen.count)
+    assert eta[2] == pytest.approx((d * c / m).sum() / (d * d / m).sum(), rel=2e-3)
+    assert V[2, 2] == pytest.approx(1 / (d * d / m).sum(), rel=2e-3)
+
+
+def test_kurtosis_as_a_normal_deviate():
+    from scipy.stats import kurtosis, kurtosistest
+
+    for n in (30, 300, 3000):
+        x = np.random.default_rng(n).standard_t(6, n)
+        assert _normal(kurtosis(x), n) == pytest.approx(kurtosistest(x).statistic, rel=1e-6, abs=1e-9)
+
+
+def test_the_size_of_a_burst_in_white_noise():
+    """A window over it sees a burst of its own length whole."""
+    u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
+    sigma = 0.01
+    u[8000:8256] += 0.8
+    white = al.Model((al.N(sigma * RATE**-0.5, "rad/sqrt(s)"),))
+    found = jumps(u, white, RATE)
+    assert found.weight > 1
+    assert found.length == pytest.approx(256, rel=0.5)
+    assert found.jump == pytest.approx(0.8 * sigma, rel=0.25)
+    assert found.largest == pytest.approx(8128, abs=100)
+    assert jumps(u[:4000], white, RATE) is None
+
+
+def test_outliers_are_no_jumps():
+    u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
+    u[8000:8004] += 60
+    white = al.Model((al.N(0.001, "rad/sqrt(s)"),))
+    assert jumps(u, white, RATE) is None
+
+
+# --- records -------------------------------------------------------------------------------------------------------
+
+
+def test_a_warm_up_is_named_and_taken_off_the_noise():
+    record = record_of(N + B, 2**16, 3, settling(-30, 0.2))
+    fit = al.identify(record)
+    (finding,) = fit.findings
+    assert finding.name == "warm-up"
+    size, error = map(float, re.search(r"starts (\S+) ± (\S+) deg/h", finding.what).groups())
+    assert abs(size + 30 * 7.2) < 3 * error
+    assert finding.what in fit.notes
+    assert not fit["K"].claimed
+    assert not fit["R"].claimed
+    low, high = fit["B"].interval(0.95)
+    assert low < B.value < high
+    left = al.residuals(record, fit)
+    assert left.findings == (finding,)
+    assert not fit.goodness.explained
+    assert not left.explained
+    assert left.verdict.count("the sensor warms up") == 1
+    back = al.Fit.from_dict(fit.to_dict())
+    assert back.findings == fit.findings
+
+
+def test_the_window_that_a_warm_up_advises_is_free_of_it():
+    record = record_of(N + B, 2**16, 3, settling(-30, 0.1))
+    text = str(al.identify(record).findings[0])
+    first = float(re.search(r"\(--from ([0-9.]+)\)", text)[1])
+    rest = al.identify(al.Record(record.values[round(first * RATE) :], RATE, "rad/s"))
+    assert rest.findings == ()
+    assert rest.goodness.explained
+
+
+def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
+    text = str(al.identify(record_of(N + B, 2**16, 2, settling(200, 0.3))).findings[0])
+    assert "record again, at least" in text
+    assert "--from" not in text
+
+
+@pytest.mark.parametrize("a", [0.8, 1.2])
+def test_another_power_law_is_named(a):
+    model = al.Model((N,))
+    record = record_of(model, 2**16, 1, slow_noise.power_law(a, 1.0))
+    fit = al.identify(record)
+    (finding,) = fit.findings
+    assert finding.name == "flicker exponent"
+    found, low, high = map(float, re.search(r"f\^-(\S+) \((\S+) to (\S+)\)", finding.what).groups())
+    assert low < a < high
+    assert low < found < high
+    value, error = map(float, re.search(r"N is (\S+) ± (\S+) deg/sqrt", finding.consequence).groups())
+    assert abs(value - 0.3) < 3 * error
+    assert not al.residuals(record, fit).explained
+
+
+def test_an_exponent_of_one_is_flicker():
+    found = look(record_of(N + B, 2**15), [*"QNBKR"], None, rival=True)
+    assert exponent(found) is None
+
+
+def test_without_flicker_or_a_low_end_nothing_is_looked_for():
+    record = record_of(N + B, 2**15, 3, settling(60, 0.2))
+    found = look(record, [*"QNK"], None, rival=True)
+    assert exponent(found) is None
+    cut = look(record, [*"QNBKR"], (0.5, 50.0), rival=True)
+    assert without_warm_up(cut, record.signal) == (None, cut)
+
+
+def test_bursts_are_named_with_a_window_without_them():
+    values = record_of(N + B + K, 2**16, 3).values.copy()
+    values[40_000:40_500] += 15 * B.value
+    record = al.Record(values, RATE, "rad/s")
+    left = al.residuals(record, al.identify(record))
+    (finding,) = left.findings
+    assert finding.name == "popcorn"
+    size, at = map(float, re.search(r"largest burst, of (\S+) deg/h, is at (\S+) s", finding.what).groups())
+    assert size == pytest.approx(15 * 7.2, rel=0.3)
+    assert at == pytest.approx(402.5, abs=2)
+    assert finding.place[0] < 402.5 < finding.place[1]
+    assert not left.explained
+    first, last = map(int, re.search(r"--from (\d+) --until (\d+)", finding.remedy).groups())
+    part = al.Record(record.values[first * 100 : last * 100], RATE, "rad/s")
+    assert al.residuals(part, al.identify(part)).findings == ()
+
+
+@pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG", "N, 10 K", "N B R", "N GM 5 s"])
+def test_nothing_slow_is_named_in_noise(sensor):
+    record = record_of(slow_noise.MODELS[sensor], 2**15, 4)
+    assert al.residuals(record, al.identify(record)).findings == ()
