@@ -12,8 +12,10 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
+from allanite.core.fit import EXPLAINED
 from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
+from allanite.identification.checks.goodness import goodness
 from allanite.identification.likelihood.families import Found, flicker_in
 from allanite.identification.likelihood.selection import Subset, standard_error
 from allanite.identification.likelihood.whittle import column
@@ -44,7 +46,7 @@ class Exponent:
 
     `a`, `low` and `high` are the exponent and its 95 % limits, `gain` what it gains in 2 L over the best of the terms;
     `corner` is the frequency, Hz, at which it equals the white noise, `N` that noise with its standard error, SI, both
-    0 without white noise.
+    0 without white noise; `p` the goodness of fit.
     """
 
     a: float
@@ -53,6 +55,7 @@ class Exponent:
     gain: float
     corner: float = 0.0
     N: tuple[float, float] = (0.0, 0.0)
+    p: float = 1.0
 
     @property
     def named(self) -> bool:
@@ -94,7 +97,8 @@ def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Expon
         end if twice(end) < drop else float(brentq(lambda x: twice(x) - drop, a, end, xtol=1e-3))
         for end in (LEAST, MOST)
     )
-    law = Exponent(a, low, high, best - 2 * subset.value)
+    p = goodness(found.seen, subset.likelihood, subset.theta, found.used).p
+    law = Exponent(a, low, high, best - 2 * subset.value, p=p)
     return _beside_white(law, found, subset, kept) if "N" in found.noise else law
 
 
@@ -137,9 +141,16 @@ def _dct(k: FloatArray, n: int, a: float) -> FloatArray:
     return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
 
 
-def exponent_finding(found: Found, signal: Signal) -> tuple[Finding, ...]:
-    """That what wanders is not flicker."""
+def exponent_finding(found: Found, signal: Signal, *, plain: Found | None = None) -> tuple[Finding, ...]:
+    """That what wanders is not flicker.
+
+    Where a `plain` reading of the whole spectrum failed, and another one was found, it failed for that reason if the
+    power law explains all of it.
+    """
     law = exponent(found)
+    if (law is None or not law.named) and plain is not None and plain is not found:
+        law = exponent(plain)
+        law = law if law is not None and law.p >= EXPLAINED else None
     if law is None or not law.named:
         return ()
     harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"

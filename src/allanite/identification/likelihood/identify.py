@@ -72,8 +72,9 @@ def whittle(
     if lines:
         taken, left = without_lines(record, found, asked)
         found = look(left, terms, asked, rival=rival) if taken else found
-    warm, found = steady(found, record.signal, rival=rival, free=band == "auto")
-    slow = (warm.finding,) if warm else exponent_finding(found, record.signal)
+    plain = found
+    warm, found = steady(plain, record.signal, rival=rival, free=band == "auto")
+    slow = (warm.finding,) if warm else exponent_finding(found, record.signal, plain=plain)
     scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
