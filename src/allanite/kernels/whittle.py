@@ -13,6 +13,7 @@ NOTHING = 1e-250
 SMALLEST_STEP = 1e-4
 CONVERGED = 1e-7
 ITERATIONS = 200
+ALIKE = 1 - 1e-11
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -152,6 +153,10 @@ def _nnls(G, c):  # type: ignore[no-untyped-def]
     for _ in range(10 * q):
         slope = c - G @ x
         slope[passive] = -np.inf
+        for j in range(q):
+            for k in range(q):
+                if passive[k] and G[j, k] > ALIKE:  # the same column but for its size
+                    slope[j] = -np.inf
         best = np.argmax(slope)
         if passive.all() or slope[best] <= 1e-12 * np.abs(c).max():
             return x

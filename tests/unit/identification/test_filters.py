@@ -1,0 +1,111 @@
+"""Low-pass filters as factors of the expected power, and how a fit finds one."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import butter, freqz, lfilter
+
+import allanite as al
+from allanite.identification.likelihood.filters import FILTERS
+
+F = np.linspace(0.0, 0.49, 50)
+RATE = 100.0
+
+
+def folded(power, averaged):
+    """White noise behind an analog filter, sampled: the sum over the images, one by one; averaged over each sample."""
+    images = F + np.arange(-3000, 3001)[:, None]
+    gain = (power(np.abs(images)) * (np.sinc(images) ** 2 if averaged else 1.0)).sum(axis=0)
+    return gain if averaged else gain / gain[0]
+
+
+@pytest.mark.parametrize("cutoff", [0.03, 0.16, 0.4, 0.8])
+@pytest.mark.parametrize(
+    ("name", "power", "averaged"),
+    [
+        ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False),
+        ("butterworth", lambda x, c: 1 / (1 + (x / c) ** 4), False),
+        ("averaged rc", lambda x, c: 1 / (1 + (x / c) ** 2), True),
+        ("average", lambda x, c: np.sinc(0.443 * x / c) ** 2, False),
+        ("bartlett", lambda x, c: np.sinc(0.3189 * x / c) ** 4, False),
+    ],
+)
+def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
+    if name in ("average", "bartlett") and cutoff > 0.3:
+        pytest.skip("shorter than a sample, or nearly")
+    expected = folded(lambda x: power(x, cutoff), averaged)
+    # what the sum leaves out beyond its last image
+    tolerance = 3e-4 if name in ("rc", "average") else 1e-6
+    np.testing.assert_allclose(FILTERS[name].gain(F, cutoff), expected, atol=tolerance)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cutoff", [0.05, 1 / 6, 0.4])
+def test_a_digital_filter_is_that_of_scipy(order, cutoff):
+    _, response = freqz(*butter(order, 2 * cutoff), 2 * np.pi * F)
+    np.testing.assert_allclose(FILTERS[f"bilinear {order}"].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
+
+
+def test_a_moving_average_of_whole_samples_is_the_boxcar():
+    _, response = freqz(np.ones(4) / 4, 1.0, 2 * np.pi * F)
+    np.testing.assert_allclose(FILTERS["average"].gain(F, 0.443 / 4), np.abs(response) ** 2, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_every_filter_lets_the_lowest_frequencies_pass(name):
+    assert FILTERS[name].gain(np.array([1e-6]), 0.1)[0] == pytest.approx(1, abs=1e-6)
+    assert (np.diff(FILTERS[name].gain(np.linspace(0, 0.2, 9), 0.2)) < 0).all()
+
+
+N = al.N(0.005, "deg/sqrt(s)")
+B = al.B(0.002, "deg/s")
+POLE = math.exp(-2 * math.pi / 12)
+BEHIND = {
+    "1st order": ([1 - POLE], [1, -POLE], 1 / 12, {"rc"}),
+    "2nd order": (*butter(2, 1 / 3), 1 / 6, {"bilinear 2"}),
+    "boxcar": (np.ones(4) / 4, [1.0], 0.443 / 4, {"average"}),
+}
+
+
+def filtered(what, seed, model=N + B):
+    b, a, *_ = BEHIND[what]
+    record = al.simulate(model, 2**16 + 2048, RATE, rng=np.random.default_rng(seed))
+    return al.Record(lfilter(b, a, record.values)[2048:], RATE, "rad/s")
+
+
+@pytest.mark.parametrize("what", BEHIND)
+def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
+    fit = al.identify(filtered(what, 1))
+    _, _, cutoff, names = BEHIND[what]
+    found = fit.scope.filter
+    assert found.row in names
+    assert found.low < cutoff * RATE < found.high
+    assert found.high < 1.1 * found.low
+    assert fit.validity == "explained"
+    low, high = fit["N"].interval()
+    assert low < N.value < high
+    assert high - low < 0.05 * N.value
+    assert fit["Q"].status == "not observable"
+    assert "filter" in fit["Q"].reason
+    assert "low-pass" in fit.scope.sentences[0]
+    assert al.residuals(filtered(what, 1), fit).explained
+
+
+def test_all_frequencies_without_a_filter_bend_the_model():
+    fit = al.identify(filtered("2nd order", 1), band="all")
+    assert fit.validity == "unexplained"
+    assert fit.scope.filter is None
+
+
+def test_the_cut_off_that_is_not_known_widens_the_limits():
+    """The interval of N is that of the cut-offs left open: wider than with the cut-off known."""
+    wide = al.identify(filtered("2nd order", 2))["N"].interval()
+    known = al.identify(al.simulate(N + B, 2**16, RATE, rng=np.random.default_rng(2)))["N"].interval()
+    assert wide[1] - wide[0] > 1.2 * (known[1] - known[0])
+
+
+def test_a_clean_record_has_no_filter():
+    for seed in range(6):
+        fit = al.identify(al.simulate(N + B, 2**14, RATE, rng=np.random.default_rng(seed)))
+        assert fit.scope.whole or fit.goodness.p < 0.05

@@ -1,0 +1,143 @@
+"""Where a model holds: humps left out, bands, misfits, and coefficients that the curve contradicts."""
+
+import numpy as np
+import pytest
+from scipy.signal import iirpeak, lfilter
+
+import allanite as al
+from allanite.core.fit import Estimate
+from allanite.core.scope import GRADES, Scope, demand_band, worst
+from allanite.identification.checks.contradiction import contradictions
+from allanite.study.noise import noise_of
+
+RATE = 100.0
+N = al.N(0.005, "deg/sqrt(s)")
+B = al.B(0.002, "deg/s")
+
+
+def white(n, seed):
+    return al.simulate(N + B, n, RATE, rng=np.random.default_rng(seed)).values
+
+
+def humped(n=2**16, seed=1, size=1.0):
+    y, rng = white(n, seed), np.random.default_rng(seed + 1000)
+    return al.Record(y + size * y.std() * lfilter(*iirpeak(20, 20, RATE), rng.standard_normal(n)), RATE, "rad/s")
+
+
+def test_a_resonance_is_left_out_and_not_the_noise():
+    fit = al.identify(humped())
+    assert fit.validity == "explained"
+    (mask,) = fit.scope.masks
+    assert mask[0] < 19 < 21 < mask[1]
+    low, high = fit["N"].interval()
+    assert low < N.value < high
+    assert "resonance" in " ".join(fit.scope.sentences)
+
+
+def test_all_frequencies_are_read_where_that_is_asked():
+    fit = al.identify(humped(), band="all")
+    assert fit.scope.masks == ()
+    assert fit.validity == "unexplained"
+
+
+def test_what_no_filter_describes_ends_the_band_with_a_margin():
+    """White noise that steps up fourfold at 10 Hz: the band ends an octave or more below."""
+    rng = np.random.default_rng(3)
+    n = 2**16
+    c = np.fft.rfft(rng.standard_normal(n))
+    f = np.fft.rfftfreq(n, 1 / RATE)
+    c[f > 10] *= 2.0
+    fit = al.identify(al.Record(np.fft.irfft(c), RATE, "deg/s"))
+    assert fit.validity == "explained"
+    assert 2 < fit.scope.band[1] < 6
+    low, high = fit["N"].interval()
+    truth = al.N(0.1, "deg/sqrt(s)").value
+    assert low < truth < high
+    assert fit["Q"].status == "not observable"
+    assert "ends at" in fit["Q"].reason
+    assert any("times the model's power" in said for said in fit.scope.sentences)
+
+
+def test_a_clean_record_is_read_whole():
+    fit = al.identify(al.Record(white(2**15, 5), RATE, "rad/s"))
+    assert fit.scope.whole
+    assert fit.scope.band == (0.0, RATE / 2)
+    assert fit.scope.sentences == ()
+    assert fit.validity == "explained"
+
+
+def test_a_small_misfit_is_allowed_for_in_the_limits():
+    """A tilt of the spectrum by three per cent in n = 2^20: no band explains it, and the limits are widened."""
+    rng = np.random.default_rng(3)
+    n = 2**20
+    c = np.fft.rfft(rng.standard_normal(n))
+    f = np.fft.rfftfreq(n, 1 / RATE)
+    c *= 1 + 0.03 * np.sin(3 * np.log(np.maximum(f, 1e-4)))
+    fit = al.identify(al.Record(np.fft.irfft(c), RATE, "deg/s"), terms="N")
+    assert fit.validity == "approximate"
+    assert 0.005 < fit.scope.misfit < 0.1
+    assert fit.scope.within >= fit.scope.misfit
+    low, high = fit["N"].interval()
+    assert low < al.N(0.1, "deg/sqrt(s)").value < high
+    assert high / low > 1.01
+
+
+@pytest.mark.parametrize("band", ["wide", (1.0,), (1.0, "2"), 5.0])
+def test_a_band_that_is_none_is_refused(band):
+    with pytest.raises(al.UsageError, match="'auto', 'all' or two frequencies"):
+        demand_band(band)
+    with pytest.raises(al.UsageError, match="two frequencies"):
+        al.Recipe(band=band)
+
+
+def test_columns_that_are_alike_are_not_both_used():
+    """Above a few hertz a random walk and a slow Gauss-Markov noise are one shape."""
+    for seed in range(4):
+        fit = al.identify(al.Record(white(2**14, seed), RATE, "rad/s"), band=(8.0, 50.0))
+        assert fit["N"].claimed
+
+
+def test_the_worst_grade_counts():
+    assert worst("explained", "", "approximate") == "approximate"
+    assert worst(*GRADES) == "unexplained"
+    assert worst("") == ""
+
+
+def test_a_coefficient_above_the_curve_is_not_valid():
+    record = al.Record(white(2**14, 7), RATE, "rad/s")
+    fit = al.identify(record)
+    curve = al.deviation(record, "oadev", taus="octave", noise=fit.model)
+    assert contradictions(fit, curve) == {}
+    signal = fit.signal
+    high = 10 * float(curve.deviation.max())
+    wrong = Estimate("B", signal, high, high / 100, "identified", None, "test", lambda level: (0.98 * high, high))
+    lying = al.Fit((fit["N"], wrong), "test", signal, fit.model, scope=fit.scope)
+    ((symbol, reason),) = contradictions(lying, curve).items()
+    assert symbol == "B"
+    assert "upper limit of the measured one" in reason
+    after = lying.invalid(reason, ("B",))
+    assert after["B"].status == "not valid"
+    assert after["B"].limits is None
+    assert "not valid" in after["B"].words()
+    assert after["N"].status == fit["N"].status
+
+
+def test_a_record_that_nothing_explains_has_no_valid_coefficient():
+    n = 2**15
+    rng = np.random.default_rng(1)
+    t = np.arange(n) / RATE
+    sway = np.cumsum(rng.standard_normal(n)) * np.sin(2 * np.pi * 0.8 * t + 0.3 * np.cumsum(rng.standard_normal(n)))
+    noise = noise_of(al.Record(sway + rng.standard_normal(n), RATE, "deg/h"), al.Recipe())
+    assert noise.validity == "unexplained"
+    assert not noise.explained
+    assert {e.status for e in noise.fit} == {"not valid"}
+    assert all(e.limits is None and e.upper is None for e in noise.fit)
+
+
+def test_a_scope_says_what_it_holds():
+    flat = np.ones(3)
+    scope = Scope("auto", (0.0, 5.0), (), None, 0.0, 0.0, np.array([1.0, 20.0, 50.0]), flat, ("more above",))
+    assert scope.limited
+    assert not scope.whole
+    assert scope.sentences[0].startswith("the model holds from 0 to 5 Hz")
+    assert scope.sentences[-1] == "more above"
