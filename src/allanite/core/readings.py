@@ -136,7 +136,7 @@ class Readings(Value):
         walk = TERMS["N"].title.replace("angle", self.signal.integral)
         tau, root = self.usual.tau, math.sqrt(self.usual.tau)
         there = "slope not known there" if self.around is None else f"slope {self.around.value:.2f} there"
-        wrong = "" if self.white else f": not -0.5, so no {walk}"
+        wrong = "" if self.white else ", not -0.5: not valid"
         found = [
             _quantity(f"deviation at {tau:.4g} s", self.usual, level),
             _quantity(f"as {walk}", self.usual, level, root, there + wrong)._replace(power=0.5),

@@ -24,7 +24,7 @@ METHODS: dict[str, Method] = {
     "whittle": Method(
         "likelihood of the cosine transform's binned powers, profile intervals", Record, whittle,
         efficiency="0.93 to 1.14 times the Cramer-Rao bound",
-        options=("band", "lines", "rival"), shapes=True,
+        options=("band", "lines", "rival"), shapes=True, signed=True,
     ),
     "gls": Method(
         "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,

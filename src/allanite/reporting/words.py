@@ -7,6 +7,7 @@ from allanite.core.header import Header
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.units import Signal
+from allanite.identification.front import METHODS
 from allanite.terms import TERMS
 
 from .digits import Digits, digits
@@ -31,6 +32,7 @@ STATUS = {
     "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
     "absent": "not found; the limit is the one-sided 95 % upper limit",
     "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
+    "negative": "the method gives a negative square, which no noise has: what is printed is minus the root of its size",
 }
 """What each status means."""
 
@@ -39,6 +41,17 @@ def title(symbol: str, signal: Signal) -> str:
     """The name of a term in the words of its sensor: an accelerometer has a velocity random walk."""
     words = TERMS[symbol].title.replace("rate", RATES[signal.name])
     return words.replace("angle", signal.integral)
+
+
+def symbol(estimate: Estimate) -> str:
+    """The symbol of an estimate's term: ``|R|`` by a method that finds the size of a ramp, not its sign."""
+    unsigned = TERMS[estimate.symbol].waveform is not None and not signed(estimate)
+    return f"|{estimate.symbol}|" if unsigned and estimate.status != "negative" else estimate.symbol
+
+
+def signed(estimate: Estimate) -> bool:
+    """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
+    return TERMS[estimate.symbol].waveform is not None and METHODS[estimate.method].signed
 
 
 def named(estimate: Estimate, level: float) -> str:
@@ -63,7 +76,7 @@ def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
         return None
     factor = coefficient_factor(estimate.symbol, unit, estimate.signal)
     low, high = (v / factor for v in estimate.interval(level))
-    return digits(estimate.value / factor, low, high, signed=TERMS[estimate.symbol].waveform is not None)
+    return digits(estimate.value / factor, low, high, signed=signed(estimate))
 
 
 def limit(estimate: Estimate, unit: str) -> Digits | None:

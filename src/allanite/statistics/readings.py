@@ -58,7 +58,7 @@ def readings(record: Record) -> Readings:
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=10.0, unit="deg/h")
     >>> found = readings(record)
     >>> found.usual.tau, round(found.around.value, 2), found.inside
-    (1.0, -0.48, False)
+    (1.0, -0.5, False)
     """
     wide = deviation(record, "oadev", taus="log", noise=None)
     known = wide.count >= WINDOWS * wide.m

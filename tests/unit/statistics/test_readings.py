@@ -39,7 +39,7 @@ def test_a_curve_of_another_slope_gives_no_random_walk():
     assert not found.white
     assert found.around.value == pytest.approx(0.5, abs=0.1)
     remark = next(q.remark for q in found.quantities() if q.title == "as angle random walk")
-    assert remark.endswith("there: not -0.5, so no angle random walk")
+    assert remark.endswith("there, not -0.5: not valid")
 
 
 def test_the_minimum_is_inside_or_only_a_limit():

@@ -150,8 +150,9 @@ def _coefficients(study: Study, level: float) -> Rows:
     for channel in study.channels:
         name = channel.record.name
         for e in channel.fit or ():
-            size, shape = e.to_dict(level)["shown"].values(), ", ".join(words.shapes(e, level))
-            rows.append([name, e.symbol, words.title(e.symbol, e.signal), *size, e.status, "", e.value, e.unit, shape])
+            shown, title = e.to_dict(level)["shown"].values(), words.title(e.symbol, e.signal)
+            remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
+            rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             rows.append([name, "", title, *size, "reading", tau, si, si_unit, remark])
     return heads, rows
