@@ -1,0 +1,60 @@
+"""The first answer on a file that is not as it should be: what is said once, in whose times, and what to type next."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from tests import ROOT
+
+from allanite.cli import main
+
+RATE = 20.0
+
+
+def run(*arguments):
+    result = CliRunner().invoke(main, [str(a) for a in arguments])
+    assert result.exit_code in (0, 3), result.output
+    return " ".join(result.output.split())
+
+
+def write(path, columns, rate=RATE):
+    rows = np.column_stack([np.arange(len(next(iter(columns.values())))) / rate, *columns.values()])
+    np.savetxt(path, rows, "%.9g", ",", header=",".join(("time [s]", *columns)), comments="")
+    return path
+
+
+def test_a_stretch_without_a_gap_is_offered_in_times_of_the_file(tmp_path):
+    lines = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    head = [line for line in lines if line.startswith("#")] + [next(line for line in lines if line.startswith("time"))]
+    rows = lines[len(head) :]
+    file = tmp_path / "gap.csv"
+    file.write_text("".join((*head, *rows[:19995], *rows[20095:])), encoding="utf-8")
+    said = run("info", file, "--from", 1000, "--until", 3000)
+    offered = re.search(
+        r"the longest stretch without a gap: (--from 2009.5 --until 3000|--from 1000 --until 1999.5)", said
+    )
+    assert offered
+    again = run("info", file, *shlex.split(offered[1]))
+    assert "are lost" not in again
+    assert "fit for the job" in again
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    rng = np.random.default_rng(1)
+    gyro = rng.standard_normal((3, 20_000))
+    gyro[1, 6000:8000] += 80 * np.sin(np.arange(2000) / RATE)
+    columns = {f"g{axis} [deg/s]": values for axis, values in zip("xyz", gyro, strict=True)}
+    return write(tmp_path_factory.mktemp("data") / "shaken.csv", columns)
+
+
+def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
+    said = run("analyze", shaken)
+    assert said.count("the body moved: gy moves") == 1
+    assert "gx, gz: the body moved: gy moves from 299.2 s" in said
+    offered = re.search(r"the longest still stretch: ((--from \S+ )?--until \d+)", said)[1]
+    again = run("analyze", shaken, *shlex.split(offered))
+    assert "moves" not in again
+    assert again.count("angle random walk") >= 3
