@@ -58,3 +58,29 @@ def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
     again = run("analyze", shaken, *shlex.split(offered))
     assert "moves" not in again
     assert again.count("angle random walk") >= 3
+
+
+def warm(follow, seed=3):
+    """A gyroscope pair beside a thermometer that wanders: the first follows it, or has a random walk of its own."""
+    rng = np.random.default_rng(seed)
+    temp = 20 + np.cumsum(rng.standard_normal(20_000)) * 0.02
+    other = np.cumsum(rng.standard_normal(20_000)) * 0.02
+    gyro = rng.standard_normal((2, 20_000))
+    gyro[0] += 2 * (temp if follow else other)
+    return {"gx [deg/h]": gyro[0], "gy [deg/h]": gyro[1], "temp [degC]": np.round(temp, 3)}
+
+
+def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tmp_path):
+    file = write(tmp_path / "my day.csv", warm(True))
+    said = run("analyze", file, "--from", 50)
+    assert said.count("the drift of gx follows temp") == 1
+    line = re.search(r"take it off: (allanite compensate .* --regressors temp) ", said)[1]
+    words = shlex.split(line)[1:]
+    assert words == ["compensate", str(file), "--from", "50.0", "--regressors", "temp"]
+    again = run(*words)
+    assert "gx depends on temp" in again
+    assert "follows temp" in run("info", file)
+
+
+def test_a_drift_of_its_own_is_not_blamed_on_the_temperature(tmp_path):
+    assert "follows" not in run("analyze", write(tmp_path / "day.csv", warm(False)))

@@ -234,7 +234,8 @@ class Recording(Value):
     """Records on one clock, by name and in channel order.
 
     `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
-    where the data came from (path, sha256).
+    where the data came from (path, sha256). `others` are columns of the same file that are no channels and may explain
+    them: temperatures, supplies.
 
     Examples
     --------
@@ -249,6 +250,7 @@ class Recording(Value):
     digest: str = ""
     notes: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    others: tuple[Record, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.channels

@@ -26,7 +26,10 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
     """
     if start is None and until is None:
         return recording
-    return replace(recording, records=tuple(_cut(record, start or 0.0, until) for record in recording))
+    records, others = (
+        tuple(_cut(record, start or 0.0, until) for record in some) for some in (recording.records, recording.others)
+    )
+    return replace(recording, records=records, others=others)
 
 
 def _cut(record: Record, start: float, until: float | None) -> Record:

@@ -21,6 +21,7 @@ from allanite.prepare.transform import mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
 
+from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
@@ -249,7 +250,9 @@ def run(
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
     if demand:
         demand_result(recording.channels, results)
-    return kind(results, recipe, recording.findings, recording.notes, provenance_of(recording))
+    named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
+    findings = (*recording.findings, *drift_findings(recording, recipe, named))
+    return kind(results, recipe, findings, recording.notes, provenance_of(recording))
 
 
 def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
