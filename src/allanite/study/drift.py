@@ -34,8 +34,8 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
             found.append(
                 Finding(
                     "drift",
-                    f"the drift of {', '.join(shares)} follows {other.name}, up to {percent(largest)} of the variance of "
-                    "block means",
+                    f"the drift of {', '.join(shares)} follows {other.name}, up to {percent(largest)} of the variance "
+                    "of block means",
                     "B, K and R are partly the sensitivity to it",
                     f"take it off: {compensation(recording.source, recipe, other.name)}",
                 )
