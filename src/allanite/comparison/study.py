@@ -209,7 +209,8 @@ def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
     """The pair and the fit of the whole, of the terms that were compared."""
     if pair.refusal:
         return pair
-    whole = noise_of(recording[pair.name], recipe, terms=",".join(change.symbol for change in pair.changes))
+    terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
+    whole = noise_of(recording[pair.name], recipe, terms=terms)
     return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *(f"the whole: {doubt}" for doubt in whole.doubts)))
 
 

@@ -123,9 +123,11 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        estimates = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None else [])]
+        values = [value_of(c.before, level), value_of(c.after, level)]
+        if pair.whole is not None:
+            values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
         rows.append([
-            c.symbol, words.title(c.symbol, c.signal), *(value_of(e, level) for e in estimates), c.before.sheet_unit,
+            c.symbol, words.title(c.symbol, c.signal) + c.label.removeprefix(c.symbol), *values, c.before.sheet_unit,
             *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), c.outcome,
         ])  # fmt: skip
     return Table(heads, rows, "coefficients", marks=[MARKS.get(c.outcome, "") for c in pair.changes])
