@@ -155,7 +155,9 @@ class Pair(Value):
             parts[0] += ": no single coefficient shows it"
         parts += [self._curves] if self._curves else []
         parts += [f"unchanged within their limits: {', '.join(same)}"] if same else []
-        parts += [f"not resolvable in these records: {', '.join(map(_open, open_))}"] if open_ else []
+        parts += (
+            [f"not resolvable in these records, but in longer ones: {', '.join(map(_open, open_))}"] if open_ else []
+        )
         return "; ".join(parts)
 
     @property
@@ -190,7 +192,12 @@ class Pair(Value):
 
 
 def _open(change: Change) -> str:
-    return change.label if change.needed is None else f"{change.label} (records of {duration(change.needed)} would)"
+    """What is not resolved, and from which length of the records on it would be."""
+    if change.needed is None:
+        return change.label
+    if math.isinf(change.needed):
+        return f"{change.label} (of no practical length)"
+    return f"{change.label} (from {duration(change.needed)} on)"
 
 
 def _coefficients(count: int) -> str:

@@ -13,6 +13,9 @@ from .change import RESOLVED, Change
 STEP = 4.0
 """Factor between the lengths that are tried."""
 
+LIKELY = 0.8
+"""Probability with which records of the length that is named resolve the coefficient."""
+
 LONGEST = 1e13
 """Readings beyond which no length is given."""
 
@@ -24,7 +27,7 @@ def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, 
     ----------
     changes : sequence of Change
     common : sequence of Term
-        The noise of both records; a term that is not in it is supposed as large as it may be by its limits.
+        The noise of both records; a term that is not in it is supposed half as large as its limit.
     rate : float
         Sampling rate, Hz.
     size : int
@@ -43,11 +46,11 @@ def _needed(change: Change, common: Sequence[Term], rate: float, size: int) -> f
         if not limits or any(t.row.waveform is not None for t in terms):
             return None
         shape = next((e.shape for e in (change.before, change.after) if e.shape), ())
-        terms = [Term(change.symbol, min(limits), change.signal, shape)]
+        terms = [Term(change.symbol, min(limits) / 2, change.signal, shape)]
     model = Model((*(t for t in common if t.symbol != change.symbol), *terms))
     if not any(t.row.waveform is None for t in model):
         return None
-    wanted = math.log(RESOLVED) / (math.sqrt(2) * quantile(1 - change.alpha / 2))
+    wanted = math.log(RESOLVED) / (math.sqrt(2) * (quantile(1 - change.alpha / 2) + quantile(LIKELY)))
     before, n = math.inf, float(size)
     while n <= LONGEST:
         error = bound(model, round(n), rate)[change.symbol]
