@@ -20,6 +20,9 @@ from allanite.core.wording import duration
 from .change import Change, Homogeneity, holm, told
 from .together import Together, of_symbol
 
+SECOND = 5.0
+"""Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ratios(Value):
@@ -73,8 +76,11 @@ class Ratios(Value):
         return super().to_dict(level) | {"low": plain(low), "high": plain(high), "level": level}
 
     def apart(self, alpha: float) -> tuple[int, float] | None:
-        """The averaging time at which the curves differ most, and its p adjusted for their number; None above alpha."""
-        adjusted = holm(self.p.tolist())
+        """The averaging time at which the curves differ most, and its p; None above alpha.
+
+        The p is adjusted for the number of times (Holm), and for a second look at records that were compared already.
+        """
+        adjusted = [min(1.0, SECOND * p) for p in holm(self.p.tolist())]
         least = min(range(len(adjusted)), key=lambda i: (adjusted[i], self.p[i]))
         return (least, adjusted[least]) if adjusted[least] <= alpha else None
 
@@ -140,24 +146,23 @@ class Pair(Value):
     @property
     def changed(self) -> bool:
         """Whether the records differ by more than chance: their noise, a sinusoid, or their curves at some time."""
-        return self.p <= self.alpha or any(c.significant for c in self.changes) or bool(self._curves)
+        lines = any(change.significant for change in self.changes if change.frequency is not None)
+        return self.p <= self.alpha or lines or bool(self._curves)
 
     @property
     def verdict(self) -> str:
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
             return f"not compared: {self.refusal}"
-        named = [told(change) for change in self.changes if change.significant]
+        named = ", ".join(told(change) for change in self.changes if change.significant)
         same = [c.label for c in self.changes if c.outcome == "no change"]
         open_ = [c for c in self.changes if c.outcome == "not resolvable"]
-        parts = [self._headline + (f": {', '.join(named)}" if named else "")]
-        if self.changed and not named:
-            parts[0] += ": no single coefficient shows it"
+        detail = named or ("no single coefficient shows it" if self.changed else "")
+        parts = [self._headline + (f"{': ' if self.changed else '; by itself '}{detail}" if detail else "")]
         parts += [self._curves] if self._curves else []
         parts += [f"unchanged within their limits: {', '.join(same)}"] if same else []
-        parts += (
-            [f"not resolvable in these records, but in longer ones: {', '.join(map(_open, open_))}"] if open_ else []
-        )
+        longer = "not resolvable in these records, but in longer ones: "
+        parts += [longer + ", ".join(map(_open, open_))] if open_ else []
         return "; ".join(parts)
 
     @property

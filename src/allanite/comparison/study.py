@@ -39,7 +39,9 @@ def compare(
 
     The verdict is the likelihood ratio of one common noise model against two, calibrated by drawing; each coefficient
     has its change in percent with profile limits and a p adjusted (Holm) for the number of coefficients; at each
-    averaging time stands the ratio of the variances with its limits. The records are supposed to be independent.
+    averaging time stands the ratio of the variances with its limits. The records are supposed to be independent; two
+    that hold the same noise, as raw and corrected readings do, are recognised and compared as a pair. Sinusoids have
+    rows of their own.
 
     Parameters
     ----------

@@ -26,7 +26,9 @@ MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable"
 """Mark of a row by the outcome of its coefficient."""
 
 COMPARED = (
-    "The two records are assumed to be independent. The verdict is the likelihood ratio of one common noise model "
+    "The two records are assumed to be independent, unless they hold the same noise, as raw and corrected readings do: "
+    "those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan).",
+    "The verdict is the likelihood ratio of one common noise model "
     "against a separate model for each record, with the terms that the common model holds (binned powers of the cosine "
     "transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, the "
     "distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where p is "
