@@ -84,3 +84,26 @@ def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tm
 
 def test_a_drift_of_its_own_is_not_blamed_on_the_temperature(tmp_path):
     assert "follows" not in run("analyze", write(tmp_path / "day.csv", warm(False)))
+
+
+def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path):
+    file = write(tmp_path / "day.csv", {k: v for k, v in warm(True).items() if k != "gy [deg/h]"})
+    corrected = tmp_path / "corrected.csv"
+    run("compensate", file, "--regressors", "temp", "--corrected", corrected)
+    said = run("compare", file, corrected)
+    assert "as raw and corrected readings do" in said
+    assert "the noise has changed, p " in said
+    assert re.search(r"likelihood ratio \S+ for \d+ octaves of frequency", said)
+
+
+def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
+    rng = np.random.default_rng(1)
+    hum = np.sin(2 * np.pi * 3.1 * np.arange(20_000) / RATE)
+    files = [
+        write(tmp_path / f"{size}.csv", {"gx [deg/h]": rng.standard_normal(20_000) + size * hum}) for size in (0.2, 0.3)
+    ]
+    said = run("compare", *files)
+    assert re.search(r"Sine at 3\.1 Hz \+\d\d\.\d %", said)
+    assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ deg/h \+\d\d", said)
+    assert "no change of the noise" not in said
+    assert re.search(r"K \(from \S+ (min|h|d) on\)", said)
