@@ -95,7 +95,9 @@ def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
 
 
 def _seconds(record: Record, index: int) -> float:
-    return record.cut + index / record.rate
+    """Time of a reading in the recording; the whole second where it is the reading nearest to one."""
+    at = record.cut + index / record.rate
+    return float(round(at)) if abs(at - round(at)) <= 0.5 / record.rate else at
 
 
 def _places(view: View, loud: BoolArray) -> NDArray[np.intp]:

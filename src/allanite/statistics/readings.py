@@ -42,10 +42,16 @@ class _Limits:
         return float(low[self.at]), float(high[self.at])
 
 
-def readings(record: Record) -> Readings:
+def readings(record: Record, curve: Curve | None = None) -> Readings:
     """Read off the overlapping Allan deviation of a record what data sheets and other programs do.
 
     Points with fewer than eight successive windows are left out: the lowest of points that scatter is low by luck.
+
+    Parameters
+    ----------
+    record : Record
+    curve : Curve, optional
+        The record's oadev on the grid "log", where it is there already.
 
     Raises
     ------
@@ -60,7 +66,7 @@ def readings(record: Record) -> Readings:
     >>> found.usual.tau, round(found.around.value, 2), found.inside
     (1.0, -0.5, False)
     """
-    wide = deviation(record, "oadev", taus="log", noise=None)
+    wide = deviation(record, "oadev", taus="log", noise=None) if curve is None else curve
     known = wide.count >= WINDOWS * wide.m
     factors = wide.m[known].tolist()
     lowest = int(wide.deviation[known].argmin()) if factors else 0
@@ -86,7 +92,7 @@ class _Points:
 
     def __init__(self, curve: Curve) -> None:
         self.curve, self.place = curve, {int(m): i for i, m in enumerate(curve.m)}
-        self.limits = Remembered(curve.interval)
+        self.limits, self.edf = Remembered(curve.interval), curve.edf
 
     def reading(self, m: int) -> Reading:
         i = self.place[m]
@@ -95,7 +101,7 @@ class _Points:
     def slope(self, first: int, last: int) -> Slope | None:
         """From one point to the other; None where they are too close, or a variance is zero."""
         at = [self.place[first], self.place[last]]
-        tau, variance, edf = (values[at] for values in (self.curve.tau, self.curve.variance, self.curve.edf))
+        tau, variance, edf = (values[at] for values in (self.curve.tau, self.curve.variance, self.edf))
         if last < WIDE * first or not variance.all():
             return None
         ratio = math.log(tau[1] / tau[0])

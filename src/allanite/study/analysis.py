@@ -134,7 +134,9 @@ def analyze(
         noise = noise_of(seen.record, recipe)
         curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit.model)
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
-        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=readings(seen.record))
+        usual = curve.statistic == "oadev" and recipe.taus == "log"
+        read = readings(seen.record, curve if usual else None)
+        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read)
 
     return run(Study, source, recipe, work, Channel.refused, progress=progress)
 
