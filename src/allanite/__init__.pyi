@@ -78,6 +78,7 @@ from .statistics import STATISTICS as STATISTICS
 from .statistics import deviation as deviation
 from .statistics import expected as expected
 from .statistics.dynamic import dynamic as dynamic
+from .statistics.readings import readings as readings
 from .statistics.spectra.multitaper import Multitaper as Multitaper
 from .statistics.spectra.spectrum import spectrum as spectrum
 from .statistics.spectra.welch import Welch as Welch

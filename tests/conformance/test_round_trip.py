@@ -133,6 +133,11 @@ def shared():
 
 
 @cache
+def read():
+    return al.readings(record())
+
+
+@cache
 def plan_of_angles():
     return al.angle.AngleSettings(np.radians(60), duration=1800.0, interval=30.0, sway=(0.01, 10.0))
 
@@ -206,6 +211,7 @@ MAKERS = {
     "InnovationTest": lambda: calibration().solution.checks[0],
     "Line": lambda: fit().lines[0],
     "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
+    "Means": lambda: read().means[0],
     "Mixture": lambda: regression().mixture,
     "Model": lambda: MODEL,
     "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
@@ -222,6 +228,8 @@ MAKERS = {
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,
+    "Reading": lambda: read().usual,
+    "Readings": read,
     "RecordingPlan": lambda: al.plan(MODEL, 100.0),
     "Regression": regression,
     "Regressor": lambda: regression().regressors[1],
@@ -233,6 +241,7 @@ MAKERS = {
     "SelfChecks": lambda: run_model_job(None, SelfCheckSettings(model=WHITE, samples=2000, records=3), GIVEN),
     "SelfCheckSettings": lambda: SelfCheckSettings(sensor="fog", duration=600.0, max_bias=5.0),
     "Shared": shared,
+    "Slope": lambda: read().slopes[0],
     "Solution": lambda: calibration().solution,
     "Simulation": lambda: Simulation.of(MODEL, 1, al.Recording((record(),))),
     "Spectrum": lambda: al.spectrum(record()),

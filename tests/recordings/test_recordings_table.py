@@ -74,7 +74,7 @@ TABLE = [
     Row("imu_tk_xsens_gyro.mat", "analyze", "--unit deg/s --time 1 --until 52", 0, 100.01013, (r"angle random walk",)),
     Row("aegiverse_fog_0917.txt", "info", "", 2, None, (r"'fog': the unit is not known",)),
     Row("aegiverse_fog_0917.txt", "info", "--unit deg/h", 0, 100.02865, (
-        r"from column 'time'", r"5 distinct values", r"stand still 1 time",
+        r"from column 'time'", r"5 distinct values", r"stand still in 1 place",
     )),
     Row("aegiverse_fpga_gyro_0802.txt", "info", "", 2, None, (*ASKED, r"--time 1")),
     Row("aegiverse_fpga_gyro_0802.txt", "info", "--time 1 --unit deg/s --channels 2", 0, 96.071745, (

@@ -27,7 +27,7 @@ STDOUT = "-"
 WIDTH = 120
 """Columns of text that no terminal bounds."""
 
-PRINTED = ("json", "csv")
+PRINTED = ("json", "csv", "coefficients")
 """What may go to standard output."""
 
 
@@ -168,8 +168,8 @@ def encoded(value: Any, name: str, path: str) -> str | bytes:
 
     if name == "json":
         return to_json(value)
-    if name == "csv":
-        return reporting.to_csv(value)
+    if name in ("csv", "coefficients"):
+        return reporting.to_csv(value, coefficients=name == "coefficients")
     if name == "plot":
         from allanite.reporting.style import encode
 

@@ -104,7 +104,8 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
         return None
     from allanite.study.recipe import load_toml
 
-    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - {"recipe", *OUTPUTS, "force", "quiet"}
+    own = {"recipe", *OUTPUTS, "coefficients", "force", "quiet"}
+    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - own
     choices = load_toml(path)
     for key in choices:
         if key not in known:
@@ -171,6 +172,7 @@ OPTIONS: dict[str, Decorator] = {
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
     "json": _path("json", "Write everything as JSON; - is standard output."),
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
+    "coefficients": _path("coefficients", "Write coefficients and curve readings as CSV; - is standard output."),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
     "quiet": click.option("--quiet", is_flag=True, help="Print nothing but errors and what goes to standard output."),
     # of the same name, where a verb means something else by it

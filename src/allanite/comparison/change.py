@@ -1,9 +1,9 @@
 """Change: one coefficient before and after. Homogeneity: whether several records have one noise."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Estimate, Fit, chance
@@ -11,6 +11,9 @@ from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.terms import TERMS
+
+if TYPE_CHECKING:
+    from .sinusoids import LineContrast
 
 Limits = Callable[[float], tuple[float, float]]
 
@@ -65,6 +68,10 @@ class Change(Value):
         Of the ratio.
     alpha : float
         Adjusted p up to which the change is called one.
+    frequency : float or None
+        Of a sinusoid, Hz.
+    needed : float or None
+        Length of each record, s, from which on a change by a factor of 2 would be seen, where it is not in these.
     """
 
     _keys: ClassVar = {"adjusted": "p_holm"}
@@ -79,6 +86,13 @@ class Change(Value):
     adjusted: float
     limits: Limits
     alpha: float = 0.05
+    frequency: float | None = None
+    needed: float | None = None
+
+    @property
+    def label(self) -> str:
+        """The symbol; of a sinusoid with its frequency."""
+        return self.symbol if self.frequency is None else f"{self.symbol} at {self.frequency:.4g} Hz"
 
     @property
     def percent(self) -> float:
@@ -108,7 +122,7 @@ class Change(Value):
         """Symbol, name, coefficients before and after, unit, change in percent, its limits, p, adjusted p, outcome."""
         unit = self.before.sheet_unit
         values = [None if e.value is None else e.to(unit) for e in (self.before, self.after)]
-        return [self.symbol, TERMS[self.symbol].title, *values, unit, self.percent, *self.interval(level), self.p,
+        return [self.label, TERMS[self.symbol].title, *values, unit, self.percent, *self.interval(level), self.p,
                 self.adjusted, self.outcome]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
@@ -121,7 +135,7 @@ class Change(Value):
         return data
 
     def _summary(self) -> str:
-        return told(self) if self.significant else f"{self.symbol}: {self.outcome}, {chance(self.p)}"
+        return told(self) if self.significant else f"{self.label}: {self.outcome}, {chance(self.p)}"
 
 
 def alpha_of(level: float) -> float:
@@ -144,22 +158,29 @@ def holm(p: list[float]) -> list[float]:
     return adjusted
 
 
-def changes_of(contrasts: Mapping[str, Any], fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
-    """The change of each coefficient, by symbol, from what contrasts it: a ratio, its p and its limits."""
-    before, after = fits
-    p = [contrast.p for contrast in contrasts.values()]
-    return tuple(
-        Change(s, before.signal, before[s], after[s], c.ratio, q, adjusted, Remembered(c.limits), alpha_of(level))
-        for (s, c), q, adjusted in zip(contrasts.items(), p, holm(p), strict=True)
-    )
+def changes_of(
+    contrasts: Mapping[str, Any], fits: tuple[Fit, Fit], level: float, lines: Sequence["LineContrast"] = ()
+) -> tuple[Change, ...]:
+    """The change of each coefficient, by symbol, and of each sinusoid, from what contrasts it: ratio, p and limits."""
+    signal, alpha = fits[0].signal, alpha_of(level)
+    adjusted = iter(holm([contrast.p for contrast in (*contrasts.values(), *lines)]))
+    found = [
+        Change(s, signal, fits[0][s], fits[1][s], c.ratio, c.p, next(adjusted), Remembered(c.limits), alpha)
+        for s, c in contrasts.items()
+    ]
+    for c in lines:
+        first, second = (amplitude.estimate(c.frequency, signal) for amplitude in (c.first, c.second))
+        p = next(adjusted)
+        found.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
+    return tuple(found)
 
 
 def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
     if not math.isfinite(change.ratio):
-        return f"{change.symbol} is there only afterwards"
+        return f"{change.label} is there only afterwards"
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
         return f"{change.symbol} has turned its sign"
     limits = f" ({low:+.3g} to {high:+.3g} %)" if math.isfinite(low) and math.isfinite(high) else ""
-    return f"{change.symbol} {change.percent:+.3g} %{limits}"
+    return f"{change.label} {change.percent:+.3g} %{limits}"

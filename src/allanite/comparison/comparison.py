@@ -15,9 +15,13 @@ from allanite.core.header import Header
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Record
+from allanite.core.wording import duration
 
-from .change import Change, Homogeneity, told
+from .change import Change, Homogeneity, holm, told
 from .together import Together, of_symbol
+
+SECOND = 5.0
+"""Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,6 +75,15 @@ class Ratios(Value):
         low, high = self.interval(level)
         return super().to_dict(level) | {"low": plain(low), "high": plain(high), "level": level}
 
+    def apart(self, alpha: float) -> tuple[int, float] | None:
+        """The averaging time at which the curves differ most, and its p; None above alpha.
+
+        The p is adjusted for the number of times (Holm), and for a second look at records that were compared already.
+        """
+        adjusted = [min(1.0, SECOND * p) for p in holm(self.p.tolist())]
+        least = min(range(len(adjusted)), key=lambda i: (adjusted[i], self.p[i]))
+        return (least, adjusted[least]) if adjusted[least] <= alpha else None
+
     def _summary(self) -> str:
         return f"after over before, {self.tau.size} averaging times, {self.ratio.min():.3g} to {self.ratio.max():.3g}"
 
@@ -99,6 +112,8 @@ class Pair(Value):
         What must stand beside the numbers.
     whole : Fit or None
         Of the record of which both are parts, in a study of truncation.
+    paired : bool
+        Whether both hold the same noise, and are compared reading by reading.
     """
 
     _keys: ClassVar = {"changes": "terms"}
@@ -116,6 +131,7 @@ class Pair(Value):
     refusal: str = ""
     alpha: float = 0.05
     whole: Fit | None = None
+    paired: bool = False
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")
@@ -129,27 +145,48 @@ class Pair(Value):
 
     @property
     def changed(self) -> bool:
-        """Whether the records differ by more than chance."""
-        return self.p <= self.alpha
+        """Whether the records differ by more than chance: their noise, a sinusoid, or their curves at some time."""
+        lines = any(change.significant for change in self.changes if change.frequency is not None)
+        return self.p <= self.alpha or lines or bool(self._curves)
 
     @property
     def verdict(self) -> str:
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
             return f"not compared: {self.refusal}"
-        test = self.test
-        how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {_coefficients(test.dof)})"
-        p = chance(self.p)
-        first = f"the noise has changed, {p}{how}" if self.changed else f"no change of the noise is seen, {p}{how}"
-        named = [told(change) for change in self.changes if change.significant]
-        same = [c.symbol for c in self.changes if c.outcome == "no change"]
-        open_ = [c.symbol for c in self.changes if c.outcome == "not resolvable"]
-        parts = [first + (f": {', '.join(named)}" if named else "")]
-        if self.changed and not named:
-            parts[0] += ": no single coefficient shows it"
+        named = ", ".join(told(change) for change in self.changes if change.significant)
+        same = [c.label for c in self.changes if c.outcome == "no change"]
+        open_ = [c for c in self.changes if c.outcome == "not resolvable"]
+        detail = named or ("no single coefficient shows it" if self.changed else "")
+        parts = [self._headline + (f"{': ' if self.changed else '; by itself '}{detail}" if detail else "")]
+        parts += [self._curves] if self._curves else []
         parts += [f"unchanged within their limits: {', '.join(same)}"] if same else []
-        parts += [f"not resolvable in these records: {', '.join(open_)}"] if open_ else []
+        longer = "not resolvable in these records, but in longer ones: "
+        parts += [longer + ", ".join(map(_open, open_))] if open_ else []
         return "; ".join(parts)
+
+    @property
+    def _headline(self) -> str:
+        p, test = chance(self.p), self.test
+        per = f"{test.dof} octaves of frequency" if test and self.paired else _coefficients(test.dof) if test else ""
+        how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {per})"
+        if self.p <= self.alpha:
+            return f"the noise has changed, {p}{how}"
+        if self.changed:
+            return f"the records differ, though the noise as a whole does not show it, {p}{how}"
+        return f"no change of the noise is seen, {p}{how}"
+
+    @property
+    def _curves(self) -> str:
+        """Where the curves differ, all averaging times considered; empty where they do not."""
+        most = None if self.ratios is None else self.ratios.apart(self.alpha)
+        if self.ratios is None or most is None:
+            return ""
+        at, p = most
+        return (
+            f"the curves differ, most at {self.ratios.tau[at]:.4g} s (variance ratio {self.ratios.ratio[at]:.3g}, "
+            f"{chance(p)} with {self.ratios.tau.size} averaging times considered)"
+        )
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
@@ -157,6 +194,15 @@ class Pair(Value):
 
     def _summary(self) -> str:
         return f"{self.name!r}: {self.verdict}"
+
+
+def _open(change: Change) -> str:
+    """What is not resolved, and from which length of the records on it would be."""
+    if change.needed is None:
+        return change.label
+    if math.isinf(change.needed):
+        return f"{change.label} (of no practical length)"
+    return f"{change.label} (from {duration(change.needed)} on)"
 
 
 def _coefficients(count: int) -> str:

@@ -108,7 +108,7 @@ def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[R
         return list(records), []
     found = [outliers(record) for record in records]
     notes = [
-        f"record {i}: {some.words(record.rate)}: left out of the comparison"
+        f"record {i}: {some.words(record)}: left out of the comparison"
         for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
         if some.at.size
     ]

@@ -1,5 +1,6 @@
 """Two records of a channel become a pair: the verdict, the change of each coefficient, the ratio of the variances."""
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, cast
@@ -18,11 +19,20 @@ from .comparison import Pair, Ratios
 from .contrast import Contrast, homogeneity, partly_common
 from .joining import join_records
 from .joint import Joint
+from .paired import ALIKE, paired_homogeneity, paired_law, resemblance
 from .ramps import RampContrast, ramp_law
 from .ratio import ratio_law, shared_curves
+from .resolving import with_needed
+from .sinusoids import LineContrast, line_contrasts
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+PAIRED = (
+    "both records hold the same noise, as raw and corrected readings do (they correlate by {:.3g}): they are compared "
+    "as a pair; limits of the coefficients are those of independent records, wider than need be"
+)
 
 
 def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
@@ -36,7 +46,12 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     records = cast(tuple[Record, Record], seen.records)
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
-    changes = _changes(both, (first, second), recipe.level)
+    changes = _changes(both, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
+    sizes = zip(both.symbols, both.chosen.theta.tolist(), strict=True)
+    common = [both.term(symbol, math.sqrt(size)) for symbol, size in sizes if size > 0]
+    changes = with_needed(changes, common, min(r.rate for r in records), min(r.size for r in records))
+    alike = resemblance(records)
+    alerts = (*alerts, PAIRED.format(alike)) if alike > ALIKE else alerts
     ratios = None
     try:
         ratios = ratios_of(records, (first, second), law_models(both, (first, second), changes), recipe)
@@ -44,7 +59,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
         alerts = (*alerts, str(error))
     return Pair(
         seen.name,
-        test=homogeneity(both, rng),
+        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng),
         changes=changes,
         ratios=ratios,
         band=both.band,
@@ -53,6 +68,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
         records=records,
         alerts=alerts,
         alpha=alpha_of(recipe.level),
+        paired=alike > ALIKE,
     )
 
 
@@ -61,13 +77,13 @@ def refuse_pair(seen: Inspected, why: str) -> Pair:
     return Pair(seen.name, records=cast(tuple[Record, Record], seen.records), alerts=seen.alerts, refusal=why)
 
 
-def _changes(both: Joint, fits: tuple[Fit, Fit], level: float) -> tuple[Change, ...]:
+def _changes(both: Joint, fits: tuple[Fit, Fit], level: float, lines: tuple[LineContrast, ...]) -> tuple[Change, ...]:
     found: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
     ramps = ramp_law(both, 0), ramp_law(both, 1)
     if ramps[0] is not None and ramps[1] is not None:
         found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in fits[0] if TERMS[e.symbol].waveform is not None}
     kept = {e.symbol: found[e.symbol] for e in fits[0] if e.symbol in found}
-    return changes_of(kept, fits, level)
+    return changes_of(kept, fits, level, lines)
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
@@ -89,6 +105,7 @@ def ratios_of(
 ) -> Ratios:
     """The curves of both at the same averaging times, and the law of their ratio."""
     m, (before, after) = shared_curves(records, fits, recipe.statistic, recipe.taus)
-    law = ratio_law(records, recipe.statistic, m, supposed)
+    alike = resemblance(records) > ALIKE
+    law = paired_law(records, (before, after)) if alike else ratio_law(records, recipe.statistic, m, supposed)
     ratio = after.variance / before.variance
     return Ratios(before, after, law.p(ratio), Remembered(partial(law.limits, ratio)))

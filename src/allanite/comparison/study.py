@@ -39,7 +39,9 @@ def compare(
 
     The verdict is the likelihood ratio of one common noise model against two, calibrated by drawing; each coefficient
     has its change in percent with profile limits and a p adjusted (Holm) for the number of coefficients; at each
-    averaging time stands the ratio of the variances with its limits. The records are supposed to be independent.
+    averaging time stands the ratio of the variances with its limits. The records are supposed to be independent; two
+    that hold the same noise, as raw and corrected readings do, are recognised and compared as a pair. Sinusoids have
+    rows of their own.
 
     Parameters
     ----------
@@ -209,7 +211,8 @@ def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
     """The pair and the fit of the whole, of the terms that were compared."""
     if pair.refusal:
         return pair
-    whole = noise_of(recording[pair.name], recipe, terms=",".join(change.symbol for change in pair.changes))
+    terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
+    whole = noise_of(recording[pair.name], recipe, terms=terms)
     return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *(f"the whole: {doubt}" for doubt in whole.doubts)))
 
 

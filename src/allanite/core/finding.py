@@ -18,7 +18,7 @@ class Finding(Value):
     consequence, remedy : str
         What it does to the numbers, and what the user can do.
     place : (start, end) or None
-        Seconds after the record's first sample; None for the whole record.
+        Seconds after the recording's first sample; None for the whole record.
     fatal : bool
         Whether the record cannot support the job.
     """

@@ -38,6 +38,7 @@ _MODULES: dict[str, str] = {
     "core.fit": "Alternative Estimate Fit Goodness Line",
     "core.model": "Model Term",
     "core.header": "Header",
+    "core.readings": "Means Reading Readings Slope",
     "core.residuals": "Check Residuals Shared",
     "core.scope": "LowPass Scope",
     "core.spectrum": "Spectrum",

@@ -60,6 +60,9 @@ class Record(Value):
         Size of one step of `values` in `unit`; needed for counts.
     name, start, history
         Name of the channel; time of the first sample, s; what was done to the record, oldest first.
+    cut : float
+        How much of the recording was cut off before the first sample, s: what is said of a record is in times of the
+        whole recording, as ``--from`` and ``--until`` take them.
 
     Raises
     ------
@@ -83,6 +86,7 @@ class Record(Value):
     name: str = ""
     start: float | None = None
     history: tuple[str, ...] = ()
+    cut: float = 0.0
     factor: float = field(init=False, repr=False)
     signal: Signal = field(init=False, repr=False)
 
@@ -230,7 +234,8 @@ class Recording(Value):
     """Records on one clock, by name and in channel order.
 
     `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
-    where the data came from (path, sha256).
+    where the data came from (path, sha256). `others` are columns of the same file that are no channels and may explain
+    them: temperatures, supplies.
 
     Examples
     --------
@@ -245,6 +250,7 @@ class Recording(Value):
     digest: str = ""
     notes: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    others: tuple[Record, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.channels

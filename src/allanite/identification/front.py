@@ -25,7 +25,7 @@ METHODS: dict[str, Method] = {
     "whittle": Method(
         "likelihood of the cosine transform's binned powers, profile intervals", Record, whittle,
         efficiency="0.93 to 1.14 times the Cramer-Rao bound",
-        options=("band", "lines", "rival"), shapes=True,
+        options=("band", "lines", "rival"), shapes=True, signed=True,
     ),
     "gls": Method(
         "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,
@@ -164,7 +164,7 @@ def identify(
         return row.fit(readable, symbols, **options)
     found = robust.outliers(readable) if outliers == "mark" else None
     fit = row.fit(robust.marked(readable, found) if found else readable, symbols, **options)
-    return _noted(fit, found, readable.rate) if found else fit
+    return _noted(fit, found, readable) if found else fit
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:
@@ -217,9 +217,9 @@ def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str,
     return fits
 
 
-def _noted(fit: Fit, found: robust.Outliers, rate: float) -> Fit:
+def _noted(fit: Fit, found: robust.Outliers, record: Record) -> Fit:
     """The fit with a note on the outliers that it leaves out."""
     if not found.at.size:
         return fit
-    note = f"{found.words(rate)}: left out of the fit (--outliers keep counts them in)"
+    note = f"{found.words(record)}: left out of the fit (--outliers keep counts them in)"
     return replace(fit, notes=(*fit.notes, note))

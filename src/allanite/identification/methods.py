@@ -31,6 +31,8 @@ class Method:
         What may be said beside the terms.
     shapes : bool
         Whether it finds terms with a shape: Gauss-Markov noise, sinusoids.
+    signed : bool
+        Whether it knows the sign of a ramp; a curve tells the size only.
     """
 
     title: str
@@ -42,6 +44,7 @@ class Method:
     reads: Callable[[Statistic], bool] = lambda row: False
     options: tuple[str, ...] = ()
     shapes: bool = False
+    signed: bool = False
 
     @property
     def allowed(self) -> tuple[str, ...]:

@@ -46,10 +46,10 @@ class Outliers:
     largest: float = 0.0
     heavy: int = 0
 
-    def words(self, rate: float) -> str:
+    def words(self, record: Record) -> str:
         """``3 outliers beyond 5.6 standard deviations, the first at 12.34 s, the largest 31``."""
         count = f"{self.at.size} outlier" + ("s" if self.at.size > 1 else "")
-        first = f"the first at {self.at[0] / rate:.6g} s"
+        first = f"the first at {record.cut + self.at[0] / record.rate:.6g} s"
         return f"{count} beyond {self.limit:.2g} standard deviations, {first}, the largest {self.largest:.3g}"
 
 
@@ -95,7 +95,7 @@ def marked(record: Record, found: Outliers) -> Record:
     """
     if not found.at.size:
         return record
-    what = f"{found.words(record.rate)}: marked as lost"
+    what = f"{found.words(record)}: marked as lost"
     points = _wrong_points(record, found.at)
     if points.size:
         values = record.values.copy()

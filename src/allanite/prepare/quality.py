@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.finding import Finding, Quality
 from allanite.core.record import SHORTEST, Record
+from allanite.core.wording import percent, plural
 
 from .gaps import refusal
 from .readings import clipped, outliers, quantised, stuck
@@ -79,13 +80,14 @@ def _gaps(view: View) -> Finding | None:
     holes = np.flatnonzero(np.diff(np.concatenate(([-1], view.left, [size]))) > 1)
     start = float(view.left[holes[0] - 1] + 1) if holes[0] else 0.0
     end = float(view.left[holes[-1]]) if holes[-1] < view.left.size else float(size)
+    start, end, first, last = (view.record.cut + at / view.rate for at in (start, end, first, last + 1))
     return Finding(
         "gaps",
-        f"{lost} of {size} readings are lost ({100 * lost / size:.2g} %), in {holes.size} gap(s), the first from "
-        f"{start / view.rate:.6g} s",
+        f"{lost} of {size} readings are lost ({percent(lost / size)}), in {plural(holes.size, 'gap')}, the first from "
+        f"{start:.6g} s",
         "nothing is filled in: the fit joins what is left and accounts for it, a curve counts whole windows only",
-        f"the longest stretch without a gap: --from {first / view.rate:.6g} --until {(last + 1) / view.rate:.6g}",
-        (start / view.rate, end / view.rate),
+        f"the longest stretch without a gap: --from {first:.6g} --until {last:.6g}",
+        (start, end),
     )
 
 

@@ -5,7 +5,9 @@ import math
 import numpy as np
 
 from allanite.core.finding import Finding
+from allanite.core.wording import percent, plural
 
+from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding
 from .view import View, stretches
 
@@ -31,7 +33,7 @@ def stuck(view: View) -> Finding | None:
     lost = int((bad[:, 1] - bad[:, 0]).sum())
     return Finding(
         "stuck",
-        f"the readings stand still {len(bad)} time(s), first from {view.seconds(first):.6g} s to "
+        f"the readings stand still in {plural(len(bad), 'place')}, first from {view.seconds(first):.6g} s to "
         f"{view.seconds(last):.6g} s; {lost} readings in all",
         "a sensor or logger that repeats itself looks quieter than it is",
         "choose a window without it (--from, --until)",
@@ -84,22 +86,30 @@ def quantised(view: View) -> Finding | None:
     )
 
 
+def _why(view: View, found: Outliers) -> str:
+    """Why readings beyond the limit are no outliers."""
+    if found.heavy > MOST * view.steps.size:
+        return f"more than {percent(MOST)} of all: another noise, not single outliers"
+    return f"and more than Gaussian noise has beyond {TAIL * found.limit:.2g}: heavy tails, not single outliers"
+
+
 def outliers(view: View) -> Finding | None:
     """Readings far off the median of those around them, or the heavy tails that they belong to."""
     found = view.outliers
     if found.heavy:
         return Finding(
             "heavy tails",
-            f"{found.heavy} readings lie beyond {found.limit:.2g} standard deviations, too many for outliers",
+            f"{plural(found.heavy, 'reading')} beyond {found.limit:.2g} standard deviations, {_why(view, found)}",
             "the noise is not Gaussian, or its level changes fast: intervals are too narrow",
             "look at the readings; nothing is left out",
         )
     if not found.at.size:
         return None
+    cut = view.record.cut
     return Finding(
         "outliers",
-        found.words(view.rate),
+        found.words(view.record),
         "each adds to curves and spectra at every short averaging time",
         "leave them out there, too (--outliers mark), or choose a window without them (--from, --until)",
-        (float(found.at[0]) / view.rate, float(found.at[-1] + 1) / view.rate),
+        (cut + float(found.at[0]) / view.rate, cut + float(found.at[-1] + 1) / view.rate),
     )

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.wording import percent
 
 from .view import View
 
@@ -60,7 +61,7 @@ def _interpolated(view: View) -> Finding | None:
         return None
     beat = at * view.rate / power.size
     what = (
-        f"the fast noise swells and fades {beat:.5g} times a second, by {100 * depth:.2g} %: the readings were "
+        f"the fast noise swells and fades {beat:.5g} times a second, by {percent(depth)}: the readings were "
         f"interpolated, from {view.rate - beat:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz"
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)

@@ -1,21 +1,28 @@
 """Checks of the whole record: motion, a noise level that changes, lines, and curves that no five terms can make."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
+from allanite.core.record import SHORTEST, Record, Recording
+from allanite.core.wording import percent
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
 from .view import View, stretches
+from .window import trim
 
 MOVING = 20.0
 """Rms about the record's median, over that of its quietest tenth, from which a block is called moving."""
 
 TOO_BUSY = 0.02
 """Share of moving blocks above which the record cannot support the job."""
+
+AT_REST = "noise can only be told from a sensor at rest"
 
 PARTS = 8
 """Parts of a record whose noise levels are compared."""
@@ -26,27 +33,77 @@ UNEQUAL = 1.3
 
 def moving(view: View) -> Finding | None:
     """Blocks of a second whose rms about the record's median is more than 20 times that of the quietest tenth."""
-    rms = _block_rms(view)
-    busy = rms > MOVING * max(float(np.quantile(rms, 0.1)), view.fast)
-    if busy.sum() < max(2, 0.002 * busy.size):
+    loud = busy(view)
+    if not in_motion(loud):
         return None
-    first = int(busy.argmax()) * view.span
+    first = int(loud.argmax()) * view.span
     return Finding(
         "moving",
         f"moves from {view.seconds(first):.4g} s (rms over {MOVING:g} times that of the quietest tenth in "
-        f"{100 * busy.mean():.2g} % of the blocks)",
-        "noise can only be told from a sensor at rest",
-        f"the longest still stretch: {_stillest(view, busy)}",
-        (view.seconds(first), view.seconds((busy.size - int(busy[::-1].argmax())) * view.span)),
-        fatal=bool(busy.mean() > TOO_BUSY),
+        f"{percent(float(loud.mean()))} of the blocks)",
+        AT_REST,
+        still_words([view.record]),
+        (view.seconds(first), view.seconds((loud.size - int(loud[::-1].argmax())) * view.span)),
+        fatal=bool(loud.mean() > TOO_BUSY),
     )
 
 
-def _stillest(view: View, busy: BoolArray) -> str:
-    """Options that cut out the longest stretch without a busy block; the quietest tenth is never busy."""
-    still = stretches(~busy) * view.span
-    start, end = (view.seconds(v) for v in still[np.diff(still, axis=1)[:, 0].argmax()])
-    return (f"--from {math.ceil(start):g} " if start > 0 else "") + f"--until {math.floor(end):g}"
+def busy(view: View) -> BoolArray:
+    """Blocks in which the record moves."""
+    rms = _block_rms(view)
+    return np.asarray(rms > MOVING * max(float(np.quantile(rms, 0.1)), view.fast))
+
+
+def in_motion(loud: BoolArray) -> bool:
+    """Whether so many blocks are busy that the record moves."""
+    return bool(loud.sum() >= max(2, 0.002 * loud.size))
+
+
+def still_words(records: Sequence[Record]) -> str:
+    """The options that cut out the longest still stretch of these records."""
+    found = still_stretch(records)
+    if found is None:
+        return "no stretch of it is still: record again with the sensor at rest"
+    start, end = found
+    return "the longest still stretch: " + (f"--from {start:g} " if start > 0 else "") + f"--until {end:g}"
+
+
+def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
+    """A stretch in which none of these records, which share a clock, moves by the test of `moving`.
+
+    The longest run without a busy block is looked at by itself, where the quietest tenth is another, until the test
+    finds nothing. In whole seconds of the recording; None where too little is left.
+    """
+    first = records[0]
+    start, end = 0, first.size
+    while end - start >= SHORTEST:
+        parts = trim(Recording(tuple(records)), start / first.rate, end / first.rate)
+        still = np.ones(end - start, dtype=np.bool_)
+        for view in map(View, parts):
+            loud = busy(view)
+            if in_motion(loud):
+                still[_places(view, loud)] = False
+        runs = stretches(still)
+        if still.all() or not runs.size:
+            return (_seconds(first, start), _seconds(first, end)) if runs.size else None
+        low, high = (start + int(i) for i in runs[np.diff(runs, axis=1)[:, 0].argmax()])
+        start, end = (
+            round((whole - first.cut) * first.rate)
+            for whole in (math.ceil(_seconds(first, low)), math.floor(_seconds(first, high)))
+        )
+    return None
+
+
+def _seconds(record: Record, index: int) -> float:
+    """Time of a reading in the recording; the whole second where it is the reading nearest to one."""
+    at = record.cut + index / record.rate
+    return float(round(at)) if abs(at - round(at)) <= 0.5 / record.rate else at
+
+
+def _places(view: View, loud: BoolArray) -> NDArray[np.intp]:
+    """Readings of the record that lie in busy blocks."""
+    inside = np.flatnonzero(np.repeat(loud, view.span))
+    return inside if view.left is None else view.left[inside]
 
 
 def _block_rms(view: View) -> FloatArray:
@@ -97,7 +154,7 @@ def lines(view: View) -> Finding | None:
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
         "lines",
-        f"lines at {named} Hz hold {100 * share:.2g} % of the power",
+        f"lines at {named} Hz hold {percent(share)} of the power",
         "vibration or sway makes humps on the curve that no noise term describes",
         "isolate the sensor, or use a part of the spectrum without them (--band)",
     )

@@ -82,11 +82,11 @@ class View:
         return fast_noise(whole)
 
     def seconds(self, index: float) -> float:
-        """Time of a reading after the first one, s."""
+        """Time of what is left, s after the first sample of the recording."""
         if self.left is None:
-            return index / self.rate
+            return self.record.cut + index / self.rate
         whole = min(int(index), self.left.size - 1)
-        return (float(self.left[whole]) + index - whole) / self.rate
+        return self.record.cut + (float(self.left[whole]) + index - whole) / self.rate
 
 
 def stretches(mask: BoolArray) -> NDArray[np.intp]:

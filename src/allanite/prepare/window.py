@@ -26,7 +26,10 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
     """
     if start is None and until is None:
         return recording
-    return replace(recording, records=tuple(_cut(record, start or 0.0, until) for record in recording))
+    records, others = (
+        tuple(_cut(record, start or 0.0, until) for record in some) for some in (recording.records, recording.others)
+    )
+    return replace(recording, records=records, others=others)
 
 
 def _cut(record: Record, start: float, until: float | None) -> Record:
@@ -42,7 +45,9 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
         )
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
-    return record.with_values(record.values[first : last + extra], f"cut from {start:g} s to {end:g} s", start=origin)
+    what = f"cut from {record.cut + start:g} s to {record.cut + end:g} s"
+    part = record.with_values(record.values[first : last + extra], what, start=origin)
+    return replace(part, cut=record.cut + first / record.rate)
 
 
 def quiet_window(recording: Recording, length: float) -> Recording:

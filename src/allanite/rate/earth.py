@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.plain import Value
+from allanite.core.wording import plural
 
 from .estimates import RateEstimate
 
@@ -70,7 +71,7 @@ class North(Value):
         )
         return (
             f"heading {self.heading:.4f} deg ({self.low:.4f} .. {self.high:.4f}), standard error {error}; "
-            f"{self.positions} position(s); {self.other:.4f} deg would measure the same"
+            f"{plural(self.positions, 'position')}; {self.other:.4f} deg would measure the same"
         )
 
 

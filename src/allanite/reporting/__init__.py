@@ -113,8 +113,8 @@ def html_of(value: Any) -> str:
     return fragment(view.face(value, level), drawn)
 
 
-def to_csv(value: Any, *, level: float | None = None) -> str:
-    """The numbers of a result as CSV, unrounded.
+def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
+    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
 
     Raises
     ------
@@ -126,7 +126,8 @@ def to_csv(value: Any, *, level: float | None = None) -> str:
 
     from allanite.core.errors import UsageError
 
-    rows_of = view_of(value).rows
+    view = view_of(value)
+    rows_of = view.coefficients if coefficients else view.rows
     if rows_of is None:
         raise UsageError(f"a {type(value).__name__} has no CSV; write it as JSON")
     headings, rows = rows_of(value, level_of(value, level))

@@ -51,7 +51,8 @@ def _kind_of(part: Part) -> str:
 
 
 def _color_of(symbol: str) -> str:
-    return TERMS[symbol].color if symbol in TERMS else ""
+    name = symbol.strip("|")
+    return TERMS[name].color if name in TERMS else ""
 
 
 def _shown(parts: Any) -> Iterator[Part]:

@@ -7,6 +7,8 @@ from allanite.core.header import Header
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.units import Signal
+from allanite.core.wording import duration as duration  # noqa: PLC0414 - of this module too
+from allanite.identification.front import METHODS
 from allanite.terms import TERMS
 
 from .digits import Digits, digits
@@ -31,6 +33,7 @@ STATUS = {
     "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
     "absent": "not found; the limit is the one-sided 95 % upper limit",
     "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
+    "negative": "the method gives a negative square, which no noise has: what is printed is minus the root of its size",
 }
 """What each status means."""
 
@@ -39,6 +42,22 @@ def title(symbol: str, signal: Signal) -> str:
     """The name of a term in the words of its sensor: an accelerometer has a velocity random walk."""
     words = TERMS[symbol].title.replace("rate", RATES[signal.name])
     return words.replace("angle", signal.integral)
+
+
+def symbol(estimate: Estimate) -> str:
+    """The symbol of an estimate's term: ``|R|`` by a method that finds the size of a ramp, not its sign."""
+    unsigned = _ramp(estimate) and not signed(estimate)
+    return f"|{estimate.symbol}|" if unsigned and estimate.status != "negative" else estimate.symbol
+
+
+def signed(estimate: Estimate) -> bool:
+    """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
+    return _ramp(estimate) and METHODS[estimate.method].signed
+
+
+def _ramp(estimate: Estimate) -> bool:
+    row = TERMS[estimate.symbol]
+    return row.waveform is not None and not row.periodic
 
 
 def named(estimate: Estimate, level: float) -> str:
@@ -63,7 +82,7 @@ def shown(estimate: Estimate, unit: str, level: float) -> Digits | None:
         return None
     factor = coefficient_factor(estimate.symbol, unit, estimate.signal)
     low, high = (v / factor for v in estimate.interval(level))
-    return digits(estimate.value / factor, low, high, signed=TERMS[estimate.symbol].waveform is not None)
+    return digits(estimate.value / factor, low, high, signed=signed(estimate))
 
 
 def limit(estimate: Estimate, unit: str) -> Digits | None:
@@ -75,7 +94,7 @@ def limit(estimate: Estimate, unit: str) -> Digits | None:
 
 def below(estimate: Estimate) -> str:
     """The word before a limit: a ramp has a sign, its size is limited."""
-    return "below" if TERMS[estimate.symbol].waveform is None else "size below"
+    return "size below" if _ramp(estimate) else "below"
 
 
 def in_print(estimate: Estimate, unit: str, level: float) -> str:
@@ -84,20 +103,6 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
     if number is not None:
         return f"{number.pretty()} {printed_unit(unit)}"
     return f"{below(estimate)} {most.pretty()} {printed_unit(unit)}" if most else ""
-
-
-def duration(seconds: float) -> str:
-    """A length of time.
-
-    Examples
-    --------
-    >>> duration(42), duration(5400), duration(200_000)
-    ('42 s', '1.5 h', '2.31 d')
-    """
-    for size, unit, least in ((86400.0, "d", 172800.0), (3600.0, "h", 3600.0), (60.0, "min", 120.0), (1.0, "s", 0.0)):
-        if seconds >= least:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"
 
 
 def about(record: Record | Header) -> str:

@@ -5,10 +5,12 @@ from functools import cached_property
 from typing import Any, Self
 
 from allanite.core.curve import Curve
+from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
 from allanite.statistics import deviation
+from allanite.statistics.readings import readings
 
 from .channels import Inspected, Job, Progress, Source, run
 from .noise import ChannelResult, noise_of
@@ -20,6 +22,7 @@ class Channel(ChannelResult):
     """Result of one channel, or the reason (`refusal`) why there is none."""
 
     curves: tuple[Curve, ...] = ()
+    readings: Readings | None = None
 
     @property
     def curve(self) -> Curve | None:
@@ -131,7 +134,9 @@ def analyze(
         noise = noise_of(seen.record, recipe)
         curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit.model)
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
-        return Channel(seen.record, seen.quality, noise, curves=(curve,))
+        usual = curve.statistic == "oadev" and recipe.taus == "log"
+        read = readings(seen.record, curve if usual else None)
+        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read)
 
     return run(Study, source, recipe, work, Channel.refused, progress=progress)
 

@@ -15,11 +15,13 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.record import Record, Recording
 from allanite.core.version import __version__
+from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
 
+from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
@@ -180,12 +182,22 @@ def each_channel(
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
     results = []
-    for i, (name, records) in enumerate(channels):
-        tell(f"{doing} {name}", (i + 0.3) / (len(channels) + 0.3))
-        seen = Inspected(name, records, tuple(look(record) for record in records))
+    inspected = [Inspected(name, records, tuple(look(record) for record in records)) for name, records in channels]
+    for i, seen in enumerate(_on_bodies(inspected)):
+        tell(f"{doing} {seen.name}", (i + 0.3) / (len(channels) + 0.3))
         results.append(_result(seen, work, refused, fatal))
     tell("done", 1.0)
     return tuple(results)
+
+
+def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
+    """The channels with what the others of the same recording tell: the records of one place are one body's."""
+    count = {len(seen.records) for seen in channels}
+    if len(channels) < 2 or len(count) > 1:
+        return channels
+    bodies = (([s.records[k] for s in channels], [s.qualities[k] for s in channels]) for k in range(count.pop()))
+    told = zip(*(of_one_body(records, qualities) for records, qualities in bodies), strict=True)
+    return [replace(seen, qualities=qualities) for seen, qualities in zip(channels, told, strict=True)]
 
 
 def _result(
@@ -238,16 +250,18 @@ def run(
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
     if demand:
         demand_result(recording.channels, results)
-    return kind(results, recipe, recording.findings, recording.notes, provenance_of(recording))
+    named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
+    findings = (*recording.findings, *drift_findings(recording, recipe, named))
+    return kind(results, recipe, findings, recording.notes, provenance_of(recording))
 
 
 def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
     """Raise DataError, with the reason of each channel, where none has a result."""
     if all(result.refusal for result in results):
-        reasons = [(name, result.refusal) for name, result in zip(names, results, strict=True)]
-        if len({why for _, why in reasons}) == 1 and len(reasons) > 1:
-            raise DataError(f"{', '.join(name for name, _ in reasons)}: {reasons[0][1]}")
-        raise DataError("; ".join(f"{name or 'the record'}: {why}" for name, why in reasons))
+        reasons: dict[str, list[str]] = {}
+        for name, result in zip(names, results, strict=True):
+            reasons.setdefault(result.refusal, []).append(name or "the record")
+        raise DataError("; ".join(f"{', '.join(which)}: {why}" for why, which in reasons.items()))
 
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:

@@ -253,3 +253,44 @@ def test_each_option_is_declared_in_one_file():
             declared.setdefault(name, set()).add(path.name)
     assert {"level", "window", "corrected"} < set(declared)
     assert {name: files for name, files in declared.items() if len(files) > 1} == {}
+
+
+def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
+    paths = [tmp_path / name for name in ("a.html", "a.json", "a.csv")]
+    result = run("analyze", file, "--report", paths[0], "--json", paths[1], "--coefficients", paths[2])
+    assert re.search(r"deviation at 1 s +0\.\d+ .* deg/h", result.stdout)
+    assert "in-run bias stability" in paths[0].read_text(encoding="utf-8")
+    x, _, flat = json.loads(paths[1].read_text(encoding="utf-8"))["channels"]
+    assert flat["readings"] is None
+    rows = list(csv.DictReader(io.StringIO(paths[2].read_text(encoding="utf-8"))))
+    of_x = {row["term"] or row["name"]: row for row in rows if row["channel"] == "x"}
+    assert set(of_x) >= {"Q", "N", "B", "K", "R", "deviation at 1 s", "minimum / 0.664"}
+    assert float(of_x["deviation at 1 s"]["value"]) == x["readings"]["shown"][0]["value"]
+    assert (of_x["N"]["status"], of_x["K"]["status"], of_x["K"]["value"]) == ("identified", "absent", "")
+    assert float(of_x["N"]["low"]) < float(of_x["N"]["value"]) < float(of_x["N"]["high"])
+    assert float(of_x["N"]["si_value"]) == x["fit"]["terms"][1]["value"]
+
+
+@pytest.mark.parametrize("other", [("--statistic", "mdev"), ("--taus", "1,10")])
+def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
+    found = [run("analyze", file, "--coefficients", "-", *options).stdout for options in ((), other)]
+    kept = [[line for line in text.splitlines() if ",reading," in line] for text in found]
+    assert kept[0] == kept[1]
+    assert len(kept[0]) > 10
+
+
+def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
+    sample, paths = ROOT / "examples" / "tactical_gyro.csv", [tmp_path / "a.html", tmp_path / "a.svg"]
+    result = run("analyze", sample, "--channels", "gz", "--method", "gls", "--report", paths[0], "--plot", paths[1])
+    assert re.search(r"\|R\| +rate ramp +57\.4 +49\.6 \.\. 64\.2 +deg/h\^2", result.stdout)
+    assert "+57" not in result.stdout
+    assert 'style="color: ' in re.search(r"<td[^>]*>\|R\|", paths[0].read_text(encoding="utf-8"))[0]
+    assert re.search(r" R +rate ramp +-58 ", run("analyze", sample, "--channels", "gz").stdout)
+
+
+def test_a_negative_square_is_explained():
+    sample = ROOT / "examples" / "tactical_gyro.csv"
+    result = run("analyze", sample, "--channels", "gy", "--method", "ls")
+    assert re.search(r" R +rate ramp +-46\.46 +deg/h\^2 +negative", result.stdout)
+    assert "negative: the method gives a negative square, which no noise has" in result.stdout
+    assert "negative:" not in run("analyze", sample, "--channels", "gy").stdout

@@ -168,7 +168,8 @@ def test_the_study_says_it_in_words_and_pictures():
     shown = " ".join(table(study).split())
     assert "the noise level changes" in shown
     assert "goes together fast" in shown
-    assert shown.count("the noise level changes") == 1
+    assert shown.count("the noise level changes") == 2
+    assert "y, of the same body: the noise level changes" in shown
     html = page(study)
     assert html.count("What the model leaves") == 2
     assert "What the channels share" in html

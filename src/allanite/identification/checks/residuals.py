@@ -100,7 +100,7 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
         size=record.size,
         goodness=fit.goodness,
         checks=checks,
-        findings=(*fit.findings, *_reasons(record, fit, checks, (power, seconds(parts))), *jumping),
+        findings=(*fit.findings, *_reasons(record, fit, checks, (power, record.cut + seconds(parts))), *jumping),
         correlation=correlation,
         level=np.sqrt(power),
         level_error=error,
@@ -280,7 +280,8 @@ def _tailed(check: Check) -> Finding:
         "what the model leaves has heavier tails than Gaussian noise has: outliers, bursts, or two kinds of noise by "
         f"turns (excess kurtosis {check.value:.3g})",
         "intervals, which are those of Gaussian noise, are too narrow",
-        "look at the readings; mark outliers, or use a window without them (--outliers mark, --from, --until)",
+        "look at the readings, or use a window without them (--from, --until); single outliers are left out of the fit "
+        "already, unless they are kept (--outliers keep)",
     )
 
 

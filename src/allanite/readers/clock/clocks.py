@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
+from allanite.core.wording import percent
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import Column, lookup
 
@@ -102,9 +103,9 @@ def steadiness(stamps: NDArray[Any]) -> Steadiness:
         return Steadiness(3, 0.0, "goes back" if steps.any() else "is constant")
     usual, share = float(np.median(steps)), float((steps == 0).mean())
     if share >= TICKS or not usual:
-        return Steadiness(2, share, f"repeats {100 * share:.2g} % of its stamps")
+        return Steadiness(2, share, f"repeats {percent(share)} of its stamps")
     scatter = float(np.quantile(np.abs(steps / usual - 1), 0.9))
-    return Steadiness(int(scatter > EVEN), scatter, f"scatters by {100 * scatter:.2g} % of a step")
+    return Steadiness(int(scatter > EVEN), scatter, f"scatters by {percent(scatter)} of a step")
 
 
 def counter_of(columns: list[Column], clock: Column | None) -> Column | None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.wording import percent, plural
 
 from .grid import Places, resolution
 
@@ -105,9 +106,9 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
         Hole(int(gaps[i]) - 1, (int(places[i]) + 1) * interval) for i in (holes[0], holes[gaps[holes].argmax()])
     )
     lost = int((gaps[holes] - 1).sum())
-    count = f"{lost} sample{'s' * (lost > 1)} ({100 * lost / (places[-1] + 1):.2g} %) lost in {holes.size} "
+    count = f"{plural(lost, 'sample')} ({percent(lost / (places[-1] + 1))}) lost in {plural(holes.size, 'gap')}"
     size = f" of {first.size * interval:.4g} s" if first.size > 1 else ""
-    where = f"gap{'s' * (holes.size > 1)}, {source}, the first{size} at {first.at:.6g} s"
+    where = f", {source}, the first{size} at {first.at:.6g} s"
     most = (
         f", the longest of {longest.size * interval:.4g} s at {longest.at:.6g} s" if longest.size > first.size else ""
     )

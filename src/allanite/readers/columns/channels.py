@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -20,6 +21,10 @@ ASK_UNIT = (
     "pass unit='deg/s' (--unit deg/s) with what the readings are in, or write it into the header as in 'gx [deg/s]'; a "
     "unit of angle or velocity (arcsec, m/s) needs kind (--kind) too, one of rate, increment, angle, count"
 )
+
+
+MOST_DRIVERS = 8
+"""Columns beside the signals that are kept."""
 
 
 class Signal(NamedTuple):
@@ -96,6 +101,12 @@ def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, 
         signals.append(Signal(column, column.unit if fits else "1", column.kind or "rate", column.scale))
         plain += [] if fits else [column]
     return tuple(signals), tuple(_grouped(("no unit of a signal in the header, taken as numbers:", c) for c in plain))
+
+
+def drivers(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    """Columns that may drive what a sensor says, by name or unit: temperatures, supplies; only so many of them."""
+    found = (c for c in columns if not c.text and c.kind in ("", "rate") and headers.is_driver(c.name, c.unit))
+    return tuple(islice(found, MOST_DRIVERS))
 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:

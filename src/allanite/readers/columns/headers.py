@@ -41,6 +41,7 @@ _OTHER = re.compile(  # a name that begins like this, up to an end or a number, 
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
     r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)"
 )
+_DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater")
 _BY_NAME = {
     "gyro": re.compile(r"gyr|^[gw][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta"),
     "accelerometer": re.compile(r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force"),
@@ -138,6 +139,21 @@ def is_other(name: str, unit: str = "") -> bool:
     if inertial(unit) or re.search(r"rate|gyr|acc", bare):
         return False
     return bool(_OTHER.match(bare)) or name.strip() == "T"
+
+
+def is_driver(name: str, unit: str = "") -> bool:
+    """Whether a name or unit is that of what a sensor may depend on: a temperature, a pressure, a supply.
+
+    Examples
+    --------
+    >>> is_driver("Temp1"), is_driver("T board", "degC"), is_driver("seq"), is_driver("yaw", "deg")
+    (True, True, False, False)
+    """
+    signal = signal_of(unit)
+    if signal is not None:
+        return signal.name in ("temperature", "voltage", "current")
+    bare = _bare(name)
+    return is_other(name, unit) and bool(_DRIVER.search(bare) or name.strip() == "T")
 
 
 def sensor_by_name(name: str) -> str:

@@ -64,8 +64,11 @@ class Table:
         if questions:
             raise UsageError("; ".join((*questions, *choice.left)))
         records = tuple(_record(signal, beat, table.start) for signal in (*choice.signals, *along))
+        around = [c for c in table.columns if c is not time and len(c.values) == len(signals[0].values)]
+        drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
+        others = tuple(_record(signal, beat, table.start) for signal in drivers)
         notes = (*table.notes, *beat.notes, *choice.notes, *choice.left, *said)
-        return Recording(records, notes=notes, findings=beat.grid.findings)
+        return Recording(records, notes=notes, findings=beat.grid.findings, others=others)
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:

@@ -53,7 +53,7 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
 
 def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
-    return f"{estimate.symbol} = {words.number(estimate, level)}"
+    return f"{words.symbol(estimate)} = {words.number(estimate, level)}"
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:

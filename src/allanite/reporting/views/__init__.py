@@ -28,11 +28,14 @@ class View:
         The figure for print, of one value or of several that are drawn together.
     rows : (value, level) -> (headings, rows), optional
         The numbers for a CSV file, unrounded.
+    coefficients : (value, level) -> (headings, rows), optional
+        The same of what was found in each channel, where `rows` are the curves.
     """
 
     face: Callable[[Any, float], Face]
     plot: "Callable[[Sequence[Any], Fit | None, float], Figure] | None" = None
     rows: Callable[[Any, float], Rows] | None = None
+    coefficients: Callable[[Any, float], Rows] | None = None
 
 
 VIEWS: dict[str, str] = {
@@ -45,6 +48,7 @@ VIEWS: dict[str, str] = {
     "Comparison": "comparison.COMPARISON",
     "Pool": "comparison.POOL",
     "Fit": "fit.FIT",
+    "Readings": "readings.READINGS",
     "Residuals": "fit.RESIDUALS",
     "Model": "fit.MODEL",
     "BudgetStudy": "budget.STUDY",

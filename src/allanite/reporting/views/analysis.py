@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from allanite.study.recipe import Recipe
 from . import Rows, View
 from .fit import definitions, goodness_parts, plot_curves, terms_table
 from .jobs import channel_sheet, job_face, source_of
+from .readings import readings_table
 from .values import numbers_table, rows_of
 
 BRAND = "noise coefficients of an inertial sensor"
@@ -82,6 +84,8 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
     if channel.verdict and channel.explained:
         yield Note(channel.verdict, "good")
     yield terms_table(channel.fit, level)
+    if channel.readings is not None:
+        yield readings_table(channel.readings, level)
     if channel.curve is not None:
         caption = (
             f"Deviation by averaging time with its {words.percent(level)} confidence band, the model, and each term of "
@@ -137,6 +141,23 @@ def _rows(study: Study, level: float) -> Rows:
     return rows_of(curves, level)
 
 
+def _coefficients(study: Study, level: float) -> Rows:
+    """Every coefficient and every reading of each channel; the limit of an absent term is its upper one."""
+    heads = (
+        "channel", "term", "name", "value", "low", "high", "unit", "status", "tau_s", "si_value", "si_unit", "remark"
+    )  # fmt: skip
+    rows: list[list[Any]] = []
+    for channel in study.channels:
+        name = channel.record.name
+        for e in channel.fit or ():
+            shown, title = e.to_dict(level)["shown"].values(), words.title(e.symbol, e.signal)
+            remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
+            rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
+        for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
+            rows.append([name, "", title, *size, "reading", tau, si, si_unit, remark])
+    return heads, rows
+
+
 def _channel_face(channel: Channel, level: float) -> Face:
     return Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),))
 
@@ -183,5 +204,5 @@ def _join(parts: list[str]) -> str:
     return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
 
 
-STUDY = View(_face, plot_curves, _rows)
+STUDY = View(_face, plot_curves, _rows, _coefficients)
 CHANNEL = View(_channel_face, plot_curves)

@@ -26,7 +26,9 @@ MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable"
 """Mark of a row by the outcome of its coefficient."""
 
 COMPARED = (
-    "The two records are assumed to be independent. The verdict is the likelihood ratio of one common noise model "
+    "The two records are assumed to be independent, unless they hold the same noise, as raw and corrected readings do: "
+    "those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan).",
+    "The verdict is the likelihood ratio of one common noise model "
     "against a separate model for each record, with the terms that the common model holds (binned powers of the cosine "
     "transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, the "
     "distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where p is "
@@ -123,9 +125,11 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        estimates = [c.before, c.after, *([pair.whole[c.symbol]] if pair.whole is not None else [])]
+        values = [value_of(c.before, level), value_of(c.after, level)]
+        if pair.whole is not None:
+            values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
         rows.append([
-            c.symbol, words.title(c.symbol, c.signal), *(value_of(e, level) for e in estimates), c.before.sheet_unit,
+            c.symbol, words.title(c.symbol, c.signal) + c.label.removeprefix(c.symbol), *values, c.before.sheet_unit,
             *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), c.outcome,
         ])  # fmt: skip
     return Table(heads, rows, "coefficients", marks=[MARKS.get(c.outcome, "") for c in pair.changes])

@@ -40,7 +40,7 @@ def terms_table(fit: Fit, level: float) -> Table:
         Column(interval, "interval", aside=True), Column("SI unit", "unit", aside=True),
     )  # fmt: skip
     rows = [
-        [e.symbol, words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
+        [words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
         for e in fit
     ]
     return Table(heads, rows, marks=[MARKS.get(e.status, "") for e in fit])

@@ -1,14 +1,17 @@
 """What the views of jobs have in common: where the numbers come from, and what is said of each channel."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import PurePath
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.channels import Job
+
+REFUSED = "no result: "
 
 
 class Warned(Protocol):
@@ -39,16 +42,44 @@ def source_of(job: Job[Any]) -> str:
 def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = ()) -> Face:
     """The face of a job: its title and brand, its findings and other parts, its sheets, and how it came about."""
     title, brand = names
+    once, kept = told_once(sheets)
     return Face(
         title,
         brand,
-        sheets,
+        kept,
         header_of(job.provenance, job.notes),
-        parts=[*(Note(str(finding), "alert") for finding in job.findings), *parts],
+        parts=[*(Note(str(finding), "alert") for finding in job.findings), *once, *parts],
         choices=toml(job.choices()),
         provenance=job.provenance,
         notes=job.notes,
     )
+
+
+def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
+    """What several sheets warn of in the same words, with their names, and the sheets without it."""
+    where: dict[str, list[str]] = {}
+    for sheet in sheets:
+        for text in dict.fromkeys(part.text for part in sheet.parts if _warns(part)):
+            where.setdefault(text, []).append(sheet.name)
+    common = {text: names for text, names in where.items() if len(names) > 1}
+    once: list[Part] = []
+    for text, names in common.items():
+        which = "all channels" if len(names) == len(sheets) else ", ".join(names)
+        once.append(Note(f"{which}: {text}", "alert"))
+    return once, [replace(sheet, parts=[*_rest(sheet.parts, common)]) for sheet in sheets]
+
+
+def _warns(part: Part) -> TypeGuard[Note]:
+    return isinstance(part, Note) and part.level == "alert"
+
+
+def _rest(parts: Iterable[Part], common: Container[str]) -> Iterator[Part]:
+    """The parts that are told here; of a refusal that is told elsewhere a reminder."""
+    for part in parts:
+        if not (_warns(part) and part.text in common):
+            yield part
+        elif part.text.startswith(REFUSED):
+            yield Note(f"{REFUSED}see above", "alert")
 
 
 def channel_sheet(
@@ -64,4 +95,4 @@ def warnings(channel: Warned) -> Iterator[Part]:
     """What must stand beside the numbers of a channel, and why there are none."""
     yield from (Note(alert, "alert") for alert in channel.alerts)
     if channel.refusal:
-        yield Note(f"no result: {channel.refusal}", "alert")
+        yield Note(f"{REFUSED}{channel.refusal}", "alert")

@@ -1,0 +1,182 @@
+"""Readings: what is read off the Allan deviation without a model, as values."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from allanite.terms import TERMS
+
+from .encoding import finite, plain
+from .limits import demand_level, quantile
+from .plain import Value
+from .units import Signal, convert
+
+WHITE = 0.1
+"""Difference of the slope from -1/2 up to which the deviation at 1 s is an angle random walk."""
+
+FLICKER = 1 / math.sqrt(TERMS["B"].level)
+"""Bias instability over the Allan deviation of flicker: 1 / 0.66428."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading(Value):
+    """One point of a curve: averaging time `tau` in s, `deviation` in SI, and its `limits` (level -> (low, high))."""
+
+    tau: float
+    deviation: float
+    limits: Callable[[float], tuple[float, float]]
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Two-sided confidence limits of the deviation."""
+        demand_level(level)
+        return self.limits(level)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with the limits as numbers."""
+        low, high = map(finite, self.interval(level))
+        return super().to_dict(level) | {"low": low, "high": high, "level": level}
+
+
+@dataclass(frozen=True, repr=False)
+class Slope(Value):
+    """Slope of the curve between two averaging times, s, in log-log: -1/2 of white rate noise, 0 of flicker."""
+
+    start: float
+    end: float
+    value: float
+    standard_error: float
+
+    def interval(self, level: float = 0.95) -> tuple[float, float]:
+        """Two-sided confidence limits."""
+        demand_level(level)
+        half = self.standard_error * quantile((1 + level) / 2)
+        return self.value - half, self.value + half
+
+
+@dataclass(frozen=True, repr=False)
+class Means(Value):
+    """N-second stability: standard deviation `value`, SI, of `count` successive means over `seconds`."""
+
+    seconds: float
+    value: float
+    count: int
+
+
+class Quantity(NamedTuple):
+    """One line of a table of readings: `value`, `low` and `high` in SI, of the signal times time to the `power`.
+
+    The slope, which has no unit, has None for `power`.
+    """
+
+    title: str
+    tau: float
+    value: float
+    low: float
+    high: float
+    power: float | None
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Readings(Value):
+    """What users of data sheets and of other programs read off the overlapping Allan deviation; no model is supposed.
+
+    Limits suppose the power law that is found at each averaging time.
+
+    Attributes
+    ----------
+    signal : Signal
+    usual : Reading
+        At 1 s, or at the averaging time nearest to it that the record has.
+    around : Slope, optional
+        From a third of that time to three times it; None at the end of the curve.
+    minimum : Reading, optional
+        The lowest point with eight successive windows, the in-run bias stability of data sheets.
+    inside : bool
+        Whether the curve rises again behind it; else it is the last point, and an upper limit.
+    slopes : tuple of Slope
+        By decades of averaging time.
+    means : tuple of Means
+        N-second stability, for 10 and 100 s.
+    """
+
+    _also = ("unit", "random_walk", "bias_instability")
+
+    signal: Signal
+    usual: Reading
+    around: Slope | None
+    minimum: Reading | None
+    inside: bool
+    slopes: tuple[Slope, ...]
+    means: tuple[Means, ...]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the deviations."""
+        return self.signal.si[0]
+
+    @property
+    def white(self) -> bool:
+        """Whether the curve falls as white noise of the rate does where the angle random walk is read."""
+        return self.around is not None and abs(self.around.value + 0.5) <= WHITE
+
+    @property
+    def random_walk(self) -> float:
+        """The angle random walk, SI, if the noise at `usual` is white: deviation times the root of tau."""
+        return self.usual.deviation * math.sqrt(self.usual.tau)
+
+    @property
+    def bias_instability(self) -> float | None:
+        """The minimum over 0.664: the bias instability, SI, if all of it were flicker."""
+        return None if self.minimum is None else self.minimum.deviation * FLICKER
+
+    def quantities(self, level: float = 0.95) -> list[Quantity]:
+        """All of it as the lines of a table."""
+        walk = TERMS["N"].title.replace("angle", self.signal.integral)
+        tau, root = self.usual.tau, math.sqrt(self.usual.tau)
+        there = "slope not known there" if self.around is None else f"slope {self.around.value:.2f} there"
+        wrong = "" if self.white else ", not -0.5: not valid"
+        found = [
+            _quantity(f"deviation at {tau:.4g} s", self.usual, level),
+            _quantity(f"as {walk}", self.usual, level, root, there + wrong)._replace(power=0.5),
+        ]
+        if self.minimum is not None:
+            at = f"at {self.minimum.tau:.4g} s" + ("" if self.inside else ", the last point: an upper limit")
+            found.append(_quantity("minimum (in-run bias stability)", self.minimum, level, 1.0, at))
+            found.append(_quantity("minimum / 0.664", self.minimum, level, FLICKER, "bias instability at most"))
+        found += [
+            Quantity(f"{m.seconds:.4g} s stability", m.seconds, m.value, math.nan, math.nan, 0, f"of {m.count} means")
+            for m in self.means
+        ]
+        return found + [
+            Quantity(f"slope, {s.start:.4g} to {s.end:.4g} s", s.start, s.value, *s.interval(level), None)
+            for s in self.slopes
+        ]
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, data sheet and SI side by side."""
+        headings = ["reading", "tau", "value", "low", "high", "unit", "SI value", "SI unit", "remark"]
+        return headings, [[q.title, q.tau, *self._shown(q), q.remark] for q in self.quantities(level)]
+
+    def _shown(self, q: Quantity) -> list[Any]:
+        if q.power is None:
+            return [q.value, q.low, q.high, "", q.value, ""]
+        sheet, si = self.signal.sheet[q.power], self.signal.si[q.power]
+        factor = convert(1.0, si, sheet)
+        return [q.value * factor, q.low * factor, q.high * factor, sheet, q.value, si]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI, with the data-sheet form under "shown"."""
+        headings, rows = self.rows(level)
+        shown = [dict(zip(headings[:6], map(plain, row[:6]), strict=True)) for row in rows]
+        return super().to_dict(level) | {"shown": shown, "level": level}
+
+    def _summary(self) -> str:
+        unit = self.signal.sheet[0]
+        return f"{convert(self.usual.deviation, self.unit, unit):.4g} {unit} at {self.usual.tau:.4g} s"
+
+
+def _quantity(title: str, point: Reading, level: float, factor: float = 1.0, remark: str = "") -> Quantity:
+    low, high = point.interval(level)
+    return Quantity(title, point.tau, point.deviation * factor, low * factor, high * factor, 0, remark)

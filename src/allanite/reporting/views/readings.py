@@ -1,0 +1,42 @@
+"""How what is read off a curve is shown."""
+
+from allanite.core.readings import Quantity, Readings
+from allanite.core.units import convert
+from allanite.reporting import words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Face, Sheet, Table
+
+from . import View
+
+KEY = (
+    "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the limits "
+    "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
+    "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
+    "standard deviation of successive means; unless the noise is white it grows with the length of the record."
+)
+
+
+def readings_table(readings: Readings, level: float) -> Table:
+    """Values read off a curve, in the units of data sheets."""
+    heads = (
+        Column("read off the curve", "name"), Column("value"), Column(words.interval(level), "interval"),
+        Column("unit", "unit"), Column("", "name"),
+    )  # fmt: skip
+    rows = [[q.title, *_cells(q, readings), q.remark] for q in readings.quantities(level)]
+    return Table(heads, rows, key=KEY)
+
+
+def _cells(q: Quantity, readings: Readings) -> list[str]:
+    if q.power is None:
+        return [f"{q.value:.3f}", f"{q.low:.3f} .. {q.high:.3f}", ""]
+    unit = readings.signal.sheet[q.power]
+    factor = convert(1.0, readings.signal.si[q.power], unit)
+    return [*digits(*(v * factor for v in (q.value, q.low, q.high))).plain(), unit]
+
+
+def _face(readings: Readings, level: float) -> Face:
+    sheet = Sheet("readings", parts=(readings_table(readings, level),))
+    return Face("Readings", "read off the Allan deviation", (sheet,))
+
+
+READINGS = View(_face, rows=lambda readings, level: readings.rows(level))

@@ -1,0 +1,129 @@
+"""What is read off the Allan deviation of a record: the deviation at 1 s, the minimum, the slope by range."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from allanite.core.curve import Curve
+from allanite.core.limits import Remembered
+from allanite.core.readings import Means, Reading, Readings, Slope
+from allanite.core.record import Record
+from allanite.statistics import deviation
+
+from .stability import averaging_stability
+
+USUAL = 1.0
+"""Averaging time, s, at which the angle random walk is read."""
+
+MEANS = (10.0, 100.0)
+"""Averaging times, s, of the N-second stability of data sheets."""
+
+FEWEST_MEANS = 10
+"""Means from which on their standard deviation is shown."""
+
+WINDOWS = 8
+"""Windows of a point's length, one after the other, that it must have."""
+
+WIDE = 2.0
+"""Ratio of averaging times below which a range is too narrow for a slope."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Limits:
+    """Limits of one point of a curve: level -> (low, high)."""
+
+    every: Callable[[float], Any]
+    at: int
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        low, high = self.every(level)
+        return float(low[self.at]), float(high[self.at])
+
+
+def readings(record: Record, curve: Curve | None = None) -> Readings:
+    """Read off the overlapping Allan deviation of a record what data sheets and other programs do.
+
+    Points with fewer than eight successive windows are left out: the lowest of points that scatter is low by luck.
+
+    Parameters
+    ----------
+    record : Record
+    curve : Curve, optional
+        The record's oadev on the grid "log", where it is there already.
+
+    Raises
+    ------
+    DataError
+        The record has no complete window.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=10.0, unit="deg/h")
+    >>> found = readings(record)
+    >>> found.usual.tau, round(found.around.value, 2), found.inside
+    (1.0, -0.5, False)
+    """
+    wide = deviation(record, "oadev", taus="log", noise=None) if curve is None else curve
+    known = wide.count >= WINDOWS * wide.m
+    factors = wide.m[known].tolist()
+    lowest = int(wide.deviation[known].argmin()) if factors else 0
+    usual = min(max(round(USUAL * record.rate), 1), max(factors, default=1))
+    around = max(round(usual / 3), 1), min(3 * usual, int(wide.m.max()))
+    marks = _decades(record.rate, factors)
+    least = factors[lowest : lowest + 1]
+    points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least})))
+    slopes = (points.slope(first, last) for first, last in pairwise(marks))
+    return Readings(
+        signal=record.signal,
+        usual=points.reading(usual),
+        around=points.slope(*around),
+        minimum=points.reading(least[0]) if least else None,
+        inside=lowest < len(factors) - 1,
+        slopes=tuple(slope for slope in slopes if slope is not None),
+        means=tuple(_means(record, int(wide.m.max()))),
+    )
+
+
+class _Points:
+    """Points of a curve by their averaging factor."""
+
+    def __init__(self, curve: Curve) -> None:
+        self.curve, self.place = curve, {int(m): i for i, m in enumerate(curve.m)}
+        self.limits, self.edf = Remembered(curve.interval), curve.edf
+
+    def reading(self, m: int) -> Reading:
+        i = self.place[m]
+        return Reading(float(self.curve.tau[i]), float(self.curve.deviation[i]), _Limits(self.limits, i))
+
+    def slope(self, first: int, last: int) -> Slope | None:
+        """From one point to the other; None where they are too close, or a variance is zero."""
+        at = [self.place[first], self.place[last]]
+        tau, variance, edf = (values[at] for values in (self.curve.tau, self.curve.variance, self.edf))
+        if last < WIDE * first or not variance.all():
+            return None
+        ratio = math.log(tau[1] / tau[0])
+        # as if the two were independent: they go together, if at all, which makes their ratio scatter less
+        error = math.sqrt(float((2 / edf).sum())) / 2 / ratio
+        return Slope(float(tau[0]), float(tau[1]), math.log(variance[1] / variance[0]) / 2 / ratio, error)
+
+
+def _decades(rate: float, known: list[int]) -> list[int]:
+    """Averaging factors that bound the ranges of slopes: the first, those of 10^k seconds, the last that is known."""
+    if not known:
+        return []
+    first, last = known[0], known[-1]
+    powers = range(math.floor(math.log10(first / rate)), math.ceil(math.log10(last / rate)) + 1)
+    tens = (round(10.0**k * rate) for k in powers)
+    return [first, *(m for m in tens if WIDE * first <= m <= last / WIDE), last]
+
+
+def _means(record: Record, largest: int) -> Iterator[Means]:
+    """N-second stability, where the record has ten means, and so long a stretch without a gap that two are whole."""
+    for seconds in MEANS:
+        m = round(seconds * record.rate)
+        if m >= 1 and FEWEST_MEANS * m <= record.size and m <= largest / 2:
+            found = averaging_stability(record, m / record.rate)
+            yield Means(found.seconds, found.value, found.blocks)

@@ -1,0 +1,58 @@
+"""Whether the drift of channels follows another column of their file, and what to type then."""
+
+import shlex
+from collections.abc import Sequence
+
+from allanite.core.finding import Finding
+from allanite.core.record import Recording
+from allanite.core.wording import percent
+from allanite.prepare.drift import follows
+
+from .recipe import READING, SELECTING, Recipe
+
+OPTIONS = {"start": "from"}
+"""Options whose names are not those of the recipe's keys."""
+
+
+def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
+    """A finding for each column beside the channels that the drift of some of them follows.
+
+    Parameters
+    ----------
+    recording : Recording
+        Its `others` are asked.
+    recipe : Recipe
+        How it was read; the command that is offered reads it in the same way.
+    names : sequence of str
+        The channels that are asked: those that have a result.
+    """
+    found = []
+    for other in recording.others:
+        shares = {name: seen.share for name in names if (seen := follows(recording[name], other)) and seen.clear}
+        if shares:
+            largest = max(shares.values())
+            found.append(
+                Finding(
+                    "drift",
+                    f"the drift of {', '.join(shares)} follows {other.name}, up to {percent(largest)} of the variance "
+                    "of block means",
+                    "B, K and R are partly the sensitivity to it",
+                    f"take it off: {compensation(recording.source, recipe, other.name)}",
+                )
+            )
+    return tuple(found)
+
+
+def compensation(source: str, recipe: Recipe, column: str) -> str:
+    """The command that takes off what follows a column.
+
+    Examples
+    --------
+    >>> compensation("my day.csv", Recipe(unit="deg/s", start=10.0, channels=("gx", "gy")), "temp")
+    "allanite compensate 'my day.csv' --unit deg/s --channels gx,gy --from 10.0 --regressors temp"
+    """
+    words = ["allanite", "compensate", source]
+    for key, value in recipe.to_dict((*READING, *SELECTING)).items():
+        text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+        words += [f"--{OPTIONS.get(key, key).replace('_', '-')}", text]
+    return shlex.join([*words, "--regressors", column])

@@ -1,0 +1,109 @@
+"""The first answer on a file that is not as it should be: what is said once, in whose times, and what to type next."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from tests import ROOT
+
+from allanite.cli import main
+
+RATE = 20.0
+
+
+def run(*arguments):
+    result = CliRunner().invoke(main, [str(a) for a in arguments])
+    assert result.exit_code in (0, 3), result.output
+    return " ".join(result.output.split())
+
+
+def write(path, columns, rate=RATE):
+    rows = np.column_stack([np.arange(len(next(iter(columns.values())))) / rate, *columns.values()])
+    np.savetxt(path, rows, "%.9g", ",", header=",".join(("time [s]", *columns)), comments="")
+    return path
+
+
+def test_a_stretch_without_a_gap_is_offered_in_times_of_the_file(tmp_path):
+    lines = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    head = [line for line in lines if line.startswith("#")] + [next(line for line in lines if line.startswith("time"))]
+    rows = lines[len(head) :]
+    file = tmp_path / "gap.csv"
+    file.write_text("".join((*head, *rows[:19995], *rows[20095:])), encoding="utf-8")
+    said = run("info", file, "--from", 1000, "--until", 3000)
+    offered = re.search(
+        r"the longest stretch without a gap: (--from 2009.5 --until 3000|--from 1000 --until 1999.5)", said
+    )
+    assert offered
+    again = run("info", file, *shlex.split(offered[1]))
+    assert "are lost" not in again
+    assert "fit for the job" in again
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    rng = np.random.default_rng(1)
+    gyro = rng.standard_normal((3, 20_000))
+    gyro[1, 6000:8000] += 80 * np.sin(np.arange(2000) / RATE)
+    columns = {f"g{axis} [deg/s]": values for axis, values in zip("xyz", gyro, strict=True)}
+    return write(tmp_path_factory.mktemp("data") / "shaken.csv", columns)
+
+
+def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
+    said = run("analyze", shaken)
+    assert said.count("the body moved: gy moves") == 1
+    assert "gx, gz: the body moved: gy moves from 299.2 s" in said
+    offered = re.search(r"the longest still stretch: ((--from \S+ )?--until \d+)", said)[1]
+    again = run("analyze", shaken, *shlex.split(offered))
+    assert "moves" not in again
+    assert again.count("angle random walk") >= 3
+
+
+def warm(follow, seed=3):
+    """A gyroscope pair beside a thermometer that wanders: the first follows it, or has a random walk of its own."""
+    rng = np.random.default_rng(seed)
+    temp = 20 + np.cumsum(rng.standard_normal(20_000)) * 0.02
+    other = np.cumsum(rng.standard_normal(20_000)) * 0.02
+    gyro = rng.standard_normal((2, 20_000))
+    gyro[0] += 2 * (temp if follow else other)
+    return {"gx [deg/h]": gyro[0], "gy [deg/h]": gyro[1], "temp [degC]": np.round(temp, 3)}
+
+
+def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tmp_path):
+    file = write(tmp_path / "my day.csv", warm(True))
+    said = run("analyze", file, "--from", 50)
+    assert said.count("the drift of gx follows temp") == 1
+    line = re.search(r"take it off: (allanite compensate .* --regressors temp) ", said)[1]
+    words = shlex.split(line)[1:]
+    assert words == ["compensate", str(file), "--from", "50.0", "--regressors", "temp"]
+    again = run(*words)
+    assert "gx depends on temp" in again
+    assert "follows temp" in run("info", file)
+
+
+def test_a_drift_of_its_own_is_not_blamed_on_the_temperature(tmp_path):
+    assert "follows" not in run("analyze", write(tmp_path / "day.csv", warm(False)))
+
+
+def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path):
+    file = write(tmp_path / "day.csv", {k: v for k, v in warm(True).items() if k != "gy [deg/h]"})
+    corrected = tmp_path / "corrected.csv"
+    run("compensate", file, "--regressors", "temp", "--corrected", corrected)
+    said = run("compare", file, corrected)
+    assert "as raw and corrected readings do" in said
+    assert "the noise has changed, p " in said
+    assert re.search(r"likelihood ratio \S+ for \d+ octaves of frequency", said)
+
+
+def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
+    rng = np.random.default_rng(1)
+    hum = np.sin(2 * np.pi * 3.1 * np.arange(20_000) / RATE)
+    files = [
+        write(tmp_path / f"{size}.csv", {"gx [deg/h]": rng.standard_normal(20_000) + size * hum}) for size in (0.2, 0.3)
+    ]
+    said = run("compare", *files)
+    assert re.search(r"Sine at 3\.1 Hz \+\d\d\.\d %", said)
+    assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ deg/h \+\d\d", said)
+    assert "no change of the noise" not in said
+    assert re.search(r"K \(from \S+ (min|h|d) on\)", said)

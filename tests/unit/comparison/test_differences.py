@@ -1,0 +1,137 @@
+"""What a comparison says beside the coefficients: sinusoids, averaging times, pairs, and lengths that would do."""
+
+import json
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.comparison.paired import paired_homogeneity, paired_law, resemblance
+from allanite.comparison.sinusoids import Amplitude, LineContrast
+
+RATE = 100.0
+NB = al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h")
+
+
+def simulated(seed, model=NB, n=16384):
+    return al.simulate(model, n, RATE, rng=np.random.default_rng(seed), name="gx")
+
+
+def hum(size, frequency=12.0):
+    return NB + al.Sine(size, "deg/h", frequency=frequency)
+
+
+def lines(found):
+    return [change for change in found.terms if change.frequency is not None]
+
+
+def test_an_amplitude_that_grows_is_a_row_and_in_the_verdict():
+    found = al.compare(simulated(1, hum(60)), simulated(2, hum(90)))
+    (line,) = lines(found)
+    low, high = line.interval()
+    assert (line.outcome, line.label) == ("larger", "Sine at 12 Hz")
+    assert low < 50 < high
+    assert found.pairs[0].changed
+    assert "Sine at 12 Hz +" in found.verdict
+    again = al.from_dict(json.loads(json.dumps(found.to_dict())))
+    assert again.verdict == pickle.loads(pickle.dumps(found)).verdict == found.verdict
+
+
+def test_equal_amplitudes_have_not_changed():
+    (line,) = lines(al.compare(simulated(3, hum(90)), simulated(4, hum(90))))
+    assert line.outcome == "no change"
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
+    quiet, loud = simulated(1), simulated(2, hum(90))
+    found = al.compare(*[quiet, loud][::order])
+    (line,) = lines(found)
+    assert line.outcome == {1: "larger", -1: "smaller"}[order]
+    assert {line.before.status, line.after.status} == {"absent", "identified"}
+    assert found.pairs[0].changed
+    # the sinusoids are taken out of the noise, and the curves have them
+    assert "no change of the noise" not in found.verdict
+    assert "the curves differ, most at 0.0" in found.verdict
+
+
+def test_curves_that_differ_are_never_under_no_change():
+    found = al.compare(simulated(5), simulated(6)).pairs[0]
+    assert found.verdict.startswith("no change of the noise is seen")
+    p = np.where(np.arange(found.ratios.p.size) == 3, 1e-4, found.ratios.p)
+    differing = replace(found, ratios=replace(found.ratios, p=p))
+    assert differing.changed
+    assert "no change of the noise" not in differing.verdict
+    assert f"the curves differ, most at {found.ratios.tau[3]:.4g} s" in differing.verdict
+    some = replace(found, ratios=replace(found.ratios, p=np.where(p == 1e-4, 0.01, np.maximum(p, 0.1))))
+    assert not some.changed  # 0.01 is nothing among fourteen
+
+
+def test_limits_of_a_ratio_of_amplitudes_are_fiellers():
+    contrast = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(3.0, 0.1, True))
+    rng = np.random.default_rng(1)
+    ratios = (3 + 0.1 * rng.standard_normal(100_000)) / (2 + 0.1 * rng.standard_normal(100_000))
+    assert contrast.limits(0.95) == pytest.approx(np.quantile(ratios, [0.025, 0.975]), rel=0.01)
+    weak = LineContrast(12.0, Amplitude(0.1, 0.1, False), Amplitude(3.0, 0.1, True))
+    low, high = weak.limits(0.95)
+    assert 5 < low < 30
+    assert high == np.inf
+
+
+def correlated(seed, size=0.3):
+    """Two records of the same noise, each with a little of its own."""
+    rng = np.random.default_rng(seed)
+    both = rng.standard_normal(4096)
+    own = size * rng.standard_normal((2, 4096))
+    return tuple(al.Record(both + part, RATE, "deg/h", name="gx") for part in own)
+
+
+def test_pairs_of_one_noise_are_told_from_independent_records():
+    assert resemblance(correlated(1)) > 0.85
+    assert resemblance((simulated(1), simulated(2))) < 0.1
+    assert resemblance((simulated(1), simulated(1, n=8192))) == 0.0
+
+
+def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
+    """In 200 pairs, at 5 %: 2 to 20."""
+    p = [paired_homogeneity(correlated(seed)).p for seed in range(200)]
+    assert 2 <= sum(v <= 0.05 for v in p) <= 20
+    curves = [tuple(al.deviation(r, m=[1, 8]) for r in correlated(seed)) for seed in range(200)]
+    laws = [paired_law(correlated(seed), pair) for seed, pair in enumerate(curves)]
+    ratios = [after.variance / before.variance for before, after in curves]
+    p = np.array([law.p(ratio) for law, ratio in zip(laws, ratios, strict=True)])
+    assert np.all((p <= 0.05).sum(axis=0) <= 20)
+    assert np.all((p <= 0.5).sum(axis=0) >= 75)
+    limits = [law.limits(ratio, 0.9) for law, ratio in zip(laws, ratios, strict=True)]
+    held = np.mean([(low <= 1) & (high >= 1) for low, high in limits], axis=0)
+    assert np.all((held > 0.84) & (held < 0.96))
+
+
+def test_raw_and_corrected_readings_are_compared_as_a_pair():
+    """A little noise that independent records would hide, and that their difference shows."""
+    both, own = np.random.default_rng(1).standard_normal((2, 4096))
+    raw, corrected = (al.Record(y, RATE, "deg/h", name="gx") for y in (both + 0.2 * own, both))
+    found = al.compare(raw, corrected).pairs[0]
+    assert found.paired
+    assert found.p < 1e-6
+    assert "octaves of frequency" in found.verdict
+    assert any("raw and corrected readings" in alert for alert in found.alerts)
+    other = al.Record(np.random.default_rng(9).standard_normal(4096), RATE, "deg/h", name="gx")
+    alone = al.compare(raw, other).pairs[0]
+    assert not alone.paired
+    assert alone.p > 0.01
+
+
+def test_a_length_that_would_do_is_named_and_does():
+    model = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
+    change = al.compare(simulated(1, model, 2048), simulated(2, model, 2048))["K"]
+    assert change.outcome == "not resolvable"
+    assert 2048 / RATE < change.needed < 3600
+    n = round(change.needed * RATE)
+    longer = [al.compare(simulated(10 + 2 * i, model, n), simulated(11 + 2 * i, model, n))["K"] for i in range(4)]
+    assert sum(found.outcome == "not resolvable" for found in longer) <= 1
+    m = n // 8
+    shorter = [al.compare(simulated(30 + 2 * i, model, m), simulated(31 + 2 * i, model, m))["K"] for i in range(3)]
+    assert sum(found.outcome == "not resolvable" for found in shorter) >= 2

@@ -1,0 +1,126 @@
+"""What one channel of a body says of the others, and in which times."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.core.record import Recording
+from allanite.prepare import inspect
+from allanite.prepare.body import of_one_body
+from allanite.prepare.stillness import moving, still_stretch
+from allanite.prepare.view import View
+from allanite.prepare.window import trim
+from allanite.study.analysis import examine
+
+RATE = 20.0
+N = 20_000
+
+
+def record_of(name, seed, unit="deg/s"):
+    return al.Record(np.random.default_rng(seed).standard_normal(N), RATE, unit, name=name)
+
+
+def moved(record, first, last, size=100.0):
+    """The record with a swing between two times."""
+    y = record.values.copy()
+    at = slice(int(first * RATE), int(last * RATE))
+    y[at] += size * np.sin(np.arange(y[at].size) / RATE)
+    return replace(record, values=y)
+
+
+def louder(record, first, factor=2.0):
+    y = record.values.copy()
+    y[int(first * RATE) :] *= factor
+    return replace(record, values=y)
+
+
+def triad(**changed):
+    plain = {"gx": record_of("gx", 1), "gy": record_of("gy", 2), "ax": record_of("ax", 3, "g")}
+    return Recording(tuple((plain | changed).values()))
+
+
+def test_one_axis_that_moves_refuses_all():
+    study = examine(triad(gy=moved(record_of("gy", 2), 300, 400)))
+    assert all(channel.refusal for channel in study)
+    assert study["gx"].refusal.startswith("the body moved: gy moves from 299.2 s")
+    assert "(--channels)" in study["ax"].refusal
+    assert "the body moved" not in study["gy"].refusal
+
+
+def test_a_little_motion_warns_of_all():
+    study = examine(triad(gy=moved(record_of("gy", 2), 300, 305)))
+    assert not any(channel.refusal for channel in study)
+    assert ["body moved" in channel.quality.names for channel in study] == [True, False, True]
+    assert "moving" in study["gy"].quality.names
+
+
+def test_an_axis_that_is_refused_refuses_those_that_move_less():
+    study = examine(triad(gx=moved(record_of("gx", 1), 300, 305), gy=moved(record_of("gy", 2), 300, 400)))
+    assert "the body moved: gy" in study["gx"].refusal
+
+
+def test_a_level_that_changes_is_told_and_refuses_none():
+    study = examine(triad(ax=louder(record_of("ax", 3, "g"), 750)))
+    assert study["gx"].quality.names == study["gy"].quality.names == ("body level",)
+    assert str(study["gx"].quality.findings[0]).startswith("ax, of the same body: the noise level changes")
+    assert "body level" not in study["ax"].quality.names
+    assert not any(channel.refusal for channel in study)
+
+
+def test_a_thermometer_is_no_part_of_the_body():
+    warm = moved(record_of("temp", 4, "degC"), 300, 400)
+    records = (record_of("gx", 1), record_of("gy", 2), warm)
+    found = of_one_body(records, [inspect(record) for record in records])
+    assert [quality.names for quality in found[:2]] == [(), ()]
+    assert found[2].refusal
+
+
+def test_still_bodies_are_told_nothing():
+    assert [channel.quality.names for channel in examine(triad())] == [(), (), ()]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_stretch_that_is_offered_passes_the_test_in_every_axis(seed):
+    """A body that is handled: weaker motion hides behind stronger."""
+    rng = np.random.default_rng(seed)
+    axes = [record_of(name, 10 + seed + i) for i, name in enumerate(("gx", "gy", "gz"))]
+    for size in (4000.0, 400.0, 60.0):
+        for i in range(3):
+            first = float(rng.uniform(0, 900))
+            axes[i] = moved(axes[i], first, first + 80, size)
+    start, end = still_stretch(axes)
+    assert end - start > 50
+    assert all(moving(View(record)) is None for record in trim(Recording(tuple(axes)), start, end))
+    study = examine(Recording(tuple(axes)))
+    assert f"--until {end:g}" in study["gx"].refusal
+
+
+def test_where_nothing_is_still_nothing_is_offered():
+    y = np.random.default_rng(1).standard_normal(N)
+    y *= np.where(np.arange(N) // 100 % 2, 500.0, 1.0)  # by turns, five seconds each
+    study = examine(Recording((al.Record(y, RATE, "deg/s", name="gx"), record_of("gy", 2))))
+    assert "no stretch of it is still" in study["gy"].refusal
+
+
+def test_times_are_those_of_the_recording_after_a_cut():
+    y = np.random.default_rng(1).standard_normal(N)
+    y[8000:8010] = np.nan
+    y[9000] = 60.0
+    part = trim(Recording((al.Record(y, RATE, "deg/s", name="gx"),)), 200.0, 600.0)[0]
+    found = {finding.name: finding for finding in inspect(part).findings}
+    assert found["gaps"].remedy == "the longest stretch without a gap: --from 200 --until 400"
+    assert found["gaps"].place == (400.0, 400.5)
+    assert "the first from 400 s" in found["gaps"].what
+    assert "the first at 450 s" in found["outliers"].what
+    again = trim(Recording((part,)), 100.0, 300.0)[0]
+    assert (again.cut, again.history[-1]) == (300.0, "cut from 300 s to 500 s")
+
+
+def test_the_still_stretch_of_a_part_is_in_times_of_the_recording():
+    whole = Recording((moved(record_of("gx", 1), 700, 800),))
+    (part,) = trim(whole, 400.0, 1000.0)
+    motion = moving(View(part))
+    assert motion.what.startswith("moves from 699.2 s")
+    assert motion.remedy == "the longest still stretch: --from 400 --until 699"
