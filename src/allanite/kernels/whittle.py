@@ -146,6 +146,15 @@ def _solve(G, c, passive):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _pass_over(slope, G, passive):  # type: ignore[no-untyped-def]
+    """Leave out columns that are one of those in use but for their size."""
+    for j in range(slope.size):
+        for k in np.flatnonzero(passive):
+            if G[j, k] > ALIKE:
+                slope[j] = -np.inf
+
+
+@njit(cache=True, nogil=True)
 def _nnls(G, c):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal (Lawson and Hanson; Bro and de Jong)."""
     q = c.size
@@ -153,10 +162,7 @@ def _nnls(G, c):  # type: ignore[no-untyped-def]
     for _ in range(10 * q):
         slope = c - G @ x
         slope[passive] = -np.inf
-        for j in range(q):
-            for k in range(q):
-                if passive[k] and G[j, k] > ALIKE:  # the same column but for its size
-                    slope[j] = -np.inf
+        _pass_over(slope, G, passive)
         best = np.argmax(slope)
         if passive.all() or slope[best] <= 1e-12 * np.abs(c).max():
             return x

@@ -76,7 +76,8 @@ def filtered(what, seed, model=N + B):
 
 @pytest.mark.parametrize("what", BEHIND)
 def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
-    fit = al.identify(filtered(what, 1))
+    record = filtered(what, 3)
+    fit = al.identify(record)
     _, _, cutoff, names = BEHIND[what]
     found = fit.scope.filter
     assert found.row in names
@@ -89,7 +90,7 @@ def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
     assert fit["Q"].status == "not observable"
     assert "filter" in fit["Q"].reason
     assert "low-pass" in fit.scope.sentences[0]
-    assert al.residuals(filtered(what, 1), fit).explained
+    assert al.residuals(record, fit).explained
 
 
 def test_all_frequencies_without_a_filter_bend_the_model():

@@ -47,7 +47,7 @@ def _sampled_two_poles(f: FloatArray, cutoff: float) -> FloatArray:
 
     def total(x: FloatArray) -> FloatArray:
         both = [np.exp(-a + 1j * (a + sign * 2 * np.pi * x)) for sign in (1, -1)]
-        return 1 + np.real((1 - 1j) * sum(z / (1 - z) for z in both))
+        return np.asarray(1 + np.real((1 - 1j) * sum(z / (1 - z) for z in both)))
 
     return np.asarray(total(f) / total(np.zeros(1)))
 

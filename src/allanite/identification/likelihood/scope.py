@@ -86,7 +86,7 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     whole, best = found.base, found
     for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
         yield best
-    out = humps(best) & whole.used
+    out = humps(found) & whole.used
     masked = whole.but(used=whole.used & ~out)
     if out.any() and not out[-1] and out.sum() <= MASKED * out.size and _quiet(best, ~out):
         best = fitted(masked, rival=rival)
