@@ -93,6 +93,8 @@ class Pair(Value):
     fits : (Fit, Fit) or None
     explained : tuple of bool
         Whether each fit explains its record.
+    grades : tuple of str
+        How well, in words.
     records : (Record, Record) or None
         Only the header of each where the comparison was stored.
     alerts : tuple of str
@@ -116,6 +118,7 @@ class Pair(Value):
     refusal: str = ""
     alpha: float = 0.05
     whole: Fit | None = None
+    grades: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")

@@ -14,7 +14,7 @@ from .errors import UsageError
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
-from .scope import UNEXPLAINED, Scope, worst
+from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 from .units import Signal
 
 WEAK = 0.25
@@ -22,6 +22,9 @@ WEAK = 0.25
 
 EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
+
+REJECTED = "the model does not explain the record"
+"""Reason why the coefficients of a model that does not are not valid."""
 
 
 def chance(p: float) -> str:
@@ -166,14 +169,14 @@ class Goodness(Value):
         return self.p >= EXPLAINED and not self.reasons
 
     @property
+    def grade(self) -> str:
+        """One of `GRADES`; what is named although the test holds, as a narrow peak, does no harm to the coefficients."""
+        return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
+
+    @property
     def verdict(self) -> str:
         """One sentence."""
-        p = chance(self.p)
-        also = "".join(f"; {remark}" for remark in self.remarks)
-        if self.explained:
-            return f"the model explains the record (goodness of fit {p}){also}"
-        why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record (goodness of fit {p}){why}{also}"
+        return "; ".join((f"{graded(self.grade)} (goodness of fit {chance(self.p)})", *self.reasons, *self.remarks))
 
 
 @dataclass(frozen=True, repr=False)
@@ -236,7 +239,8 @@ class Fit(Value):
     for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
-    `scope` says which frequencies were read and behind which filter.
+    `scope` says which frequencies were read and behind which filter; `checked` is the grade of what the model leaves of
+    the record, where that was looked at.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
@@ -253,13 +257,24 @@ class Fit(Value):
     lines: tuple[Line, ...] = ()
     rivals: Callable[[], tuple[Alternative, ...]] | None = None
     scope: Scope | None = None
+    checked: str = ""
 
     @property
     def validity(self) -> str:
         """Grade of the model, one of `GRADES`; empty where the method does not test it."""
         if self.goodness is None:
             return ""
-        return worst(self.scope.grade if self.scope else "", "explained" if self.goodness.explained else UNEXPLAINED)
+        wrong = [e.status == "not valid" for e in self]
+        coefficients = UNEXPLAINED if wrong and all(wrong) else APPROXIMATE if any(wrong) else ""
+        return worst(self.scope.grade if self.scope else "", self.goodness.grade, coefficients, self.checked)
+
+    @property
+    def valid(self) -> Model | None:
+        """The model without its terms that are not valid; None where the model does not explain the record."""
+        if self.validity == UNEXPLAINED:
+            return None
+        wrong = {e.symbol for e in self if e.status == "not valid"}
+        return Model(tuple(t for t in self.model if t.symbol not in wrong)) if wrong else self.model
 
     def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
         """The fit whose coefficients, all or those of the symbols, are not valid."""

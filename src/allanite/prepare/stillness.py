@@ -99,7 +99,7 @@ def lines(view: View) -> Finding | None:
         "lines",
         f"lines at {named} Hz hold {100 * share:.2g} % of the power",
         "vibration or sway makes humps on the curve that no noise term describes",
-        "isolate the sensor, or use a part of the spectrum without them (--band)",
+        "isolate the sensor",
     )
 
 

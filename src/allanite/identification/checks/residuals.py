@@ -72,10 +72,10 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
     record = treated(record, outliers)
-    return checked(whitened(record, fit.model, fit.scope), record, fit)
+    return checked(whitened(record, fit.model, fit.scope), record, fit, outliers)
 
 
-def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
+def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:
     """The residuals of a record, once its whitened series is known; see `residuals`."""
     there = _inside(u, memory(fit.model, record.size, record.rate))
     series = u if there is None else u[there]
@@ -96,7 +96,7 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
         size=record.size,
         goodness=fit.goodness,
         checks=checks,
-        findings=tuple(_reasons(record, fit, checks, (power, seconds(parts)))),
+        findings=tuple(_reasons(record, fit, checks, (power, seconds(parts)), kept=outliers == "keep")),
         correlation=correlation,
         level=np.sqrt(power),
         level_error=error,
@@ -212,7 +212,7 @@ def _quantiles(u: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
 
 
 def _reasons(
-    record: Record, fit: Fit, checks: tuple[Check, ...], level: tuple[FloatArray, FloatArray]
+    record: Record, fit: Fit, checks: tuple[Check, ...], level: tuple[FloatArray, FloatArray], *, kept: bool
 ) -> list[Finding]:
     """What is likely wrong beside the spectrum, which `Goodness.reasons` explain."""
     spectral = fit.goodness is not None and not fit.goodness.explained
@@ -228,10 +228,10 @@ def _reasons(
         found.append(_unsteady(eighths, *level))
     # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
     if not spectral and not tails.passed and tails.value > TAILED:
-        found.append(_tailed(tails))
+        found.append(_tailed(tails, kept=kept))
     read = fit.scope is None or not (fit.scope.masks or fit.scope.limited)
     if read and not spectral and not near.passed and abs(near.value) > KIN:
-        found.append(_kin(near))
+        found.append(_kin(near, fit))
     return found
 
 
@@ -259,32 +259,34 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     odd = int(np.abs(np.log(level)).argmax())
     loud = level > math.sqrt(level.max() * level.min())
     first, last = int(loud.argmax()), loud.size - int(loud[::-1].argmax())
+    different = check.value > DIFFERENT
     return Finding(
         "level",
-        f"the noise level changes: {check.value:.3g} times between eighths of the record, it is highest from "
+        f"the noise level changes {check.value:.3g} times between eighths of the record, and is highest from "
         f"{time[first]:.4g} s to {time[last]:.4g} s",
-        "one set of coefficients describes neither part",
-        "analyse the parts apart (--from, --until)",
+        "one set of coefficients describes neither part" if different else "the coefficients are those of the average",
+        "analyse the parts separately (--from, --until)",
         (float(time[odd]), float(time[odd + 1])),
-        fatal=check.value > DIFFERENT,
+        fatal=different,
     )
 
 
-def _tailed(check: Check) -> Finding:
+def _tailed(check: Check, *, kept: bool) -> Finding:
     return Finding(
         "heavy tails",
-        "what the model leaves has heavier tails than Gaussian noise has: outliers, bursts, or two kinds of noise by "
-        f"turns (excess kurtosis {check.value:.3g})",
-        "intervals, which are those of Gaussian noise, are too narrow",
-        "look at the readings; mark outliers, or use a window without them (--outliers mark, --from, --until)",
+        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes and "
+        "goes",
+        "the coefficients hold, but their intervals are too narrow",
+        "leave out the outliers (--outliers mark)" if kept else "",
     )
 
 
-def _kin(check: Check) -> Finding:
+def _kin(check: Check, fit: Fit) -> Finding:
+    tried = fit.scope is not None and fit.scope.choice == "auto"
     return Finding(
         "correlation",
-        f"what the model leaves is not white: neighbours correlate by {check.value:.2g}",
-        "the model misses something fast",
-        "let the fit choose the frequencies that the terms explain (--band auto)",
+        f"the residuals are not white: neighbours correlate by {check.value:.2g}",
+        "the model misses something fast, and its intervals are too narrow",
+        "" if tried else "let the fit look for a filter and for the frequencies that the terms explain (--band auto)",
         fatal=abs(check.value) > 5 * KIN,
     )
