@@ -93,17 +93,21 @@ def adis(recordings, tmp_path_factory):
     return path
 
 
-def test_a_roll_off_is_named_and_left_out(recordings, adis):
+def test_a_filter_is_found_or_left_out(recordings, adis):
     recording = al.read(adis, rate=100.0, unit="deg/s", kind="rate")
     for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
         m, deviation, _ = reference(recordings, "adis_16405_imu1.rda", channel)
         np.testing.assert_allclose(al.deviation(record, m=m).to("deg/s").deviation, deviation, rtol=2e-8)
-        plain = al.identify(record)
-        assert not plain.goodness.explained
-        assert "neighbouring samples are correlated" in plain.goodness.verdict
+        plain = al.identify(record, band="all")
+        assert plain.validity == "unexplained"
+        assert "the spectrum rolls off" in plain.goodness.verdict
+        behind = al.identify(record)
+        assert behind.validity == "explained"
+        assert 20 < behind.scope.filter.cutoff < 60
         below = al.identify(record, band=(0, 5))
         at_one_second = al.deviation(record, m=[100]).deviation[0]
         assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
+        assert behind["N"].value == pytest.approx(at_one_second, rel=0.03)
         assert below["N"].status == "identified"
 
 

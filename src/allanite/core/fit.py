@@ -276,6 +276,11 @@ class Fit(Value):
         wrong = {e.symbol for e in self if e.status == "not valid"}
         return Model(tuple(t for t in self.model if t.symbol not in wrong)) if wrong else self.model
 
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """The notes that still count: none of a model that explains nothing."""
+        return self.notes if self.validity != UNEXPLAINED else ()
+
     def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
         """The fit whose coefficients, all or those of the symbols, are not valid."""
         wrong = tuple(e.symbol for e in self) if symbols is None else tuple(symbols)

@@ -151,7 +151,7 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
     wrong = tuple(f"{e.symbol} is not valid: {e.reason}" for e in told)
     if grade == UNEXPLAINED:
         if good is not None and good.grade != UNEXPLAINED:  # a p value that rejects nothing is not said
-            said = f"{graded(grade)}: what the model leaves of the record contradicts it"
+            said = f"{graded(grade)}, although the spectrum fits"
             return Statement(grade, said, (*why, *wrong, *remarks))
         said = f"{graded(grade)}: no model of these terms explains the record{test}"
         return Statement(grade, said, (*why, *wrong, *_tried(scope), *remarks))

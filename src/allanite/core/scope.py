@@ -161,4 +161,6 @@ class Scope(Value):
         return (*said, *self.remarks)
 
     def _summary(self) -> str:
-        return "; ".join(self.sentences) or "all frequencies"
+        low, high = self.band
+        masks = f"without {len(self.masks)} parts" if self.masks else ""
+        return ", ".join(filter(None, (f"{low:.3g} to {high:.3g} Hz", masks, self.filter and self.filter.words())))

@@ -187,7 +187,7 @@ def test_the_verdict_is_a_plain_sentence():
         "gyro_z is a gyroscope with angle random walk 0.0500 deg/√h, bias instability 0.50 deg/h (weak) and rate ramp "
         "−0.400 deg/h². Not identified in 60 s of data: quantization noise, rate random walk."
     )
-    assert "do not quote its numbers" in verdict(channel_of(p=1e-9), 0.95)
+    assert verdict(channel_of(p=1e-9), 0.95) == "gyro_z: not explained. Its coefficients are not valid."
     assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
 
 
@@ -201,7 +201,8 @@ def test_a_figure_has_a_panel_for_each_curve(study):
 
 def test_labels_give_the_coefficients(study):
     texts = [text.get_text() for text in plot(study).axes[0].texts]
-    assert "N = 0.0500 deg/√h" in texts
+    assert "N = 0.0500 deg/√h (3 deg/h at 1 s)" in texts
+    assert "0.664 B = 0.332 deg/h (B = 0.50 deg/h)" in texts
     assert "R = −0.400 deg/h²" in texts
     assert not any(text.startswith("K =") for text in texts)
 
@@ -210,7 +211,7 @@ def test_few_degrees_of_freedom_and_doubt_are_said(study):
     figure = plot(study_of(channel_of(p=1e-9)))
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "below 2 degrees of freedom" in legend
-    assert figure.axes[0].get_title("right") == "the model does not explain the record"
+    assert figure.axes[0].get_title("right") == "not explained, p = 1e-09"
     assert plot(study).axes[0].get_title("right") == ""
 
 

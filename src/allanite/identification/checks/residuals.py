@@ -11,6 +11,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
+from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.outliers import treated
 from allanite.prepare.rounding import fast_noise, rounding
 
@@ -228,7 +229,7 @@ def _reasons(
         found.append(_unsteady(eighths, *level))
     # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
     if not spectral and not tails.passed and tails.value > TAILED:
-        found.append(_tailed(tails, kept=kept))
+        found.append(_tailed(tails, curable=kept and outlying(record).at.size > 0))
     read = fit.scope is None or not (fit.scope.masks or fit.scope.limited)
     if read and not spectral and not near.passed and abs(near.value) > KIN:
         found.append(_kin(near, fit))
@@ -263,7 +264,7 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     return Finding(
         "level",
         f"the noise level changes {check.value:.3g} times between eighths of the record, and is highest from "
-        f"{time[first]:.4g} s to {time[last]:.4g} s",
+        f"{time[first]:.6g} s to {time[last]:.6g} s",
         "one set of coefficients describes neither part" if different else "the coefficients are those of the average",
         "analyse the parts separately (--from, --until)",
         (float(time[odd]), float(time[odd + 1])),
@@ -271,13 +272,13 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     )
 
 
-def _tailed(check: Check, *, kept: bool) -> Finding:
+def _tailed(check: Check, *, curable: bool) -> Finding:
     return Finding(
         "heavy tails",
         f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes and "
         "goes",
         "the coefficients hold, but their intervals are too narrow",
-        "leave out the outliers (--outliers mark)" if kept else "",
+        "leave out the outliers (--outliers mark)" if curable else "",
     )
 
 

@@ -80,7 +80,7 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
         return
-    yield from (Note(note) for note in channel.fit.notes)
+    yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
     if channel.curve is not None:
         drawn = ", the model, and each term of it alone" if channel.fit.valid is not None else ""
@@ -184,7 +184,7 @@ def _reservation(channel: Channel) -> str:
     noise = channel.noise
     if noise is None or noise.validity != APPROXIMATE:
         return ""
-    return f" The model is approximate: {graded(noise.validity, noise.fit.scope)}."
+    return f" {graded(noise.validity, noise.fit.scope).capitalize()}."
 
 
 def _found(estimate: Estimate, level: float) -> str:
