@@ -170,7 +170,7 @@ class Goodness(Value):
 
     @property
     def grade(self) -> str:
-        """One of `GRADES`; what is named although the test holds, as a narrow peak, does no harm to the coefficients."""
+        """One of `GRADES`; a narrow peak that the test does not feel does no harm to the coefficients."""
         return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
 
     @property

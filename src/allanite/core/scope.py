@@ -131,7 +131,7 @@ class Scope(Value):
 
     @property
     def times(self) -> tuple[float, float]:
-        """Averaging times at which a deviation is that of the terms, s: not lowered by the filter, nor beyond the band."""
+        """Averaging times at which a deviation is that of the terms, s: the filter has settled, the band holds them."""
         low, high = self.band
         shortest = 0.5 / high if self.limited else 0.0
         if self.filter is not None:
@@ -162,5 +162,6 @@ class Scope(Value):
 
     def _summary(self) -> str:
         low, high = self.band
-        masks = f"without {len(self.masks)} parts" if self.masks else ""
-        return ", ".join(filter(None, (f"{low:.3g} to {high:.3g} Hz", masks, self.filter and self.filter.words())))
+        said = [f"{low:.3g} to {high:.3g} Hz"]
+        said += [f"without {len(self.masks)} parts"] if self.masks else []
+        return ", ".join([*said, self.filter.words()] if self.filter else said)

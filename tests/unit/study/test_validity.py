@@ -147,8 +147,8 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
 @pytest.mark.parametrize(
     "verb",
     [
-        ("plan",), ("deviation", "--limits"), ("spectrum", "--fit"), ("statespace",), ("rate", "--interval", 2, "--no-times"),
-        ("budget", "--stage", "output 16 100deg/s"),
+        ("plan",), ("deviation", "--limits"), ("spectrum", "--fit"), ("statespace",),
+        ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
     ],
     ids=lambda verb: verb[0],
 )  # fmt: skip
@@ -165,7 +165,7 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path
     al.write(al.Recording((record_of(white(9), "bad"),)), path)
     result = run("compare", file, path, "--channels", "bad", "--terms", "N", "--strict")
     assert result.exit_code == 3, result.output
-    assert "imu.npz: not explained, again.npz: explained" in " ".join(result.stdout.split())
+    assert "imu.npz (not explained), again.npz (explained)" in " ".join(result.stdout.split())
 
 
 @pytest.mark.parametrize("band", ["auto", "all", "0.1,10"])

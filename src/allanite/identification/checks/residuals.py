@@ -275,8 +275,8 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
 def _tailed(check: Check, *, curable: bool) -> Finding:
     return Finding(
         "heavy tails",
-        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes and "
-        "goes",
+        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes "
+        "and goes",
         "the coefficients hold, but their intervals are too narrow",
         "leave out the outliers (--outliers mark)" if curable else "",
     )

@@ -136,7 +136,8 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([curves, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
         if len(seen):
-            placed.append(draw_label(ax, (e.symbol, _label(panel, e, lines[e.symbol], (mark, level))), seen[::8], avoid, placed))
+            label = _label(panel, e, lines[e.symbol], (mark, level))
+            placed.append(draw_label(ax, (e.symbol, label), seen[::8], avoid, placed))
 
 
 def _lines_label(

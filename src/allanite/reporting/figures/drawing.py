@@ -39,11 +39,11 @@ GRADES = {EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.AL
 """Colour of a grade."""
 
 
-def draw_grade(ax: Axes, fit: Fit) -> None:
+def draw_grade(ax: Axes, fit: Fit, before: str = "") -> None:
     """Say at the right above a panel how well the model explains the record."""
     said = words.grade(fit)
     if said:
-        ax.set_title(said, loc="right", color=GRADES[fit.validity], fontsize=8.5)
+        ax.set_title("; ".join(filter(None, (before, said))), loc="right", color=GRADES[fit.validity], fontsize=8.5)
 
 
 def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:

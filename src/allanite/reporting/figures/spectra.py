@@ -15,8 +15,17 @@ from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 
 from .drawing import (
-    by_share, color_of, draw_grade, draw_label, draw_legend, fractions, label_of, pairs, shade, stacked,
-)  # fmt: skip
+    by_share,
+    color_of,
+    draw_grade,
+    draw_label,
+    draw_legend,
+    fractions,
+    label_of,
+    pairs,
+    shade,
+    stacked,
+)
 from .labels import Box, FloatArray
 
 MOST_POINTS = 200
@@ -65,7 +74,7 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     style.title(ax, spectrum.name)
     ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
     if fit is not None:
-        draw_grade(ax, fit)
+        draw_grade(ax, fit, spectrum.method)
         if fit.valid is not None:
             shade(ax, fit.scope.unread if fit.scope else ())
             _draw_model(ax, spectrum, fit, level)

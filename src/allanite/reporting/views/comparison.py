@@ -100,7 +100,8 @@ def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tabl
     records = zip(names, result.records or (), strict=False)
     about = [f"{name}: {'; '.join((words.about(record), *record.history))}" for name, record in records]
     if result.grades:
-        about.append("noise models: " + ", ".join(map(": ".join, zip(names, result.grades, strict=False))))
+        graded = (f"{name} ({grade})" for name, grade in zip(names, result.grades, strict=False))
+        about.append(f"noise models: {', '.join(graded)}")
     if result.band is not None:
         low, high = result.band
         about.append(f"compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have")

@@ -6,10 +6,10 @@ from typing import Any, Protocol
 
 from allanite.core.header import Header
 from allanite.core.record import Record
-from allanite.reporting import words
-from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.core.residuals import Statement
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.reporting import words
+from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.channels import Job
 from allanite.study.noise import Noise
 
@@ -58,8 +58,14 @@ def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], par
 
 
 def channel_sheet(
-    channel: Recorded, parts: Iterable[Part], verdicts: Sequence[str] = (), *, doubt: bool = False, fair: bool = False, of: str = "",
-) -> Sheet:  # fmt: skip
+    channel: Recorded,
+    parts: Iterable[Part],
+    verdicts: Sequence[str] = (),
+    *,
+    doubt: bool = False,
+    fair: bool = False,
+    of: str = "",
+) -> Sheet:
     """The sheet of a channel: what it holds, what must stand beside its numbers, and its parts."""
     record = channel.record
     about = (words.about(record), *record.history)

@@ -41,8 +41,8 @@ def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None
     if scope is not None and scope.filter is not None:
         yield Note(
-            f"the filter before the readings is not among the states: readings less than {1 / scope.filter.cutoff:.2g} s "
-            "apart are correlated; take every so many of them, or means"
+            "the filter before the readings is not among the states: readings less than "
+            f"{1 / scope.filter.cutoff:.2g} s apart are correlated"
         )
     headings, rows = space.rows()
     heads = (Column(""), Column(headings[0], "name"), Column("unit", "unit"), *map(Column, headings[2:]))
