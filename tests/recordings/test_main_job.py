@@ -76,7 +76,11 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     channels = json.loads(data.read_text())["channels"]
     assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]
     assert [[t["symbol"] for t in channel["fit"]["terms"]] for channel in channels] == [list("QNBKR")] * 3
-    assert all(channel["fit"]["gof_p"] < 1e-12 for channel in channels)
+    grades = ["unexplained", "approximate" if window else "unexplained", "unexplained"]
+    assert [channel["validity"] for channel in channels] == grades
+    not_valid = [[t["symbol"] for t in channel["fit"]["terms"] if t["status"] == "not valid"] for channel in channels]
+    assert not_valid[0] == not_valid[2] == list("QNBKR")
+    assert {"Q", "N"} <= set(not_valid[1])
 
 
 def matrix(path):
