@@ -184,7 +184,7 @@ FAULTS: dict[str, tuple[Callable[[np.ndarray, np.random.Generator], None] | None
     "line": (line, "taken out first, at 13 Hz"),
     "filter roll-off": (rolled, "the spectrum rolls off"),
     "half with double noise": (louder, "the noise level changes"),
-    "heavy tails": (tailed, "heavier tails"),
+    "heavy tails": (tailed, "heavy tails"),
 }
 FAULT_HEADINGS = ("fault", "sensor", "records", "named", "named first")
 

@@ -47,6 +47,13 @@ def fit(method="whittle", i=0):
 
 
 @cache
+def filtered():
+    """A fit behind a filter."""
+    quiet = al.simulate(al.N(0.1, "deg/sqrt(h)"), 16384, 100.0, rng=np.random.default_rng(1), name="z")
+    return al.identify(al.faults.low_pass(quiet, 12.0), terms="NB")
+
+
+@cache
 def comparison():
     return al.compare(record(0), record(3), rng=np.random.default_rng(1))
 
@@ -193,6 +200,7 @@ MAKERS = {
     "Estimate": lambda: fit()["N"],
     "Estimate that is absent": lambda: fit()["K"],
     "Estimate of a ramp": lambda: fit(i=3)["R"],
+    "Estimate that is not valid": lambda: fit()["N"].invalid("the curve contradicts it"),
     "Estimate with a shape": lambda: next(e for e in fit(i=0) if TERMS[e.symbol].parameters),
     "EstimatorSettings": lambda: al.rate.EstimatorSettings(lines=3, allowed=1e-9),
     "Experiment": lambda: rate_study().channels[0].experiment,
@@ -213,6 +221,7 @@ MAKERS = {
     "Measured": lambda: surveyed(Deviations(("adev", "totdev"))).channels[0],
     "Means": lambda: read().means[0],
     "Mixture": lambda: regression().mixture,
+    "LowPass": lambda: filtered().scope.filter,
     "Model": lambda: MODEL,
     "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
     "Pair": lambda: comparison().pairs[0],
@@ -237,6 +246,7 @@ MAKERS = {
     "RecordingPlans of a given model": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN),
     "Residuals": residuals,
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
+    "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,
     "SelfChecks": lambda: run_model_job(None, SelfCheckSettings(model=WHITE, samples=2000, records=3), GIVEN),
     "SelfCheckSettings": lambda: SelfCheckSettings(sensor="fog", duration=600.0, max_bias=5.0),

@@ -76,7 +76,11 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     channels = json.loads(data.read_text())["channels"]
     assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]
     assert [[t["symbol"] for t in channel["fit"]["terms"]] for channel in channels] == [list("QNBKR")] * 3
-    assert all(channel["fit"]["gof_p"] < 1e-12 for channel in channels)
+    grades = ["unexplained", "approximate" if window else "unexplained", "unexplained"]
+    assert [channel["validity"] for channel in channels] == grades
+    not_valid = [[t["symbol"] for t in channel["fit"]["terms"] if t["status"] == "not valid"] for channel in channels]
+    assert not_valid[0] == not_valid[2] == list("QNBKR")
+    assert {"Q", "N"} <= set(not_valid[1])
 
 
 def matrix(path):
@@ -93,17 +97,21 @@ def adis(recordings, tmp_path_factory):
     return path
 
 
-def test_a_roll_off_is_named_and_left_out(recordings, adis):
+def test_a_filter_is_found_or_left_out(recordings, adis):
     recording = al.read(adis, rate=100.0, unit="deg/s", kind="rate")
     for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
         m, deviation, _ = reference(recordings, "adis_16405_imu1.rda", channel)
         np.testing.assert_allclose(al.deviation(record, m=m).to("deg/s").deviation, deviation, rtol=2e-8)
-        plain = al.identify(record)
-        assert not plain.goodness.explained
-        assert "neighbouring samples are correlated" in plain.goodness.verdict
+        plain = al.identify(record, band="all")
+        assert plain.validity == "unexplained"
+        assert "the spectrum rolls off" in plain.goodness.verdict
+        behind = al.identify(record)
+        assert behind.validity == "explained"
+        assert 20 < behind.scope.filter.cutoff < 60
         below = al.identify(record, band=(0, 5))
         at_one_second = al.deviation(record, m=[100]).deviation[0]
         assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
+        assert behind["N"].value == pytest.approx(at_one_second, rel=0.03)
         assert below["N"].status == "identified"
 
 

@@ -211,11 +211,13 @@ def test_a_noise_that_explains_nothing_is_not_used(folder):
     record = al.Record(values, rate=10.0, unit="deg/h", name="z")
     study = al.measure_rates(record)
     (channel,) = study.channels
-    assert channel.noise is None
+    assert channel.noise.validity == "unexplained"
+    assert channel.experiment.ranking is None
     assert "no predictions and no optimal method" in channel.alerts[0]
     assert "optimal is left out: it needs a noise model" in table(study)
     assert np.isnan(channel.experiment.predicted).all()
-    assert (study.to_dict()["channels"][0]["fit"], study.to_dict()["channels"][0]["explained"]) == (None, None)
+    stored = study.to_dict()["channels"][0]
+    assert (stored["validity"], {term["status"] for term in stored["fit"]["terms"]}) == ("unexplained", {"not valid"})
 
 
 @pytest.mark.parametrize("width", [80, 120])

@@ -15,6 +15,8 @@ import click
 from allanite.core.errors import LongJobWarning, UsageError
 from allanite.core.files import demand_writable, write
 
+from .front import DATA
+
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.study.recipe import Recipe
@@ -38,6 +40,7 @@ class Outputs:
     paths: Mapping[str, str]
     force: bool = False
     quiet: bool = False
+    strict: bool = False
 
     @property
     def piped(self) -> bool:
@@ -64,7 +67,7 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     """
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    found = Outputs(paths, choices.pop("force", False), choices.pop("quiet", False))
+    found = Outputs(paths, *(choices.pop(name, False) for name in ("force", "quiet", "strict")))
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one thing can go to standard output; give the other one a file")
     taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
@@ -121,7 +124,17 @@ def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra |
     with progress(out) as tell:
         found = job(tell)
     deliver(found, out, extra)
+    if out.strict:
+        _demand_explained(found)
     return found
+
+
+def _demand_explained(found: Any) -> None:
+    """End with the exit code of bad data where a channel has no result, or no model explains its noise."""
+    if found.rejected:
+        names = ", ".join(name or "the record" for name in found.rejected)
+        click.echo(f"not explained, or without a result: {names}", err=True)
+        raise click.exceptions.Exit(DATA)
 
 
 @contextmanager

@@ -36,7 +36,6 @@ class Separated(ParamType):
 NAMES = Separated(str, "names", example="gx,gy")
 NUMBERS = Separated(float, "numbers", example="1,10,100")
 INTEGERS = Separated(int, "integers", example="1,10,100")
-BAND = Separated(float, "two frequencies in Hz", 2, "0.01,10")
 
 
 class Taus(ParamType):
@@ -50,6 +49,21 @@ class Taus(ParamType):
             return NUMBERS.convert(value, param, ctx)
         except click.BadParameter:
             return value
+
+
+class Band(ParamType):
+    """A word, or two frequencies."""
+
+    name = "band"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The word, or two numbers."""
+        if value in ("auto", "all"):
+            return value
+        return _FREQUENCIES.convert(value, param, ctx)
+
+
+_FREQUENCIES = Separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 
 
 class Scale(ParamType):
@@ -104,8 +118,12 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
         return None
     from allanite.study.recipe import load_toml
 
-    own = {"recipe", *OUTPUTS, "coefficients", "force", "quiet"}
-    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - own
+    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - {
+        "recipe",
+        *OUTPUTS,
+        "coefficients",
+        *FLAGS,
+    }
     choices = load_toml(path)
     for key in choices:
         if key not in known:
@@ -120,6 +138,9 @@ def _path(name: str, help: str) -> Decorator:  # noqa: A002 - the word of click
 
 OUTPUTS = ("report", "plot", "csv", "json")
 """Names of the options by which a result is written."""
+
+FLAGS = ("force", "quiet", "strict")
+"""How it is written, and what the exit code says; no recipe holds them."""
 
 OPTIONS: dict[str, Decorator] = {
     "file": click.argument("file", type=click.Path()),
@@ -147,7 +168,8 @@ OPTIONS: dict[str, Decorator] = {
     "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [auto]"),
     "method": click.option("--method", metavar="NAME",
         help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]"),
-    "band": click.option("--band", type=BAND, metavar="LO,HI", help="Frequencies that are used, Hz."),
+    "band": click.option("--band", type=Band(), metavar="BAND",
+        help="Frequencies of the fit: auto finds them, and a filter; all; or LO,HI in Hz.  [auto]"),
     "level": click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; those given here win."),
@@ -173,6 +195,8 @@ OPTIONS: dict[str, Decorator] = {
     "json": _path("json", "Write everything as JSON; - is standard output."),
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": _path("coefficients", "Write coefficients and curve readings as CSV; - is standard output."),
+    "strict": click.option("--strict", is_flag=True,
+        help="Exit with code 3 if a channel has no result, or no model explains its noise."),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
     "quiet": click.option("--quiet", is_flag=True, help="Print nothing but errors and what goes to standard output."),
     # of the same name, where a verb means something else by it
@@ -220,7 +244,7 @@ READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "column
 SELECTING = ("from", "until", "quiet-window", "outliers")
 """Options that select readings."""
 
-IDENTIFYING = ("terms", "method", "band", "level")
+IDENTIFYING = ("terms", "method", "band", "level", "strict")
 """Options of every verb that identifies noise."""
 
 RESULTS = (*OUTPUTS, "force", "quiet")

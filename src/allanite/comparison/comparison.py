@@ -106,6 +106,8 @@ class Pair(Value):
     fits : (Fit, Fit) or None
     explained : tuple of bool
         Whether each fit explains its record.
+    grades : tuple of str
+        How well, in words.
     records : (Record, Record) or None
         Only the header of each where the comparison was stored.
     alerts : tuple of str
@@ -132,6 +134,7 @@ class Pair(Value):
     alpha: float = 0.05
     whole: Fit | None = None
     paired: bool = False
+    grades: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")

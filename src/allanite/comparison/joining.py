@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.record import Record
+from allanite.core.scope import graded
 from allanite.identification.methods import symbols_of
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.noise import Noise, noise_of
@@ -35,6 +36,11 @@ class Joined:
     def explained(self) -> tuple[bool, ...]:
         """Whether each fit explains its record."""
         return tuple(noise.explained for noise in self.noises)
+
+    @property
+    def grades(self) -> tuple[str, ...]:
+        """How well each fit explains its record, in words."""
+        return tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
 
     @property
     def alerts(self) -> tuple[str, ...]:

@@ -65,6 +65,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
         band=both.band,
         fits=(first, second),
         explained=joined.explained,
+        grades=joined.grades,
         records=records,
         alerts=alerts,
         alpha=alpha_of(recipe.level),

@@ -105,6 +105,8 @@ class PooledChannel(Value):
     fits : tuple of Fit
     explained : tuple of bool
         Whether each fit explains its record.
+    grades : tuple of str
+        How well, in words.
     records : tuple of Record
     band : (low, high) or None
         Frequencies that were compared, Hz.
@@ -128,6 +130,7 @@ class PooledChannel(Value):
     alerts: tuple[str, ...] = ()
     refusal: str = ""
     alpha: float = 0.05
+    grades: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> PooledTerm:
         return of_symbol(self.terms, symbol, "pooled")

@@ -48,6 +48,7 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
         rest=(homogeneity(left, rng) if apart else test).p,
         fits=joined.fits,
         explained=joined.explained,
+        grades=joined.grades,
         records=seen.records,
         band=joined.joint.band,
         alerts=(*joined.alerts, *seen.alerts),

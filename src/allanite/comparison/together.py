@@ -45,6 +45,10 @@ class Together(Job[Compared]):
         many = len(self.channels) > 1
         return "\n".join(f"{c.name}: {c.verdict}" if many else c.verdict for c in self.channels)
 
+    def _explained(self, channel: Any) -> bool:
+        """Whether a model explains each record of a channel."""
+        return all(channel.explained)
+
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         return self.recipe.to_dict()

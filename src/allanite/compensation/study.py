@@ -231,4 +231,5 @@ def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...
         noise = noise_of(record, recipe)
     except DataError as error:
         return None, (f"the limits of the deviation before suppose the noise that was found with the fit: {error}",)
-    return noise, tuple(f"the limits of the deviation before are in doubt: {doubt}" for doubt in noise.doubts)
+    doubt = "the limits of the deviation before are in doubt: no model of these terms explains the record before"
+    return noise, (doubt,) if noise.doubts else ()

@@ -15,8 +15,7 @@ from .finding import Finding
 from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
-from .scope import APPROXIMATE, UNEXPLAINED, Scope, worst
-from .scope import EXPLAINED as EXACT
+from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 from .units import Signal
 
 WEAK = 0.25
@@ -24,6 +23,9 @@ WEAK = 0.25
 
 EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
+
+REJECTED = "the model does not explain the record"
+"""Reason why the coefficients of a model that does not are not valid."""
 
 
 def chance(p: float) -> str:
@@ -168,14 +170,14 @@ class Goodness(Value):
         return self.p >= EXPLAINED and not self.reasons
 
     @property
+    def grade(self) -> str:
+        """One of `GRADES`; a narrow peak that the test does not feel does no harm to the coefficients."""
+        return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
+
+    @property
     def verdict(self) -> str:
         """One sentence."""
-        p = chance(self.p)
-        also = "".join(f"; {remark}" for remark in self.remarks)
-        if self.explained:
-            return f"the model explains the record (goodness of fit {p}){also}"
-        why = ": " + "; ".join(self.reasons) if self.reasons else ""
-        return f"no model of these terms explains the record (goodness of fit {p}){why}{also}"
+        return "; ".join((f"{graded(self.grade)} (goodness of fit {chance(self.p)})", *self.reasons, *self.remarks))
 
 
 @dataclass(frozen=True, repr=False)
@@ -239,7 +241,8 @@ class Fit(Value):
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
     the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
     `scope` says which frequencies were read and behind which filter.
-    `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's.
+    `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's. `checked` is the grade
+    of what the model leaves of the record, where that was looked at.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
@@ -257,6 +260,7 @@ class Fit(Value):
     rivals: Callable[[], tuple[Alternative, ...]] | None = None
     scope: Scope | None = None
     findings: tuple[Finding, ...] = ()
+    checked: str = ""
 
     @property
     def validity(self) -> str:
@@ -264,8 +268,22 @@ class Fit(Value):
         if self.goodness is None:
             return ""
         slow = (UNEXPLAINED if finding.fatal else APPROXIMATE for finding in self.findings)
-        spectral = EXACT if self.goodness.explained else UNEXPLAINED
-        return worst(self.scope.grade if self.scope else "", spectral, *slow)
+        wrong = [e.status == "not valid" for e in self]
+        coefficients = UNEXPLAINED if wrong and all(wrong) else APPROXIMATE if any(wrong) else ""
+        return worst(self.scope.grade if self.scope else "", self.goodness.grade, coefficients, self.checked, *slow)
+
+    @property
+    def valid(self) -> Model | None:
+        """The model without its terms that are not valid; None where the model does not explain the record."""
+        if self.validity == UNEXPLAINED:
+            return None
+        wrong = {e.symbol for e in self if e.status == "not valid"}
+        return Model(tuple(t for t in self.model if t.symbol not in wrong)) if wrong else self.model
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """The notes that still count: none of a model that explains nothing."""
+        return self.notes if self.validity != UNEXPLAINED else ()
 
     def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
         """The fit whose coefficients, all or those of the symbols, are not valid."""

@@ -5,9 +5,9 @@ from typing import Any
 
 from .arrays import FloatArray
 from .finding import Finding
-from .fit import Fit, Goodness, chance
+from .fit import REJECTED, Fit, Goodness, chance
 from .plain import Value
-from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, worst
+from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, graded, worst
 
 SURE = 1e-3
 """p value of a check below which it says that the model does not explain the record."""
@@ -79,12 +79,17 @@ class Residuals(Value):
     @property
     def explained(self) -> bool:
         """Whether the model can be believed, if only approximately."""
-        return self.grade != UNEXPLAINED and (self.goodness is None or self.goodness.explained)
+        return worst(self.grade, "" if self.goodness is None else self.goodness.grade) != UNEXPLAINED
+
+    @property
+    def statement(self) -> "Statement":
+        """Whether the model explains the record; the likeliest reason comes first."""
+        return statement(worst(self.grade, "" if self.goodness is None else self.goodness.grade), None, self)
 
     @property
     def verdict(self) -> str:
-        """One sentence; the likeliest reason comes first."""
-        return verdict(worst(self.grade, "" if self.explained else UNEXPLAINED), None, self)
+        """The same in one sentence."""
+        return str(self.statement)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -111,32 +116,57 @@ class Residuals(Value):
         return f"of {self.name!r}: {self.verdict}"
 
 
-def verdict(grade: str, fit: Fit | None, left: Residuals | None) -> str:
-    """How well a model explains a record, in a sentence: the grade, the test, the reasons, what was supposed."""
+@dataclass(frozen=True)
+class Statement:
+    """How well a model explains a record, in words.
+
+    Attributes
+    ----------
+    grade : str
+        One of `GRADES`; empty where the method does not test it.
+    head : str
+        The grade with the p value of the test: ``explained (goodness of fit p = 0.29)``.
+    points : tuple of str
+        Why, what was supposed beside the terms, and what else is known, a sentence each.
+    """
+
+    grade: str
+    head: str = ""
+    points: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return "; ".join(filter(None, (self.head, *self.points)))
+
+
+def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
+    """How well a model explains a record: the grade, the test, the reasons, what was supposed."""
+    if not grade:
+        return Statement("")
     good = fit.goodness if fit is not None else left.goodness if left is not None else None
     scope = None if fit is None else fit.scope
-    if not grade:
-        return ""
     test = "" if good is None else f" (goodness of fit {chance(good.p)})"
     why = left.reasons if left is not None else good.reasons if good is not None else ()
-    if grade != UNEXPLAINED and fit is not None:
-        why = (*(f"{e.symbol} is not valid: {e.reason}" for e in fit if e.status == "not valid"), *why)
-    if grade == UNEXPLAINED:
-        said = (f"no model of these terms explains the record{test}", *why)
-    elif scope is not None and scope.misfit:
-        said = (
-            f"the model explains the record within {100 * scope.within:.2g} % of the power{test}; the limits allow "
-            "for it",
-            *why,
-        )
-    elif grade == APPROXIMATE:
-        said = (f"the model explains the spectrum of the record{test}, with a reservation", *why)
-    else:
-        said = (f"the model explains the record{test}",)
-    supposed = () if scope is None or grade == UNEXPLAINED else scope.sentences
     remarks = () if good is None else good.remarks
-    head, *rest = (*said, *supposed, *remarks)
-    return "; ".join((f"{head}: {rest[0]}" if why and rest else head, *(rest[1:] if why else rest)))
+    told = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
+    wrong = tuple(f"{e.symbol} is not valid: {e.reason}" for e in told)
+    if grade == UNEXPLAINED:
+        if good is not None and good.grade != UNEXPLAINED:  # a p value that rejects nothing is not said
+            said = f"{graded(grade)}, although the spectrum fits"
+            return Statement(grade, said, (*why, *wrong, *remarks))
+        said = f"{graded(grade)}: no model of these terms explains the record{test}"
+        return Statement(grade, said, (*why, *wrong, *_tried(scope), *remarks))
+    widened = ("the intervals allow for what the model misses",) if scope is not None and scope.misfit else ()
+    supposed = () if scope is None else scope.sentences
+    return Statement(grade, graded(grade, scope) + test, (*wrong, *widened, *why, *supposed, *remarks))
+
+
+def _tried(scope: Scope | None) -> tuple[str, ...]:
+    """What can still be done about a model that explains nothing."""
+    if scope is None:
+        return ()
+    if scope.choice == "auto":
+        return ("low-pass filters, masks and bands of frequencies were tried; none makes these terms explain it",)
+    return ("let the fit look for a filter and for the frequencies that the terms explain (--band auto)",)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

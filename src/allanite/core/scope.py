@@ -1,5 +1,6 @@
 """Scope: where a noise model holds, behind which filter, and how well."""
 
+import math
 from dataclasses import dataclass
 
 from .arrays import FloatArray
@@ -11,6 +12,9 @@ Band = str | tuple[float, float]
 
 EXPLAINED, APPROXIMATE, UNEXPLAINED = "explained", "approximate", "unexplained"
 
+SETTLED = 10.0
+"""Periods of a filter's cut-off after which it no longer lowers a deviation by more than a few per cent."""
+
 GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)
 """How well a model describes a record, the best first."""
 
@@ -18,6 +22,15 @@ GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)
 def worst(*grades: str) -> str:
     """The worst of several grades; empty ones, of methods that do not say, do not count."""
     return max(filter(None, grades), key=GRADES.index, default="")
+
+
+def graded(grade: str, scope: "Scope | None" = None) -> str:
+    """A grade in words: "explained", "explained within 4 %", "explained, with a reservation", "not explained"."""
+    if grade == UNEXPLAINED:
+        return "not explained"
+    if scope is not None and scope.misfit:
+        return f"explained within {100 * scope.within:.2g} %"
+    return "explained, with a reservation" if grade == APPROXIMATE else grade
 
 
 def demand_band(band: object) -> None:
@@ -114,6 +127,22 @@ class Scope(Value):
         return self.choice == "asked" or self.band[0] > 0 or self.band[1] < float(self.frequency[-1])
 
     @property
+    def unread(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies that the fit does not read, Hz, up to half the sampling rate."""
+        low, high = self.band
+        outside = [(0.0, low)] if low else []
+        return (*outside, *self.masks, *([(high, math.inf)] if high < float(self.frequency[-1]) else []))
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """Averaging times at which a deviation is that of the terms, s: the filter has settled, the band holds them."""
+        low, high = self.band
+        shortest = 0.5 / high if self.limited else 0.0
+        if self.filter is not None:
+            shortest = max(shortest, SETTLED / self.filter.cutoff)
+        return shortest, 0.25 / low if low else math.inf
+
+    @property
     def grade(self) -> str:
         """Of the fit to the spectrum, where it reads."""
         return APPROXIMATE if self.misfit else EXPLAINED
@@ -134,7 +163,7 @@ class Scope(Value):
             said += [f"left out of the fit: {', '.join(where)} ({why})" for where, why in reasons if where]
         if self.limited:
             low, high = self.band
-            slowest = f"{1 / low:.3g} s" if low else "the whole record"
+            slowest = f"{0.25 / low:.3g} s" if low else "the whole record"
             said.append(
                 f"the model holds from {low:.3g} to {high:.3g} Hz, that is from {0.5 / high:.2g} s to {slowest}"
             )
@@ -146,4 +175,7 @@ class Scope(Value):
         return bool(self.level[inside].max(initial=0.0) > STOPPED)
 
     def _summary(self) -> str:
-        return "; ".join(self.sentences) or "all frequencies"
+        low, high = self.band
+        said = [f"{low:.3g} to {high:.3g} Hz"]
+        said += [f"without {len(self.masks)} parts"] if self.masks else []
+        return ", ".join([*said, self.filter.words()] if self.filter else said)

@@ -156,7 +156,7 @@ def lines(view: View) -> Finding | None:
         "lines",
         f"lines at {named} Hz hold {percent(share)} of the power",
         "vibration or sway makes humps on the curve that no noise term describes",
-        "isolate the sensor, or use a part of the spectrum without them (--band)",
+        "isolate the sensor",
     )
 
 

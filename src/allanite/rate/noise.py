@@ -27,7 +27,10 @@ FAST = ("quantised", "resampled", "lines", "slope")
 
 
 class RateNoise(NamedTuple):
-    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words."""
+    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words.
+
+    There is no model where the noise is not explained.
+    """
 
     noise: Noise | None = None
     model: Model | None = None
@@ -48,13 +51,13 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
         noise, alerts = _identified(record, recipe)
     except DataError as error:
         return RateNoise(alerts=(f"no noise model: {error}",))
-    if noise is None:
-        return RateNoise(alerts=alerts)
+    if not noise.explained:
+        return RateNoise(noise, alerts=alerts)
     model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
     return RateNoise(noise, model, (*alerts, *said), FAST if alerts else ())
 
 
-def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]:
     # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
     noise = noise_of(record, recipe, terms=terms, lines=False)
@@ -69,8 +72,9 @@ def _identified(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str
             note = (
                 f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "
             )
-            return coarse, (f"{note}at the full rate {noise.verdict}",)
-    return None, (f"{noise.verdict}; so there are no predictions and no optimal method: give the noise (--noise)",)
+            why = "; ".join((noise.statement.head, *noise.statement.points[:1]))
+            return coarse, (f"{note}at the full rate: {why}",)
+    return noise, ("no predictions and no optimal method without a noise model: give the noise (--noise)",)
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:

@@ -126,7 +126,7 @@ class RateChannel(Value):
 
     @property
     def fit(self) -> Fit | None:
-        """The identified noise; None where it was given, or no model explains the record."""
+        """The identified noise; None where it was given."""
         return None if self.noise is None else self.noise.fit
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
@@ -157,6 +157,10 @@ class RateStudy(Job[RateChannel]):
     _channel = RateChannel
 
     settings: RateSettings = field(default_factory=RateSettings)
+
+    def _explained(self, channel: RateChannel) -> bool:
+        """Whether a model explains the noise of a channel, where none was given."""
+        return self.settings.noise is not None or (channel.noise is not None and channel.noise.explained)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""

@@ -70,8 +70,9 @@ def _cell(column: Column, text: str) -> Markup | str:
 def _css(column: Column, text: str, mark: str) -> str:
     """Classes of a cell; the status is its own class."""
     names = {"number": "number", "name": "name", "symbol": "symbol", "text": "wrap", "formula": "formula"}
-    own = text.split(",", maxsplit=1)[0] if column.kind == "status" else names.get(column.kind, "")
-    shown = mark if mark != "strong" or (column.kind == "number" and not column.aside) else ""
+    own = text.split(",", maxsplit=1)[0].replace(" ", "-") if column.kind == "status" else names.get(column.kind, "")
+    own_only = {"strong": column.kind == "number" and not column.aside, "struck": column.kind != "status"}
+    shown = mark if own_only.get(mark, True) else ""
     return " ".join(filter(None, (own, "quiet" if column.aside else "", shown)))
 
 

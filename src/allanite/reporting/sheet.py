@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
-Mark = Literal["", "good", "weak", "alarm", "quiet", "strong"]
+Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
 Where = Literal["", "page", "text"]
 """Where a part is shown: everywhere, on the page only, in the terminal only."""
 
@@ -59,11 +59,15 @@ class Table:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence: an "alert" must not be overlooked, "good" is reassuring, "quiet" is small print."""
+    """A sentence: an "alert" must not be overlooked, "good" is reassuring, "fair" less so, "quiet" is small print.
+
+    `points` stand below it, a line each.
+    """
 
     text: str
-    level: Literal["alert", "good", "note", "strong", "quiet"] = "note"
+    level: Literal["alert", "good", "fair", "note", "strong", "quiet"] = "note"
     where: Where = ""
+    points: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,7 @@ Part = Table | Note | Drawing | Code
 class Sheet:
     """What is said of one channel.
 
-    `verdict` stands at the top of the page too, with the name before it; `doubt` marks it there.
+    `verdicts` stand at the top of the page too, with the name before them; `doubt` marks them there, `fair` less so.
     """
 
     name: str
@@ -101,6 +105,7 @@ class Sheet:
     parts: Sequence[Part] = ()
     verdicts: Sequence[str] = ()
     doubt: bool = False
+    fair: bool = False
 
 
 @dataclass(frozen=True)

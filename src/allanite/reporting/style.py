@@ -29,7 +29,7 @@ MARKERS = "osD^vP"
 """One a colour."""
 
 OTHER = "#6B6B6B"
-INK, DATA, GRID, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#B00020"
+INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#8A5A00", "#B00020"
 
 _LOOK: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib

@@ -13,9 +13,12 @@ from rich.text import Text
 
 from .sheet import Code, Column, Face, Note, Part, Sheet, Table, printable
 
-STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "": ""}
-NOTES = {"alert": "bold red", "good": "green", "note": "", "strong": "bold", "quiet": "dim"}
-STATUSES = {"identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan"}
+STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
+NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
+STATUSES = {
+    "identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan", "not valid": "red",
+    "not observable": "dim",
+}  # fmt: skip
 LABEL = 10
 """Columns of the header's labels."""
 
@@ -61,6 +64,8 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
         if isinstance(part, Note):
             first = "  ! " if part.level == "alert" else "  "
             yield from prose(part.text, width, first=first, indent=4, style=NOTES[part.level])
+            for point in part.points:
+                yield from prose(point, width, first="    - ", indent=6)
         elif isinstance(part, Table):
             yield from _table(part, width)
         elif isinstance(part, Code):
@@ -109,12 +114,14 @@ def _grid(table: Table, which: list[int], kept: list[int]) -> Grid:
     for column in (table.columns[i] for i in which):
         grid.add_column(Text(column.heading), justify=_justify(column), no_wrap=True)
     for i in kept:
-        cells = [_cell(table.columns[j], table.rows[i][j]) for j in which]
+        cells = [_cell(table.columns[j], table.rows[i][j], table.mark(i)) for j in which]
         grid.add_row(*cells, style=STYLES[table.mark(i)])
     return grid
 
 
-def _cell(column: Column, cell: str) -> Text:
+def _cell(column: Column, cell: str, mark: str) -> Text:
+    if mark == "struck" and column.kind == "number" and cell:
+        cell = f"({cell})"
     return Text(printable(cell), style=STATUSES.get(cell, "") if column.kind == "status" else "")
 
 

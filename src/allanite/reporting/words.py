@@ -2,10 +2,11 @@
 
 import math
 
-from allanite.core.fit import Estimate
+from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.header import Header
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
+from allanite.core.scope import UNEXPLAINED, graded
 from allanite.core.units import Signal
 from allanite.core.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.identification.front import METHODS
@@ -32,10 +33,22 @@ STATUS = {
     "identified": "found, relative standard error at most 25 %",
     "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
     "absent": "not found; the limit is the one-sided 95 % upper limit",
+    "not observable": "what was read of the record cannot tell; the reason is named",
+    "not valid": "the model does not explain the record, or its measured curve contradicts the value: not a result",
     "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
-    "negative": "the method gives a negative square, which no noise has: what is printed is minus the root of its size",
+    "negative": "the square of the coefficient comes out negative: the method finds no such term",
 }
 """What each status means."""
+
+
+def grade(fit: Fit) -> str:
+    """How well the model of a fit explains its record: ``explained, p = 0.29``; empty where that was not tested."""
+    good = fit.goodness
+    if good is None:
+        return ""
+    # where the coefficients or the residuals say no, the p value of the spectrum is no reason
+    shown = fit.validity != UNEXPLAINED or good.grade == UNEXPLAINED
+    return graded(fit.validity, fit.scope) + (f", {chance(good.p)}" if shown else "")
 
 
 def title(symbol: str, signal: Signal) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.study.channels import Inspected, Job, Progress, Source, run
-from allanite.study.noise import RecordResult
+from allanite.study.noise import Noise, RecordResult
 from allanite.study.recipe import Recipe
 
 from .rounding_noise import Budget, budget
@@ -49,6 +49,11 @@ class BudgetChannel(RecordResult):
     budget: Budget | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
+
+    @property
+    def noise(self) -> Noise | None:
+        """The noise of the rate."""
+        return None if self.budget is None else self.budget.noise
 
 
 @dataclass(frozen=True, eq=False, repr=False)

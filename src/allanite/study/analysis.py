@@ -47,9 +47,11 @@ class Channel(ChannelResult):
     @property
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside its numbers: its warnings, and that the model does not explain it."""
-        # what the residuals name is not said twice; sinusoids that were taken out are said with the goodness of fit
+        # what the residuals name is not said twice, nor lines that were taken out or left out of the fit
         settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
-        settled |= {"lines"} if self.fit and self.fit.lines and self.explained else set()
+        scope = self.fit.scope if self.fit else None
+        met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
+        settled |= {"lines"} if met and self.explained else set()
         doubts = () if self.noise is None else self.noise.doubts
         return (*doubts, *(str(finding) for finding in self.quality.warnings if finding.name not in settled))
 

@@ -74,6 +74,16 @@ class Job(Value, Generic[Result]):
         channels: tuple[Any, ...] = self.channels
         return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
 
+    @property
+    def rejected(self) -> tuple[str, ...]:
+        """Names of the channels that have no result, or whose noise no model explains."""
+        pairs = zip(self._names, self.channels, strict=True)
+        return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
+
+    def _explained(self, channel: Any) -> bool:
+        """Whether nothing says that a model does not explain the noise of a channel, where it was identified."""
+        return channel.noise is None or bool(channel.noise.explained)
+
     def choices(self) -> dict[str, Any]:
         """The recipe that was really used, as plain data."""
         return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))

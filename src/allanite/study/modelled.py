@@ -65,7 +65,9 @@ class Modelled(Value):
     @property
     def missing(self) -> str:
         """Terms that were looked for and not identified, with their limits: the result does not reckon with them."""
-        absent = [e for e in self.fit or () if e.value is None and e.upper is not None]
+        absent = (
+            e for e in self.fit or () if e.value is None and (e.upper is not None or e.status == "not observable")
+        )
         return ", ".join(f"{e.symbol} {e.words()}" for e in absent)
 
     @cached_property

@@ -7,13 +7,13 @@ from typing import Any, Self
 
 from allanite.core.encoding import plain, read, write
 from allanite.core.finding import Quality
-from allanite.core.fit import Estimate, Fit
+from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.record import Record, header_dict
-from allanite.core.residuals import Residuals, verdict
-from allanite.core.scope import APPROXIMATE, UNEXPLAINED, Band, worst
+from allanite.core.residuals import Residuals, Statement, statement
+from allanite.core.scope import UNEXPLAINED, Band, worst
 from allanite.identification.checks.contradiction import contradictions
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
@@ -41,13 +41,7 @@ class Noise(Portable):
     @property
     def validity(self) -> str:
         """Grade of the model, one of `GRADES`; empty where the method does not test it."""
-        left = "" if self.residuals is None else self.residuals.grade
-        return worst(self.fit.validity, left, APPROXIMATE if self.contradicted else "")
-
-    @property
-    def contradicted(self) -> tuple[Estimate, ...]:
-        """Coefficients that the measured curve contradicts."""
-        return tuple(e for e in self.fit if e.status == "not valid" and e.reason != REJECTED)
+        return worst(self.fit.validity, "" if self.residuals is None else self.residuals.grade)
 
     @property
     def explained(self) -> bool:
@@ -55,9 +49,14 @@ class Noise(Portable):
         return self.validity != UNEXPLAINED
 
     @property
+    def statement(self) -> Statement:
+        """How well the model explains the record, in words."""
+        return statement(self.validity, self.fit, self.residuals)
+
+    @property
     def verdict(self) -> str:
-        """How well the model explains the record, in a sentence; empty where the method does not say."""
-        return verdict(self.validity, self.fit, self.residuals)
+        """The same in a sentence; empty where the method does not say."""
+        return str(self.statement)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -65,15 +64,11 @@ class Noise(Portable):
         return () if self.explained else (self.verdict,)
 
 
-REJECTED = "the model does not explain the record"
-"""Reason why the coefficients of a model that is not valid are not."""
-
-
 def graded(noise: Noise, record: Record) -> Noise:
     """The noise whose coefficients are not valid where the record, or its curve, contradicts them."""
     if noise.residuals is None:
         return noise
-    fit, noise = noise.fit, replace(noise, leftover=Stored(noise.residuals))
+    fit, noise = replace(noise.fit, checked=noise.residuals.grade), replace(noise, leftover=Stored(noise.residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
     curve = deviation(record, "oadev", taus="octave", noise=fit.model)

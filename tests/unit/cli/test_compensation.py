@@ -273,11 +273,11 @@ def test_a_budget_is_shown_everywhere(current, tmp_path):
 def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path):
     rng = np.random.default_rng(1)
     t = np.arange(20_000) / 100
-    values = rng.standard_normal(t.size) + 3 * np.sin(2 * np.pi * t * (1 + 0.001 * t))
+    values = rng.standard_normal(t.size) + 3 * np.sin(2 * np.pi * t * (1 + 0.01 * t))
     record = al.Record(values, 100.0, "deg/h", name="z")
     found = al.budget_file(record, None, PathSettings((al.Stage("output", 16, 100.0, "deg/s"),)))
     assert not found["z"].budget.noise.explained
-    assert found["z"].alerts[0].startswith("no model of these terms explains the record")
+    assert found["z"].alerts[0].startswith("not explained: no model of these terms explains the record")
     assert found.to_dict()["channels"][0]["budget"]["explained"] is False
     assert "no model of these terms" in table(found)
 

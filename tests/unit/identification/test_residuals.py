@@ -179,7 +179,9 @@ def test_the_study_says_it_in_words_and_pictures():
     assert data["shared"]["names"] == ["x", "y"]
 
 
-def test_a_band_has_no_residuals():
+def test_a_band_has_residuals_and_says_where_it_holds():
     study = al.analyze(record_of("MEMS", 1), al.Recipe(band=(0.1, 50.0)))
-    assert study.channels[0].residuals is None
-    assert study.channels[0].verdict == study.channels[0].fit.goodness.verdict
+    channel = study.channels[0]
+    assert [check.name for check in channel.residuals.checks] == ["correlation", "kurtosis", "halves", "eighths"]
+    assert channel.noise.statement.points == ("the model holds from 0.1 to 50 Hz, that is from 0.01 s to 2.5 s",)
+    assert "--band" not in channel.verdict

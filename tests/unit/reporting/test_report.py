@@ -187,7 +187,7 @@ def test_the_verdict_is_a_plain_sentence():
         "gyro_z is a gyroscope with angle random walk 0.0500 deg/√h, bias instability 0.50 deg/h (weak) and rate ramp "
         "−0.400 deg/h². Not identified in 60 s of data: quantization noise, rate random walk."
     )
-    assert "do not quote its numbers" in verdict(channel_of(p=1e-9), 0.95)
+    assert verdict(channel_of(p=1e-9), 0.95) == "gyro_z: not explained. Its coefficients are not valid."
     assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
 
 
@@ -201,7 +201,8 @@ def test_a_figure_has_a_panel_for_each_curve(study):
 
 def test_labels_give_the_coefficients(study):
     texts = [text.get_text() for text in plot(study).axes[0].texts]
-    assert "N = 0.0500 deg/√h" in texts
+    assert "N = 0.0500 deg/√h (3 deg/h at 1 s)" in texts
+    assert "0.664 B = 0.332 deg/h (B = 0.50 deg/h)" in texts
     assert "R = −0.400 deg/h²" in texts
     assert not any(text.startswith("K =") for text in texts)
 
@@ -210,8 +211,8 @@ def test_few_degrees_of_freedom_and_doubt_are_said(study):
     figure = plot(study_of(channel_of(p=1e-9)))
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "below 2 degrees of freedom" in legend
-    assert figure.axes[0].get_title("right") == "the model does not explain the record"
-    assert plot(study).axes[0].get_title("right") == ""
+    assert figure.axes[0].get_title("right") == "not explained, p = 1e-09"
+    assert plot(study).axes[0].get_title("right") == "explained, p = 0.4"
 
 
 def test_a_bare_curve_can_be_drawn(study):
@@ -302,12 +303,12 @@ def test_hostile_names_come_out_as_text(text):
 def test_the_page_tells_the_whole_story(text):
     words = "".join(Tags(text).text)
     for part in (
-        "do not quote its numbers", "below 2.1", "Whittle", "upper limit",
+        "Its coefficients are not valid", "below 2.1", "Whittle", "upper limit",
         'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "no result",
     ):  # fmt: skip
         assert part in words, part
     assert "<math" in text
-    assert words.index("do not quote") < words.index("angle random walk")
+    assert words.index("Its coefficients are not valid") < words.index("angle random walk")
 
 
 def test_warnings_stand_above_the_numbers_of_the_page(text):

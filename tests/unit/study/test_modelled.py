@@ -34,10 +34,12 @@ OPTIONS = {
 
 @pytest.fixture(scope="module")
 def recording():
-    """Two channels that the terms explain, and one filtered, which they do not."""
+    """Two channels that the terms explain, and one with a swept sinusoid, which they do not."""
     rng = np.random.default_rng(1)
     x, y, z = (al.simulate(al.sensor("mems"), 20_000, 20.0, rng=rng, unit="deg/h", name=f"g{c}") for c in "xyz")
-    return al.Recording((x, y, al.faults.low_pass(z, 2.0)))
+    t = np.arange(z.size) / z.rate
+    swept = z.values + 3 * z.values.std() * np.sin(2 * np.pi * t * (1 + 0.004 * t))
+    return al.Recording((x, y, z.with_values(swept, "with a swept sinusoid")))
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,10 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
     assert shown.count("<section>") == 5
     data = job.to_dict()
     assert [c["explained"] for c in data["channels"]] == [True, True, False]
-    assert data["channels"][2]["alerts"][0].startswith("no model of these terms explains the record")
+    assert [c["validity"] for c in data["channels"]] == ["explained", "explained", "unexplained"]
+    assert {term["status"] for term in data["channels"][2]["fit"]["terms"]} == {"not valid"}
+    assert data["channels"][2]["alerts"][0].startswith("not explained: no model of these terms explains the record")
+    assert shown.count("no model of these terms explains the record") == 1
     assert [c["fit"]["type"] for c in data["channels"]] == ["Fit"] * 3
     rows = list(csv.DictReader(io.StringIO(to_csv(job))))
     assert {row["channel"] for row in rows} == {"gx", "gy", "gz"}
@@ -155,7 +160,7 @@ def test_the_truth_of_a_simulation_is_read_again(recording):
     truth = Simulation.of(al.sensor("mems"), 1, recording)
     again = from_dict(json.loads(json.dumps(truth.to_dict())))
     assert again.to_dict() == truth.to_dict()
-    assert again.channels[2].history[1].startswith("low-pass")
+    assert again.channels[2].history[1] == "with a swept sinusoid"
     assert "Simulation of N" in page(truth)
     assert "low-pass" in table(truth)
 

@@ -9,9 +9,6 @@ from allanite.core.model import Model, Term
 from allanite.statistics import expected
 from allanite.terms import TERMS
 
-SETTLED = 10.0
-"""Periods of a filter's cut-off after which it no longer lowers the curve by more than a few per cent."""
-
 SURE = 0.99
 """Level of the limits of the curve that a coefficient is held against."""
 
@@ -42,13 +39,7 @@ def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
 
 def _inside(fit: Fit, curve: Curve) -> BoolArray:
     """Averaging times at which the terms themselves are measured."""
-    scope = fit.scope
-    if scope is None:
-        return np.ones(curve.tau.size, dtype=bool)
-    shortest = 0.5 / scope.band[1] if scope.limited else 0.0
-    if scope.filter is not None:
-        shortest = max(shortest, SETTLED / scope.filter.cutoff)
-    longest = 0.25 / scope.band[0] if scope.band[0] else np.inf
+    shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
     return np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
 
 

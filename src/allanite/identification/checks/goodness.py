@@ -38,7 +38,7 @@ def goodness(
     reasons = [*_lines(spectrum, used, m, power)]
     if p < EXPLAINED:
         moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
-        named = _roll_off(spectrum, used, m) + _where(bounds, ratio, z * moving)
+        named = _roll_off(spectrum, used) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)
     return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
 
@@ -85,27 +85,26 @@ def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray)
     share = float(peak[found].sum() / (power * count).sum())
     return [
         f"narrow peaks at {where} Hz (their tops alone hold {100 * share:.2g} % of the power): vibration, sway or "
-        "interference, which no noise term describes"
+        "interference"
     ]
 
 
-def _roll_off(spectrum: Spectrum, used: BoolArray, m: FloatArray) -> list[str]:
-    """Power that falls towards the end of the band where the model's does not: a filter in the sensor or logger."""
+def _roll_off(spectrum: Spectrum, used: BoolArray) -> list[str]:
+    """Power that falls towards half the sampling rate: by its own levels, which no model bends."""
     frequency = spectrum.frequency(spectrum.first[used]) / (spectrum.rate / 2)
-    ratio, count = spectrum.power[used] / m, spectrum.count[used]
+    power, count = spectrum.power[used], spectrum.count[used]
     levels = []
     for low, high in ((0.8, 1.0), (0.08, 0.2)):
         part = (frequency >= low) & (frequency < high)
         if count[part].sum() < 100:
             return []
-        levels.append(float(np.median(ratio[part])))
+        levels.append(float(np.median(power[part])))
     top, middle = levels
     if top > 0.8 * middle:
         return []
     return [
         f"the spectrum rolls off: towards {spectrum.rate / 2:g} Hz it falls to {top / middle:.2g} of its level at a "
-        "tenth of that, so neighbouring samples are correlated (a filter in the sensor); fit below the roll-off with "
-        f"a band (--band 0,{spectrum.rate / 20:g})"
+        "tenth of that (a filter in the sensor or logger)"
     ]
 
 

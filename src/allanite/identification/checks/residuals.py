@@ -11,6 +11,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
+from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.outliers import treated
 from allanite.prepare.rounding import fast_noise, rounding
 
@@ -73,10 +74,10 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
     record = treated(record, outliers)
-    return checked(whitened(record, fit.model, fit.scope), record, fit)
+    return checked(whitened(record, fit.model, fit.scope), record, fit, outliers)
 
 
-def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
+def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:
     """The residuals of a record, once its whitened series is known; see `residuals`."""
     there = _inside(u, memory(fit.model, record.size, record.rate))
     series = u if there is None else u[there]
@@ -100,7 +101,11 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit) -> Residuals:
         size=record.size,
         goodness=fit.goodness,
         checks=checks,
-        findings=(*fit.findings, *_reasons(record, fit, checks, (power, record.cut + seconds(parts))), *jumping),
+        findings=(
+            *fit.findings,
+            *_reasons(record, fit, checks, (power, record.cut + seconds(parts)), kept=outliers == "keep"),
+            *jumping,
+        ),
         correlation=correlation,
         level=np.sqrt(power),
         level_error=error,
@@ -216,7 +221,7 @@ def _quantiles(u: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
 
 
 def _reasons(
-    record: Record, fit: Fit, checks: tuple[Check, ...], level: tuple[FloatArray, FloatArray]
+    record: Record, fit: Fit, checks: tuple[Check, ...], level: tuple[FloatArray, FloatArray], *, kept: bool
 ) -> list[Finding]:
     """What is likely wrong beside the spectrum, which `Goodness.reasons` explain."""
     spectral = fit.goodness is not None and not fit.goodness.explained
@@ -232,10 +237,10 @@ def _reasons(
         found.append(_unsteady(eighths, *level))
     # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
     if not spectral and not tails.passed and tails.value > TAILED:
-        found.append(_tailed(tails))
+        found.append(_tailed(tails, curable=kept and outlying(record).at.size > 0))
     whole = fit.scope is None or fit.scope.whole
     if whole and not spectral and not near.passed and abs(near.value) > KIN:
-        found.append(_kin(near))
+        found.append(_kin(near, fit))
     return found
 
 
@@ -263,33 +268,34 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     odd = int(np.abs(np.log(level)).argmax())
     loud = level > math.sqrt(level.max() * level.min())
     first, last = int(loud.argmax()), loud.size - int(loud[::-1].argmax())
+    different = check.value > DIFFERENT
     return Finding(
         "level",
-        f"the noise level changes: {check.value:.3g} times between eighths of the record, it is highest from "
-        f"{time[first]:.4g} s to {time[last]:.4g} s",
-        "one set of coefficients describes neither part",
-        "analyse the parts apart (--from, --until)",
+        f"the noise level changes {check.value:.3g} times between eighths of the record, and is highest from "
+        f"{time[first]:.6g} s to {time[last]:.6g} s",
+        "one set of coefficients describes neither part" if different else "the coefficients are those of the average",
+        "analyse the parts separately (--from, --until)",
         (float(time[odd]), float(time[odd + 1])),
-        fatal=check.value > DIFFERENT,
+        fatal=different,
     )
 
 
-def _tailed(check: Check) -> Finding:
+def _tailed(check: Check, *, curable: bool) -> Finding:
     return Finding(
         "heavy tails",
-        "what the model leaves has heavier tails than Gaussian noise has: outliers, bursts, or two kinds of noise by "
-        f"turns (excess kurtosis {check.value:.3g})",
-        "intervals, which are those of Gaussian noise, are too narrow",
-        "look at the readings, or use a window without them (--from, --until); single outliers are left out of the fit "
-        "already, unless they are kept (--outliers keep)",
+        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes "
+        "and goes",
+        "the coefficients hold, but their intervals are too narrow",
+        "leave out the outliers (--outliers mark)" if curable else "",
     )
 
 
-def _kin(check: Check) -> Finding:
+def _kin(check: Check, fit: Fit) -> Finding:
+    tried = fit.scope is not None and fit.scope.choice == "auto"
     return Finding(
         "correlation",
-        f"what the model leaves is not white: neighbours correlate by {check.value:.2g}",
-        "the model misses something fast",
-        "let the fit choose the frequencies that the terms explain (--band auto)",
+        f"the residuals are not white: neighbours correlate by {check.value:.2g}",
+        "the model misses something fast, and its intervals are too narrow",
+        "" if tried else "let the fit look for a filter and for the frequencies that the terms explain (--band auto)",
         fatal=abs(check.value) > 5 * KIN,
     )

@@ -30,7 +30,7 @@ def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None
         masks=_masks(found),
         filter=_filter(found),
         misfit=found.part.misfit,
-        within=_within(found) if found.part.misfit else 0.0,
+        within=largest_misfit(found) if found.part.misfit else 0.0,
         frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
         level=level,
         remarks=_outside(found, band, level) if choice == "auto" else (),
@@ -95,16 +95,16 @@ def _levels(found: Found) -> FloatArray:
     return np.where(found.used, found.part.gain, known)
 
 
-def _within(found: Found) -> float:
+def largest_misfit(found: Found) -> float:
     """The largest misfit of a cell beyond twice its standard error, as a share of the power."""
     seen, used = found.seen, found.used
     cell = cell_of(seen, used)[used]
     m = found.chosen.likelihood.expectation(found.chosen.theta)
     nu = np.bincount(cell, seen.count[used])
     total = np.bincount(cell, seen.count[used] * seen.power[used] / m)
-    held = nu > 0
+    held = nu > WELL_KNOWN
     beyond = np.abs(total[held] / nu[held] - 1) - 2 * np.sqrt(2 / nu[held])
-    return max(float(beyond.max()), found.part.misfit)
+    return max(float(beyond.max(initial=0.0)), found.part.misfit)
 
 
 def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tuple[str, ...]:

@@ -14,6 +14,9 @@ from .filters import FILTERS
 from .likelihood import Likelihood
 from .whittle import CELLS, Spectrum, cell_of, column, likelihood, with_warm_up
 
+LOWEST = 1e-9
+"""Gain of a bin in the stop band, at least."""
+
 
 @dataclass(frozen=True)
 class Tuned:
@@ -26,7 +29,8 @@ class Tuned:
         """Mean power that it lets pass in each bin, shape (bins,)."""
         nodes, weights, starts = seen.nodes
         power = FILTERS[self.row].gain(nodes / (2 * seen.size), self.cutoff)
-        return np.asarray(np.add.reduceat(weights * power, starts) / seen.count)
+        mean = np.add.reduceat(weights * power, starts) / seen.count
+        return np.maximum(mean, LOWEST)  # rounding leaves no zero to divide by
 
 
 @dataclass(frozen=True, eq=False)

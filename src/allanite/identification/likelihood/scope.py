@@ -18,7 +18,7 @@ from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
-from .described import expected_power
+from .described import expected_power, largest_misfit
 from .families import Found, fitted
 from .humps import humps
 from .portion import Portion, Tuned
@@ -45,7 +45,10 @@ NEARLY = 8.0
 RISE = 1.5
 """Ratio of the highest level of the power to the lowest below it, by which a strong noise of the angle is seen."""
 
-LOUD = 1.0
+WRONG = 0.5
+"""Misfit of a cell beyond chance, as a share of the power, from which a model is no description of it."""
+
+LOUD = 2.0
 """Power that may be left out, over that of the model."""
 
 STOP = 0.003
@@ -88,13 +91,14 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
         yield best
     out = humps(found) & whole.used
     masked = whole.but(used=whole.used & ~out)
-    if out.any() and not out[-1] and out.sum() <= MASKED * out.size and _quiet(best, ~out):
-        best = fitted(masked, rival=rival)
-        yield best
-        for best in chain(_behind(masked, rival), _behind_angle(masked, rival)):
-            yield best
-    elif out.any() and out.sum() <= MASKED * out.size:
-        best = fitted(masked, rival=rival)
+    if 0 < out.sum() <= MASKED * out.size:
+        found = fitted(masked, rival=rival)
+        if _quiet(found, masked.used):
+            best = found
+            yield from () if out[-1] else (best,)
+            for behind in () if out[-1] else chain(_behind(masked, rival), _behind_angle(masked, rival)):
+                best = behind
+                yield behind
     last = best.base
     yield from _bands(last, rival, NEARLY)
     yield from _approximately(last, rival, SMALL)
@@ -149,7 +153,9 @@ def _elsewhere(found: Found, others: tuple[Tuned, ...]) -> list[Subset]:
 def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
     """With a misfit in every cell, the smallest first."""
     for misfit in most / 2 ** np.arange(1.0, -0.1, -0.5):
-        yield fitted(part.doubted(float(misfit)), rival=rival)
+        found = fitted(part.doubted(float(misfit)), rival=rival)
+        if largest_misfit(found) < WRONG:
+            yield found
 
 
 def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found]:

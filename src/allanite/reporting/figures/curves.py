@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.fit import Estimate, Fit
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.reporting import style, words
@@ -16,12 +17,15 @@ from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
-from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs
+from .drawing import by_share, color_of, draw_grade, draw_label, draw_legend, fractions, label_of, pairs, shade
 from .labels import Box, FloatArray
 from .panels import Panel, Points, columns_of, points, span
 
 FEW = 2.0
 """Equivalent degrees of freedom below which a point is drawn open."""
+
+WEIGHS = 0.37
+"""Frequency times averaging time where the Allan deviation is most sensitive."""
 
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
@@ -60,12 +64,22 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     drawn = points(panel, level)
     _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
     if panel.fit is not None:
-        _draw_model(ax, panel, drawn, level)
+        _shade(ax, panel.fit)
+        if panel.fit.valid is not None:
+            _draw_model(ax, panel, drawn, level)
     style.title(ax, panel.name)
     ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({printed_unit(panel.unit)})")
-    good = panel.fit.goodness if panel.fit else None
-    if good is not None and not good.explained:
-        ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
+    if panel.fit is not None:
+        draw_grade(ax, panel.fit)
+
+
+def _shade(ax: Axes, fit: Fit) -> None:
+    """Averaging times that the fit does not read: of a frequency, those at which it weighs most in the deviation."""
+    if fit.scope is None or fit.valid is None:
+        return
+    shortest, longest = fit.scope.times
+    masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
+    shade(ax, ((0.0, shortest), *masks, (longest, math.inf)))
 
 
 def _draw_landmarks(ax: Axes) -> None:
@@ -96,13 +110,15 @@ def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
 
 def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
     """The whole model, each term of it, and a label on each term that was found."""
-    assert panel.fit is not None  # noqa: S101 - the caller has looked
     fit = panel.fit
+    assert fit is not None and fit.valid is not None  # noqa: S101, PT018 - the caller has looked
+    model = fit.valid
     tau = np.geomspace(*ax.get_xlim(), 300)
-    whole = panel.expected(fit.model, tau)
-    inside = (tau >= drawn.tau[0] / 1.01) & (tau <= drawn.tau[-1] * 1.01)
+    whole = panel.expected(model, tau)
+    shortest = fit.scope.times[0] if fit.scope else 0.0
+    inside = (tau >= max(drawn.tau[0] / 1.01, shortest)) & (tau <= drawn.tau[-1] * 1.01)
     ax.plot(tau[inside], whole[inside], color=style.INK, lw=1.3, zorder=3, label="model")
-    terms = {s: Model(tuple(t for t in fit.model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in fit.model)}
+    terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     lines = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
     for symbol, line in lines.items():
         ax.plot(tau, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
@@ -112,12 +128,16 @@ def _draw_model(ax: Axes, panel: Panel, drawn: Points, level: float) -> None:
     for symbol in (symbol for symbol in lines if TERMS[symbol].periodic):
         _lines_label(ax, (symbol, lines[symbol]), paths[symbol], curves, placed)
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
-        mark = _draw_mark(ax, panel, fit.model[e.symbol], e.sheet_unit)
-        anchors = paths[e.symbol][by_share(lines[e.symbol], whole)] if mark is None else mark
+        mark = _mark(ax, panel, model[e.symbol], e.sheet_unit)
+        anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
+        if mark is not None:
+            ax.plot(*mark, "D", ms=5, mfc="white", mec=color_of(e.symbol), mew=1.3, zorder=5)
+            anchors = fractions(ax, np.array([mark]))
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([curves, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
         if len(seen):
-            placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+            label = _label(panel, e, lines[e.symbol], (mark, level))
+            placed.append(draw_label(ax, (e.symbol, label), seen[::8], avoid, placed))
 
 
 def _lines_label(
@@ -130,12 +150,15 @@ def _lines_label(
         placed.append(draw_label(ax, (symbol, "sinusoids taken out"), top[None, :], curves, placed))
 
 
-def _draw_mark(ax: Axes, panel: Panel, term: Term, unit: str) -> FloatArray | None:
-    mark = _mark(ax, panel, term, unit)
-    if mark is None:
-        return None
-    ax.plot(*mark, "D", ms=5, mfc="white", mec=color_of(term.symbol), mew=1.3, zorder=5)
-    return fractions(ax, np.array([mark]))
+def _label(panel: Panel, e: Estimate, line: FloatArray, how: tuple[tuple[float, float] | None, float]) -> str:
+    """A coefficient, and what stands on the axis for it: the level of a flat line, or the value at the mark."""
+    mark, level = how
+    text, unit = label_of(e, level), printed_unit(panel.unit)
+    if TERMS[e.symbol].slope == 0 and not e.shape and e.sheet_unit == panel.unit:
+        return f"{line[0] / e.to(e.sheet_unit):.3g} {e.symbol} = {line[0]:.3g} {unit} ({text})"
+    if mark is None or math.isclose(mark[1], abs(e.to(e.sheet_unit)), rel_tol=1e-6):
+        return text
+    return f"{text} ({mark[1]:.3g} {unit} at {words.duration(mark[0])})"
 
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:

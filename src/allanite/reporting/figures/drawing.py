@@ -1,6 +1,6 @@
 """What figures share: colours and labels of terms, places in a panel, the legend."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from allanite.core.fit import Estimate
+from allanite.core.fit import Estimate, Fit
+from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
 from allanite.terms import TERMS
 
@@ -32,6 +33,26 @@ def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
 def color_of(symbol: str) -> str:
     """The colour of a term."""
     return TERMS[symbol].color
+
+
+GRADES = {EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
+"""Colour of a grade."""
+
+
+def draw_grade(ax: Axes, fit: Fit, before: str = "") -> None:
+    """Say at the right above a panel how well the model explains the record."""
+    said = words.grade(fit)
+    if said:
+        ax.set_title("; ".join(filter(None, (before, said))), loc="right", color=GRADES[fit.validity], fontsize=8.5)
+
+
+def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
+    """Shade parts of the abscissa that the fit does not read."""
+    left, right = ax.get_xlim()
+    for low, high in spans:
+        a, b = max(low, left), min(high, right)
+        if a < b:
+            ax.axvspan(a, b, color="#E9ECEF", lw=0, zorder=0.5, label="not read by the fit")
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.fit import Goodness
+from allanite.core.scope import UNEXPLAINED
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 
@@ -30,7 +31,7 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
         figure = style.new_figure(7.2, 3.6)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
         title = f"{printable(name)}   goodness of fit p = {goodness.p:.2g}".strip()
-        color = style.INK if goodness.explained else style.ALARM
+        color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
         upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
         draw_ratio(upper, goodness)
         draw_surprise(lower, goodness)

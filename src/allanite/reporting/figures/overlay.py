@@ -72,7 +72,7 @@ def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | N
         ax.fill_between(drawn.tau, drawn.low, drawn.high, color=color, alpha=0.14, lw=0, zorder=2)
     size = 3.4 if drawn.tau.size <= 40 else 0.0
     ax.plot(drawn.tau, drawn.deviation, color=color, lw=1.1, marker=marker, ms=size, mew=0, zorder=3, label=text)
-    if panel.fit is not None:
+    if panel.fit is not None and panel.fit.valid is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
-        expected = panel.expected(panel.fit.model, tau)
+        expected = panel.expected(panel.fit.valid, tau)
         ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label="expected by the model")

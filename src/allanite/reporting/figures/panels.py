@@ -93,7 +93,7 @@ def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     visible = deviation[np.isfinite(deviation) & (deviation > 0)]
     if not visible.size:
         raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
-    below = 8.0 if panel.fit else 2.5
+    below = 8.0 if panel.fit and panel.fit.valid is not None else 2.5
     # the upper limits of the last points are far off, and not worth the room
     return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (
         float(visible.min()) / below,

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from allanite.core.errors import UsageError
 from allanite.core.fit import chance
 from allanite.core.residuals import Residuals
+from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 
@@ -49,9 +50,9 @@ def plot_residuals(residuals: Residuals) -> Figure:
         figure = style.new_figure(7.2, 6.0)
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
         above, below = halves
-        verdict = "explained" if residuals.explained else "not explained"
-        color = style.INK if residuals.explained else style.ALARM
-        title = f"{printable(residuals.name)}   {verdict}".strip()
+        said = residuals.statement
+        color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
+        title = f"{printable(residuals.name)}   {graded(said.grade)}".strip()
         if residuals.goodness is not None:
             upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
             title += f", goodness of fit {chance(residuals.goodness.p)}"

@@ -10,10 +10,22 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.spectrum import Spectrum
 from allanite.core.units import readable_unit
+from allanite.identification.likelihood.filters import FILTERS
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 
-from .drawing import by_share, color_of, draw_label, draw_legend, fractions, label_of, pairs, stacked
+from .drawing import (
+    by_share,
+    color_of,
+    draw_grade,
+    draw_label,
+    draw_legend,
+    fractions,
+    label_of,
+    pairs,
+    shade,
+    stacked,
+)
 from .labels import Box, FloatArray
 
 MOST_POINTS = 200
@@ -59,23 +71,23 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
         ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
     size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
     ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
-    if fit is not None:
-        _draw_model(ax, spectrum, fit, level)
     style.title(ax, spectrum.name)
-    good = None if fit is None else fit.goodness
-    if good is not None and not good.explained:
-        ax.set_title("the model does not explain the record", loc="right", color=style.ALARM, fontsize=8.5)
-    else:
-        ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
+    ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
+    if fit is not None:
+        draw_grade(ax, fit, spectrum.method)
+        if fit.valid is not None:
+            shade(ax, fit.scope.unread if fit.scope else ())
+            _draw_model(ax, spectrum, fit, level)
     unit = printed_unit(spectrum.amplitude_unit)
     ax.set_ylabel(f"{spectrum.sides}-sided amplitude density ({unit})")
 
 
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
-    whole = _expected(spectrum, fit.model, f)
+    assert fit.valid is not None  # noqa: S101 - the caller has looked
+    whole = _expected(spectrum, fit.valid, f) * np.sqrt(_gain(fit, spectrum.rate, f))
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label="model")
-    lines = {term.symbol: _expected(spectrum, term, f) for term in fit.model if term.row.waveform is None}
+    lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
         ax.plot(f, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
     paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
@@ -87,6 +99,12 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
         avoid = np.concatenate([drawn, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
         if len(seen):
             placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+
+
+def _gain(fit: Fit, rate: float, f: FloatArray) -> FloatArray:
+    """Of the filter before the readings."""
+    behind = fit.scope.filter if fit.scope else None
+    return np.ones_like(f) if behind is None else FILTERS[behind.row].gain(f / rate, behind.cutoff / rate)
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:

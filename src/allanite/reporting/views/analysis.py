@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.fit import Estimate
 from allanite.core.header import Header
+from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit
 from allanite.identification.front import METHODS
 from allanite.reporting import words
@@ -16,7 +17,7 @@ from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
 
 from . import Rows, View
-from .fit import definitions, goodness_parts, plot_curves, terms_table
+from .fit import coefficients, definitions, goodness_parts, plot_curves
 from .jobs import channel_sheet, job_face, source_of
 from .readings import readings_table
 from .values import numbers_table, rows_of
@@ -70,9 +71,10 @@ def _face(study: Study, level: float) -> Face:
 
 
 def _sheet(channel: Channel, level: float) -> Sheet:
-    doubt = channel.fit is None or not channel.explained
+    doubt = channel.noise is None or not channel.explained
+    fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
-    return channel_sheet(channel, _parts(channel, level), verdicts, doubt=doubt)
+    return channel_sheet(channel, _parts(channel, level), verdicts, doubt=doubt, fair=fair)
 
 
 def _parts(channel: Channel, level: float) -> Iterator[Part]:
@@ -80,17 +82,13 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
         return
-    yield from (Note(note) for note in channel.fit.notes)
-    if channel.verdict and channel.explained:
-        yield Note(channel.verdict, "good")
-    yield terms_table(channel.fit, level)
+    yield from (Note(note) for note in channel.fit.advice)
+    yield from coefficients(channel.fit, level)
     if channel.readings is not None:
         yield readings_table(channel.readings, level)
     if channel.curve is not None:
-        caption = (
-            f"Deviation by averaging time with its {words.percent(level)} confidence band, the model, and each term of "
-            "it alone."
-        )
+        drawn = ", the model, and each term of it alone" if channel.fit.valid is not None else ""
+        caption = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}."
         yield Drawing(lambda: plot_curves([channel], None, level), "deviation by averaging time", caption)
     yield from goodness_parts(channel.fit, channel.residuals)
     if channel.curve is not None:
@@ -180,19 +178,34 @@ def verdict(channel: Channel, level: float) -> str:
     name = printable(channel.record.name) or "the channel"
     if channel.fit is None:
         return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."
-    found, absent = [], []
-    for e in channel.fit:
-        if e.value is None:
-            absent.append(words.title(e.symbol, e.signal))
-        else:
-            found.append(_found(e, level))
+    if not channel.explained:
+        return f"{name}: not explained. Its coefficients are not valid."
+    found = [_found(e, level) for e in channel.fit if e.value is not None and e.status != "not valid"]
     sensor = words.SENSORS[channel.record.signal.name]
     start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
     first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
     length = words.duration(channel.record.duration)
-    missing = f" Not identified in {length} of data: {', '.join(absent)}." if absent else ""
-    doubt = "" if channel.explained else f"The model does not explain {name}: do not quote its numbers. "
-    return doubt + first + missing
+    absent = _titles(channel, "absent", "reported", "negative")
+    missing = f" Not identified in {length} of data: {absent}." if absent else ""
+    unseen = _titles(channel, "not observable")
+    missing += f" Not observable: {unseen}." if unseen else ""
+    wrong = _titles(channel, "not valid")
+    missing += f" Contradicted by the measured curve: {wrong}." if wrong else ""
+    return first + missing + _reservation(channel)
+
+
+def _titles(channel: Channel, *statuses: str) -> str:
+    """Names of the terms without a result that have one of these statuses."""
+    there = (e for e in channel.fit or () if e.status in statuses and (e.value is None or e.status == "not valid"))
+    return ", ".join(words.title(e.symbol, e.signal) for e in there)
+
+
+def _reservation(channel: Channel) -> str:
+    """How good an approximate model is."""
+    noise = channel.noise
+    if noise is None or noise.validity != APPROXIMATE:
+        return ""
+    return f" {graded(noise.validity, noise.fit.scope).capitalize()}."
 
 
 def _found(estimate: Estimate, level: float) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from allanite.core.scope import APPROXIMATE, UNEXPLAINED
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
 from allanite.signals import Budget, StageNoise, TorqueScale
@@ -92,7 +93,8 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     if budget is None:
         return channel_sheet(channel, (), (f"{name}: no result: {channel.refusal}",), doubt=True)
     named = tuple(f"{name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
-    return channel_sheet(channel, _parts(budget), named, doubt=not budget.noise.explained)
+    grade = budget.noise.validity
+    return channel_sheet(channel, _parts(budget), named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
 
 
 def _parts(budget: Budget) -> tuple[Part, ...]:

@@ -101,6 +101,9 @@ def _face(value: Value, drawn: bool, level: float) -> Face:
 def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
     records = zip(names, result.records or (), strict=False)
     about = [f"{name}: {'; '.join((words.about(record), *record.history))}" for name, record in records]
+    if result.grades:
+        graded = (f"{name} ({grade})" for name, grade in zip(names, result.grades, strict=False))
+        about.append(f"noise models: {', '.join(graded)}")
     if result.band is not None:
         low, high = result.band
         about.append(f"compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have")
@@ -139,7 +142,7 @@ def value_of(estimate: Estimate, level: float) -> str:
     """A coefficient to its significant digits, or its upper limit."""
     number, most = words.shown(estimate, estimate.sheet_unit, level), words.limit(estimate, estimate.sheet_unit)
     if number is not None:
-        return number.plain()[0]
+        return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
     return f"< {most.plain()[0]}" if most else "-"
 
 

@@ -156,7 +156,8 @@ def _face(study: CompensationStudy, level: float) -> Face:
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     said = f"{source}: {verdict(channel)}" if source else verdict(channel)
-    sheet = channel_sheet(channel, _parts(channel, level), (printed_number(said),), doubt=_doubtful(channel))
+    doubt, of = _doubtful(channel), "noise before the correction: "
+    sheet = channel_sheet(channel, _parts(channel, level), (printed_number(said),), doubt=doubt, of=of)
     return replace(sheet, name=f"{channel.record.name or 'channel'} of {source}") if source else sheet
 
 

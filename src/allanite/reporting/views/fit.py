@@ -5,17 +5,18 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.fit import Estimate, Fit, chance
 from allanite.core.model import Model
-from allanite.core.residuals import Residuals
+from allanite.core.residuals import Residuals, statement
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS
 
 from . import View
+from .jobs import statement_note
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong"}
+MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": "struck"}
 """Mark of a row by the status of its term."""
 
 GOODNESS = (
@@ -89,11 +90,19 @@ def definitions(fits: Iterable[Fit]) -> Table:
 
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
     """Doubts, coefficients and notes of a fit."""
-    good = fit.goodness
-    if good is not None:
-        yield Note(good.verdict, "good" if good.explained else "alert")
-    yield from (Note(note) for note in fit.notes)
+    yield from statement_note(statement(fit.validity, fit, None))
+    yield from (Note(note) for note in fit.advice)
+    yield from coefficients(fit, level)
+
+
+def coefficients(fit: Fit, level: float) -> Iterator[Part]:
+    """The coefficients, and why some of them cannot be known."""
     yield terms_table(fit, level)
+    unseen: dict[str, list[str]] = {}
+    for e in fit:
+        if e.status == "not observable":
+            unseen.setdefault(e.reason, []).append(e.symbol)
+    yield from (Note(f"{', '.join(symbols)} not observable: {why}", "quiet") for why, symbols in unseen.items())
 
 
 def _face(fit: Fit, level: float) -> Face:
@@ -107,9 +116,9 @@ def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure
 
 
 def _residuals_face(residuals: Residuals, level: float) -> Face:
-    note = Note(residuals.verdict, "good" if residuals.explained else "alert")
+    notes = statement_note(residuals.statement)
     drawing = Drawing(lambda: figures.plot_residuals(residuals), "residuals", RESIDUALS_CAPTION)
-    return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(note, _checks(residuals), drawing)),))
+    return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),))
 
 
 def model_table(model: Model) -> Table:

@@ -7,9 +7,15 @@ from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
 from allanite.core.record import Record
+from allanite.core.residuals import Statement
+from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.channels import Job
+from allanite.study.noise import Noise
+
+LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
+"""Level of the note by the grade of a model."""
 
 REFUSED = "no result: "
 
@@ -83,16 +89,32 @@ def _rest(parts: Iterable[Part], common: Container[str]) -> Iterator[Part]:
 
 
 def channel_sheet(
-    channel: Recorded, parts: Iterable[Part], verdicts: Sequence[str] = (), *, doubt: bool = False
+    channel: Recorded,
+    parts: Iterable[Part],
+    verdicts: Sequence[str] = (),
+    *,
+    doubt: bool = False,
+    fair: bool = False,
+    of: str = "",
 ) -> Sheet:
     """The sheet of a channel: what it holds, what must stand beside its numbers, and its parts."""
     record = channel.record
     about = (words.about(record), *record.history)
-    return Sheet(record.name, about, (*warnings(channel), *parts), verdicts, doubt)
+    return Sheet(record.name, about, (*warnings(channel, of), *parts), verdicts, doubt, fair)
 
 
-def warnings(channel: Warned) -> Iterator[Part]:
-    """What must stand beside the numbers of a channel, and why there are none."""
-    yield from (Note(alert, "alert") for alert in channel.alerts)
+def statement_note(said: Statement, before: str = "") -> Iterator[Note]:
+    """How well a model explains a record: the grade, and below it why and where; nothing where it was not tested."""
+    if said.grade:
+        yield Note(f"{before}{said.head}", LEVELS[said.grade], points=said.points)
+
+
+def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
+    """The grade of the noise of a channel, what must stand beside its numbers, and why there are none."""
+    noise: Noise | None = getattr(channel, "noise", None)
+    if noise is not None:
+        yield from statement_note(noise.statement, of)
+    told = () if noise is None else noise.doubts
+    yield from (Note(alert, "alert") for alert in channel.alerts if alert not in told)
     if channel.refusal:
         yield Note(f"{REFUSED}{channel.refusal}", "alert")

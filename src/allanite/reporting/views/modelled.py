@@ -61,7 +61,7 @@ def _sheet(channel: Modelled, form: Form) -> Sheet:
 
 def _parts(channel: Modelled, form: Form) -> Iterator[Part]:
     yield from jobs.warnings(channel)
-    yield from (Note(note) for note in (channel.fit.notes if channel.fit else ()))
+    yield from (Note(note) for note in (channel.fit.advice if channel.fit else ()))
     if channel.missing:
         yield Note(f"of this record, and not reckoned with: {channel.missing}")
     if channel.result is not None:

@@ -45,13 +45,13 @@ def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
     if found is not None and found.ranking is not None:
         said = _advice(found)
     verdicts = (f"{name or 'the channel'}, {said}",) if said else ()
-    doubt = bool(channel.refusal) or (channel.noise is None and given is None)
+    doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
     return channel_sheet(channel, _parts(channel, given, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
-    if channel.fit is not None:
-        yield Note(f"noise: {channel.fit.model}")
+    if channel.noise is not None and channel.noise.explained:
+        yield Note(f"noise: {channel.noise.fit.model}")
     elif given is not None and not channel.refusal:
         yield Note(f"noise as given: {given}")
     found = channel.experiment

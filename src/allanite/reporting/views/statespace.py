@@ -38,6 +38,12 @@ def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
         f"{MEASUREMENTS[space.measurement].meaning}"
     )
     yield from (Note(note) for note in space.notes)
+    scope = channel.fit.scope if channel is not None and channel.fit is not None else None
+    if scope is not None and scope.filter is not None:
+        yield Note(
+            "the filter before the readings is not among the states: readings less than "
+            f"{1 / scope.filter.cutoff:.2g} s apart are correlated"
+        )
     headings, rows = space.rows()
     heads = (Column(""), Column(headings[0], "name"), Column("unit", "unit"), *map(Column, headings[2:]))
     yield Table(heads, [[str(i), *row[:2], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows, 1)])

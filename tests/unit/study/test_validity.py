@@ -1,0 +1,247 @@
+"""How well a model explains a record: three grades, the same in every form, and cures that work as they are written."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.reporting import html_of, page, plot, table
+from allanite.study.noise import noise_of
+from allanite.study.recipe import Recipe
+
+RATE = 50.0
+
+
+def record_of(values, name):
+    return al.Record(values, RATE, "deg/h", name=name)
+
+
+def white(seed, size=12_000):
+    return np.random.default_rng(seed).standard_normal(size)
+
+
+def swept():
+    t = np.arange(12_000) / RATE
+    return white(3) + 3 * np.sin(2 * np.pi * t * (1 + 0.01 * t))
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """One channel of each grade: white noise, white noise that gets louder, and a swept sinusoid."""
+    louder = white(2) * np.repeat([1.0, 1.2], 6000)
+    return al.Recording(tuple(record_of(v, n) for v, n in ((white(1), "good"), (louder, "fair"), (swept(), "bad"))))
+
+
+@pytest.fixture(scope="module")
+def study(recording):
+    return al.analyze(recording)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory, recording):
+    path = tmp_path_factory.mktemp("data") / "imu.npz"
+    al.write(recording, path)
+    return str(path)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+GRADES = {"good": "explained", "fair": "approximate", "bad": "unexplained"}
+
+
+def test_the_grade_is_the_same_in_every_form(study):
+    data = study.to_dict()
+    assert {c["name"]: c["validity"] for c in data["channels"]} == GRADES
+    assert {c["name"]: c["fit"]["validity"] for c in data["channels"]} == GRADES
+    assert [c["verdict"].split(";")[0].split(" (")[0] for c in data["channels"]] == [
+        "explained", "explained, with a reservation",
+        "not explained: no model of these terms explains the record",
+    ]  # fmt: skip
+    text, shown = table(study), page(study)
+    for head, level in (
+        ("explained (goodness of fit p = ", "good"),
+        ("explained, with a reservation (goodness of fit p = ", "fair"),
+        ("not explained: no model of these terms explains the record (goodness of fit p ", "alert"),
+    ):
+        assert text.count(f"  {head}") + text.count(f"! {head}") == 1
+        assert re.search(rf'<(p|div) class="{level}"[^>]*>(<strong>)?{re.escape(head)}', shown)
+    titles = [ax.get_title(loc="right") for ax in plot(study).axes]
+    assert [re.sub(r", p.*", "", title) for title in titles] == [
+        "explained", "explained, with a reservation", "not explained",
+    ]  # fmt: skip
+    assert "explained, with a reservation" in html_of(study)
+
+
+def test_what_is_not_valid_is_no_result(study):
+    bad = study["bad"]
+    assert {e.status for e in bad.fit} == {"not valid"}
+    assert all(e.upper is None and e.limits is None for e in bad.fit)
+    rows = [line for line in table(study).splitlines() if line.endswith("not valid") or " not valid " in line]
+    assert len(rows) >= 5
+    assert not any(".." in row or "below" in row for row in rows)
+    wrong = table(study["good"].fit.invalid("the curve contradicts it", "N"))
+    assert re.search(r"N  angle random walk +\(0\.0023\d+\) +deg/sqrt\(h\) +not valid", wrong)
+    assert "N is not valid: the curve contradicts it" in wrong
+    shown = page(study)
+    assert 'class="number struck"' in shown
+    assert "bad is a gyroscope" not in shown
+    assert "bad: not explained. Its coefficients are not valid." in shown
+    assert "not valid: the model does not explain the record" in table(study)
+
+
+def test_no_model_is_drawn_that_explains_nothing(study):
+    good, _, bad = plot(study).axes
+    assert "model" in good.get_legend_handles_labels()[1]
+    assert "model" not in bad.get_legend_handles_labels()[1]
+    assert not [text.get_text() for text in bad.texts if "=" in text.get_text()]
+    assert any(re.match(r"N = .* deg/h at 1 s\)", text.get_text()) for text in good.texts)
+
+
+def test_a_filter_is_said_and_drawn():
+    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1), name="z")
+    record = al.faults.low_pass(record, 12.0)
+    study = al.analyze(record, Recipe(terms="QNB"))
+    scope = study[0].fit.scope
+    assert scope.filter is not None
+    assert f"low-pass filtered: {scope.filter.words()}" in " ".join(table(study).split())
+    assert "Q not observable: the filter hides" in table(study)
+    (ax,) = plot(study).axes
+    assert "not read by the fit" in ax.get_legend_handles_labels()[1]
+    model = next(line for line in ax.lines if line.get_label() == "model")
+    assert model.get_xdata()[0] >= scope.times[0]
+    (ax,) = plot(al.spectrum(record), study[0].fit).axes
+    model = next(line for line in ax.lines if line.get_label() == "model")
+    level = np.interp([1.0, scope.filter.cutoff], model.get_xdata(), model.get_ydata())
+    assert level[1] / level[0] == pytest.approx(np.sqrt(0.5), rel=0.05)
+    data = al.from_dict(json.loads(json.dumps(study.to_dict())))
+    assert data[0].fit.scope.filter == scope.filter
+
+
+def test_a_band_is_shaded_in_both_figures():
+    record = record_of(white(1), "z")
+    fit = al.identify(record, band=(0.1, 10.0))
+    assert fit.scope.unread == ((0.0, 0.1), (10.0, np.inf))
+    curve = al.deviation(record, taus="octave", noise=fit.model)
+    for value, edges in ((curve, fit.scope.times), (al.spectrum(record), fit.scope.band)):
+        (ax,) = plot(value, fit).axes
+        spans = [p.get_extents().transformed(ax.transData.inverted()) for p in ax.patches]
+        assert spans
+        inner = {round(x, 6) for box in spans for x in (box.x0, box.x1)} & {round(x, 6) for x in edges}
+        assert len(inner) == 2
+
+
+@pytest.mark.parametrize(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
+def test_strict_is_an_exit_code(file, channels, code, tmp_path):
+    result = run("analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json")
+    assert result.exit_code == code, result.output
+    assert [c["name"] for c in json.loads((tmp_path / "a.json").read_text())["channels"]] == channels.split(",")
+    assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        ("plan",), ("deviation", "--limits"), ("spectrum", "--fit"), ("statespace",),
+        ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
+    ],
+    ids=lambda verb: verb[0],
+)  # fmt: skip
+def test_every_verb_says_the_grade_and_knows_strict(file, verb):
+    result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict")
+    assert result.exit_code == 3, result.output
+    text = " ".join(result.stdout.split())
+    assert text.count("not explained: no model of these terms explains the record") == 1
+    assert "without a result: bad" in result.stderr
+
+
+def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path):
+    path = tmp_path / "again.npz"
+    al.write(al.Recording((record_of(white(9), "bad"),)), path)
+    result = run("compare", file, path, "--channels", "bad", "--terms", "N", "--strict")
+    assert result.exit_code == 3, result.output
+    assert "imu.npz (not explained), again.npz (explained)" in " ".join(result.stdout.split())
+
+
+@pytest.mark.parametrize("band", ["auto", "all", "0.1,10"])
+def test_a_band_goes_round_through_the_recipe(file, band, tmp_path):
+    first = run("analyze", file, "--channels", "good", "--terms", "NB", "--band", band, "--json", "-")
+    found = json.loads(first.stdout)
+    assert found["recipe"]["band"] == ([0.1, 10.0] if "," in band else band)
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
+    assert json.loads(run("analyze", file, "--recipe", recipe, "--json", "-").stdout) == found
+    asked = tuple(found["recipe"]["band"]) if "," in band else band
+    assert Recipe.from_dict(found["recipe"]).band == asked
+
+
+def test_a_band_that_is_none_is_refused(file):
+    for band in ("wide", "1", "1,2,3"):
+        result = run("analyze", file, "--band", band)
+        assert result.exit_code == 2
+        assert "auto, all, or two frequencies in Hz are wanted, as 0.01,10" in result.stderr
+
+
+def test_a_filter_that_was_not_looked_for_is_found_as_the_message_says():
+    record = al.faults.low_pass(record_of(white(1), "z"), 5.0)
+    before = noise_of(record, Recipe(terms="QNB", band="all"))
+    assert "(--band auto)" in before.verdict
+    assert "rolls off" in before.verdict
+    after = noise_of(record, Recipe(terms="QNB", band="auto"))
+    assert after.explained
+    assert "--band" not in after.verdict
+
+
+def test_outliers_that_were_kept_are_left_out_as_the_message_says():
+    values = white(1)
+    values[[100, 5000, 9000]] += 60.0
+    record = record_of(values, "z")
+    before = noise_of(record, Recipe(terms="N", outliers="keep"))
+    assert "(--outliers mark)" in before.verdict
+    after = noise_of(record, Recipe(terms="N", outliers="mark"))
+    assert after.validity == "explained"
+
+
+def test_heavy_tails_without_outliers_name_no_cure_that_was_taken():
+    values = white(1)
+    values[::200] *= 8
+    for outliers in ("keep", "mark"):
+        noise = noise_of(record_of(values, "z"), Recipe(terms="N", outliers=outliers))
+        assert noise.validity == "approximate"
+        assert "the coefficients hold, but their intervals are too narrow" in noise.verdict
+        assert "--" not in noise.verdict
+
+
+def test_parts_of_another_level_are_explained_apart_as_the_message_says(file):
+    told = run("analyze", file, "--channels", "fair", "--terms", "N").stdout
+    assert "analyse the parts separately (--from, --until)" in " ".join(told.split())
+    for cut in (("--until", 120), ("--from", 120)):
+        result = run("analyze", file, "--channels", "fair", "--terms", "N", *cut, "--json", "-")
+        assert json.loads(result.stdout)["channels"][0]["validity"] == "explained"
+
+
+def test_readings_too_coarse_are_told_without_a_p_value():
+    record = record_of(np.round(0.3 * white(1)), "z")
+    noise = noise_of(record, Recipe(terms="N"))
+    assert noise.validity == "unexplained"
+    assert "p =" not in noise.statement.head
+    assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("SI value")[0]
+
+
+@pytest.mark.parametrize(
+    ("verb", "expected"),
+    [
+        (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
+        (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
+        (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
+    ],
+)
+def test_the_recipe_says_what_was_used(file, verb, expected):
+    found = json.loads(run(verb[0], file, "--channels", "good", *verb[1:], "--json", "-").stdout)["recipe"]
+    assert {key: found[key] for key in expected} == expected
+    assert ("method" in found) == (verb[0] == "deviation")
