@@ -66,6 +66,19 @@ class Below:
 
 
 @dataclass(frozen=True, eq=False)
+class Normal:
+    """Two-sided limits of a positive quantity whose estimate is normal; the lower one is 0 at least."""
+
+    value: float
+    error: float
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """The limits at a level."""
+        reach = quantile((1 + level) / 2) * self.error
+        return max(self.value - reach, 0.0), self.value + reach
+
+
+@dataclass(frozen=True, eq=False)
 class Remembered(Generic[T]):
     """A function of numbers, or of nothing, that is called once for each.
 

@@ -19,9 +19,9 @@ def white(n, seed):
     return al.simulate(N + B, n, RATE, rng=np.random.default_rng(seed)).values
 
 
-def humped(n=2**16, seed=1, size=1.0):
+def humped(n=2**16, seed=1, size=0.7):
     y, rng = white(n, seed), np.random.default_rng(seed + 1000)
-    return al.Record(y + size * y.std() * lfilter(*iirpeak(20, 20, RATE), rng.standard_normal(n)), RATE, "rad/s")
+    return al.Record(y + size * y.std() * lfilter(*iirpeak(20, 40, RATE), rng.standard_normal(n)), RATE, "rad/s")
 
 
 def test_a_resonance_is_left_out_and_not_the_noise():

@@ -162,7 +162,10 @@ def test_another_power_law_is_named(a):
     assert low < found < high
     value, error = map(float, re.search(r"N is (\S+) ± (\S+) deg/sqrt", finding.consequence).groups())
     assert abs(value - 0.3) < 3 * error
-    assert not al.residuals(record, fit).explained
+    assert fit["N"].to("deg/sqrt(h)") == pytest.approx(value, rel=1e-3)
+    assert {fit[s].status for s in "BK"} == {"not valid"}
+    assert not fit["Q"].claimed
+    assert al.residuals(record, fit).grade == "approximate"
 
 
 def test_an_exponent_of_one_is_flicker():

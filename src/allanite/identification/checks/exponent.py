@@ -141,30 +141,30 @@ def _dct(k: FloatArray, n: int, a: float) -> FloatArray:
     return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
 
 
-def exponent_finding(found: Found, signal: Signal, *, plain: Found | None = None) -> tuple[Finding, ...]:
-    """That what wanders is not flicker.
+def other_law(found: Found, plain: Found) -> Exponent | None:
+    """The power law of what wanders, if it is not flicker's.
 
     Where a `plain` reading of the whole spectrum failed, and another one was found, it failed for that reason if the
     power law explains all of it.
     """
     law = exponent(found)
-    if (law is None or not law.named) and plain is not None and plain is not found:
+    if (law is None or not law.named) and plain is not found:
         law = exponent(plain)
         law = law if law is not None and law.p >= EXPLAINED else None
-    if law is None or not law.named:
-        return ()
+    return law if law is not None and law.named else None
+
+
+def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
+    """That what wanders is not flicker."""
     harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"
     if law.corner:
         unit = signal.sheet[TERMS["N"].power]
         value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
         harm += f", and N is {value:.4g} ± {error:.2g} {unit} beside it"
         begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
-    return (
-        Finding(
-            "flicker exponent",
-            f"{begins} the power falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
-            harm,
-            "read the noise at your averaging times off the curve itself (allanite deviation)",
-            fatal=True,
-        ),
+    return Finding(
+        "flicker exponent",
+        f"{begins} the power falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
+        harm,
+        "read the noise at your averaging times off the curve itself (allanite deviation)",
     )

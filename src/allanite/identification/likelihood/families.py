@@ -113,7 +113,7 @@ class Search(Portable):
         if 2 * self.coarse.value + float(penalty[-1]) > beat + CLOSE:
             return None
         fine = self.refined(self.coarse.constants[0])
-        first = select(subsets(fine.likelihood, must=self.must, may=self.may, constants=fine.constants), penalty)
+        first = select(subsets(fine.likelihood, must=self.always, may=self.may, constants=fine.constants), penalty)
         found = self.refined(fine.constants[0], first.free)
         return found if found.theta[-1] > 0 else None
 
@@ -121,6 +121,11 @@ class Search(Portable):
     def must(self) -> BoolArray:
         """The term alone."""
         return np.asarray(np.arange(self.may.size) == self.may.size - 1)
+
+    @property
+    def always(self) -> BoolArray:
+        """The term, and what is never left out."""
+        return self.must | self.part.must
 
     def slope(self, subset: Subset) -> FloatArray:
         """Change of the expected power with ln T, shape (bins,)."""
@@ -149,7 +154,7 @@ class Search(Portable):
         low, high = self.limits(best, OPEN)
         open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
         each = ((self.at(float(k)), (float(k),)) for k in open_)
-        return [s for part, k in each for s in subsets(part, must=self.must, may=self.may, constants=k)]
+        return [s for part, k in each for s in subsets(part, must=self.always, may=self.may, constants=k)]
 
     def pair(self) -> Subset:
         """The best with two such terms and no flicker."""
@@ -280,7 +285,7 @@ def fitted(part: Portion, *, rival: bool) -> Found:
         raise UsageError(f"only one term with one time constant can be looked for at a time, not {', '.join(asked)}")
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
-        every = subsets(part.likelihood)
+        every = subsets(part.likelihood, must=part.must)
         best = select(every)
         return Found(part, noise, every, best, None, best, None)
     markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
@@ -307,7 +312,7 @@ def _with_markov(part: Portion, *, asked: bool) -> Found:
     noise, penalty = list(part.noise), penalties(len(part.noise))
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
     search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
-    every = subsets(part.likelihood, may=~search.must) if len(noise) > 1 else []
+    every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
     markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)

@@ -1,10 +1,13 @@
 """Frequencies that stand out of their surroundings: resonances, unsteady lines and clusters of them."""
 
+import math
+
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 
 from .families import Found
+from .whittle import PER_OCTAVE
 
 SURROUNDINGS = 16
 """Quiet bins on either side of one that say what its power should be: an octave."""
@@ -17,6 +20,9 @@ SLOPE, FOOT = 2.0, 0.03
 
 MARGIN = 2
 """Least number of bins on either side that are left out as well: the foot of a hump is below the scatter."""
+
+HARMLESS = 0.02
+"""Power of a resonance's skirt over that of the noise from which on it is read."""
 
 FEWEST = 4
 """Coefficients of a bin whose power is known well enough to stand out."""
@@ -51,7 +57,7 @@ def _surrounding(ratio: FloatArray, quiet: BoolArray) -> FloatArray:
 
 
 def _clusters(above: FloatArray, error: FloatArray, able: BoolArray) -> BoolArray:
-    """Bins that stand out with their slopes and a margin, shape (bins,)."""
+    """Bins that stand out with their slopes and skirts, shape (bins,)."""
     top = able & (above > STANDS_OUT * error) & (above > EXCESS)
     slope = able & (above > SLOPE * error) & (above > FOOT)
     out = np.zeros(above.size, dtype=bool)
@@ -61,6 +67,17 @@ def _clusters(above: FloatArray, error: FloatArray, able: BoolArray) -> BoolArra
             left -= 1
         while right < above.size - 1 and slope[right + 1]:
             right += 1
-        margin = max(MARGIN, (right - left + 1) // 2)  # a skirt falls with the square of the distance
-        out[max(left - margin, 0) : right + 1 + margin] = True
+        reach = _skirt(above[left : right + 1])
+        highest = left + int(above[left : right + 1].argmax())
+        out[max(min(left - MARGIN, highest - reach), 0) : max(right + MARGIN, highest + reach) + 1] = True
     return out
+
+
+def _skirt(above: FloatArray) -> int:
+    """Bins from the top of a hump to where a resonance of its height and width is `HARMLESS`.
+
+    Its power over that of the noise is A / (1 + Q^2 (x - 1/x)^2) at x times its frequency, and 1 / Q its width.
+    """
+    excess = np.expm1(above)
+    width = np.count_nonzero(excess > excess.max() / 2) / PER_OCTAVE * math.log(2)
+    return math.ceil(PER_OCTAVE * math.log2(max(1.0, width * math.sqrt(float(excess.max()) / HARMLESS))))

@@ -10,12 +10,12 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
-from allanite.core.limits import Below, Remembered, Stored, quantile
+from allanite.core.limits import Below, Normal, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.scope import Band, Scope
 from allanite.core.units import Signal
-from allanite.identification.checks.exponent import exponent_finding
+from allanite.identification.checks.exponent import Exponent, exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
@@ -74,13 +74,16 @@ def whittle(
         found = look(left, terms, asked, rival=rival) if taken else found
     plain = found
     warm, found = steady(plain, record.signal, rival=rival, free=band == "auto")
-    slow = (warm.finding,) if warm else exponent_finding(found, record.signal, plain=plain)
+    law = None if warm else other_law(found, plain)
+    slow = [warm.finding] if warm else [exponent_finding(law, found, record.signal)] if law else []
     scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     estimates = {s: _observable(s, estimates.get(s), found, scope, scale) for s in shown}
+    if law is not None:
+        estimates = {s: _under(law, e) for s, e in estimates.items()}
     model = _model(estimates, found, scale)
     good = goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken)
     return Fit(
@@ -94,7 +97,7 @@ def whittle(
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
         scope=scope,
-        findings=slow,
+        findings=tuple(slow),
     )
 
 
@@ -185,6 +188,21 @@ def _with_constant(estimate: Estimate, found: Found) -> Estimate:
 def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", Below(upper), profile)
+
+
+def _under(law: Exponent, estimate: Estimate) -> Estimate:
+    """The estimate where what wanders follows another power law: of the terms only the white noise beside it holds."""
+    row = TERMS[estimate.symbol]
+    value, error = law.N
+    if row.waveform is not None or estimate.status == "not observable":
+        return estimate
+    if row.slope != TERMS["N"].slope or not value:
+        return estimate.invalid(f"the power falls as f^-{law.a:.2f}, which is none of the terms")
+    normal = Normal(value, error)
+    status = "identified" if error <= WEAK * value else "weak"
+    return replace(
+        estimate, value=value, standard_error=error, status=status, upper=normal(0.9)[1], limits=normal, profile=normal
+    )
 
 
 def _observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:

@@ -51,6 +51,8 @@ class Portion(Portable):
         Allowed for by `trust`: rms over cells of the spectrum, as a share of the power.
     warm : float, optional
         Time constant of a warm-up, in samples, whose size is left open.
+    kept : tuple of str
+        Terms that are never left out, whatever they gain.
     """
 
     seen: Spectrum
@@ -61,6 +63,12 @@ class Portion(Portable):
     trust: FloatArray | None = None
     misfit: float = 0.0
     warm: float | None = None
+    kept: tuple[str, ...] = ()
+
+    @property
+    def must(self) -> BoolArray:
+        """Which terms are never left out, shape (terms of noise,)."""
+        return np.array([symbol in self.kept for symbol in self.noise])
 
     @cached_property
     def whole(self) -> Likelihood:

@@ -45,10 +45,13 @@ NEARLY = 8.0
 RISE = 1.5
 """Ratio of the highest level of the power to the lowest below it, by which a strong noise of the angle is seen."""
 
+HIGH = 3.0
+"""Height of a hump, over the model, from which a band below it is read instead of both sides."""
+
 WRONG = 0.5
 """Misfit of a cell beyond chance, as a share of the power, from which a model is no description of it."""
 
-LOUD = 2.0
+LOUD = 10.0
 """Power that may be left out, over that of the model."""
 
 STOP = 0.003
@@ -89,21 +92,37 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     whole, best = found.base, found
     for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
         yield best
-    out = humps(found) & whole.used
-    masked = whole.but(used=whole.used & ~out)
-    if 0 < out.sum() <= MASKED * out.size:
-        found = fitted(masked, rival=rival)
-        if _quiet(found, masked.used):
-            best = found
-            yield from () if out[-1] else (best,)
-            for behind in () if out[-1] else chain(_behind(masked, rival), _behind_angle(masked, rival)):
-                best = behind
-                yield behind
+    for source in (found, best):
+        for best in _masked(source, whole, rival):
+            yield best
     last = best.base
     yield from _bands(last, rival, NEARLY)
     yield from _approximately(last, rival, SMALL)
     yield from _bands(last, rival)
     yield from _approximately(last, rival, LARGE)
+
+
+def _masked(source: Found, whole: Portion, rival: bool) -> Iterator[Found]:
+    """Without the humps that stand out of a fit, then behind a filter too; a high one, or one at the top, ends a band."""
+    out = humps(source) & whole.used
+    masked = whole.but(used=whole.used & ~out)
+    if not 0 < out.sum() <= MASKED * out.size:
+        return
+    found = fitted(masked, rival=rival)
+    if not _quiet(found, masked.used):
+        return
+    if out[-1] or _high(found, out) > HIGH:
+        # the skirts of a high one reach far
+        yield from _bands(masked, rival, NEARLY)
+        return
+    yield found
+    yield from _behind(masked, rival)
+    yield from _behind_angle(masked, rival)
+
+
+def _high(found: Found, out: BoolArray) -> float:
+    """The highest power that is left out, over that of the model."""
+    return float((found.seen.power / (expected_power(found) * found.part.gain))[out].max())
 
 
 def _quiet(found: Found, used: BoolArray) -> bool:
@@ -179,7 +198,9 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
         likelihood = part.but(used=used).likelihood
         theta, _ = likelihood.minimise(np.ones(likelihood.S.shape[1], dtype=bool))
         if goodness(part.seen, likelihood, theta, used).p >= PASSES:
-            found = fitted(part.but(used=final), rival=rival)
+            # the noise of the angle, and the foot of what is above, may lie just below what a selection sees
+            angle = tuple(symbol for symbol in part.noise if TERMS[symbol].edge)
+            found = fitted(replace(part.but(used=final), kept=angle), rival=rival)
             if _quiet(found, final):
                 yield found
 
