@@ -1,39 +1,27 @@
 """Identification by likelihood: which terms a record holds, how large they are, and how sure that is."""
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from functools import partial
 
-import numpy as np
-
-from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
-from allanite.core.fit import WEAK, Alternative, Estimate, Fit, Line
-from allanite.core.limits import Below, Normal, Remembered, Stored, quantile
+from allanite.core.fit import Alternative, Estimate, Fit, Line
+from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.core.scope import Band, Scope
-from allanite.core.units import Signal
-from allanite.identification.checks.exponent import Exponent, exponent_finding, other_law
+from allanite.core.scope import Band
+from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
 from .described import scope_of
-from .families import Found, Search, look
+from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
+from .families import Found, look
 from .removal import without_lines
 from .scope import steady
-from .selection import Profiles, Subset, standard_error
-
-Limits = Callable[[float], tuple[float, float]]
 
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
-
-
-HIDDEN = 0.6
-"""Share of half the sampling rate below which a band's end hides the noise of the angle."""
 
 
 def whittle(
@@ -79,11 +67,11 @@ def whittle(
     scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
     scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
-    estimates = {s: _noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
-    estimates |= {s: _ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
-    estimates = {s: _observable(s, estimates.get(s), found, scope, scale) for s in shown}
+    estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
+    estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
+    estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
     if law is not None:
-        estimates = {s: _under(law, e) for s, e in estimates.items()}
+        estimates = {s: under(law, e) for s, e in estimates.items()}
     model = _model(estimates, found, scale)
     good = goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken)
     return Fit(
@@ -99,194 +87,6 @@ def whittle(
         scope=scope,
         findings=tuple(slow),
     )
-
-
-@dataclass(frozen=True)
-class Scale:
-    """From theta, in the record's unit and per sample, to coefficients in SI."""
-
-    signal: Signal
-    rate: float
-    factor: float
-    slope: float
-
-    def terms(self, noise: Sequence[str], subset: Subset) -> tuple[Term, ...]:
-        """The terms of a subset; what it has beyond `noise` is one more Gauss-Markov term."""
-        constants = iter(subset.constants)
-        found = []
-        for symbol, theta in zip((*noise, noise[-1]), subset.theta.tolist(), strict=False):
-            shape = (next(constants) / self.rate,) if TERMS[symbol].parameters and subset.constants else ()
-            if theta > 0:
-                found.append(Term(symbol, self.coefficient(symbol, theta), self.signal, shape))
-        return tuple(found)
-
-    def coefficient(self, symbol: str, theta: float) -> float:
-        """Of a theta."""
-        return self.coefficient_of(symbol, math.sqrt(max(theta, 0.0)))
-
-    def coefficient_of(self, symbol: str, eta: float) -> float:
-        """Of the root of a theta, with its sign."""
-        return eta * self.factor * math.pow(self.rate, -TERMS[symbol].power)
-
-
-@dataclass(frozen=True, eq=False)
-class ProfileLimits:
-    """Limits of a noise term, in SI, from the profiles of the likelihood."""
-
-    symbol: str
-    which: int
-    profiles: Profiles
-    scale: Scale
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        low, high = self.profiles.limits(self.which, level)
-        return self.scale.coefficient(self.symbol, low), self.scale.coefficient(self.symbol, high)
-
-    def upper(self, level: float) -> float:
-        """One-sided upper limit."""
-        return self.scale.coefficient(self.symbol, self.profiles.upper(self.which, level))
-
-
-def _noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
-    profiles, chosen = found.profiles, found.chosen
-    profile = ProfileLimits(symbol, which, profiles, scale)
-    limits, upper = Remembered(profile), Remembered(profile.upper)
-    if not (chosen.free[which] and profiles.excludes_zero(which) and limits(0.95)[0] > 0):
-        return _absent(symbol, scale, upper, limits)
-    theta = float(chosen.theta[which])
-    value = scale.coefficient(symbol, theta)
-    relative = standard_error(chosen, which, found.slope) / (2 * theta)
-    status = "identified" if relative <= WEAK else "weak"
-    plain = Estimate(symbol, scale.signal, value, value * relative, status, upper(0.95), "whittle", limits, limits)
-    return _with_constant(plain, found) if TERMS[symbol].parameters else plain
-
-
-@dataclass(frozen=True, eq=False)
-class ConstantLimits:
-    """Limits of a time constant, s, whose best value is known in samples."""
-
-    search: Search
-    constant: float
-    rate: float
-
-    def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
-        """Two-sided limits."""
-        # with every other term free: one that was not selected could make another time constant possible
-        low, high = self.search.limits(self.search.refined(self.constant), quantile((1 + level) / 2) ** 2)
-        return ((low / self.rate, high / self.rate),)
-
-
-def _with_constant(estimate: Estimate, found: Found) -> Estimate:
-    """The estimate with its time constant, s, and that one's profile interval."""
-    search, chosen, rate = found.search, found.chosen, found.seen.rate
-    assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
-    limits = Remembered(ConstantLimits(search, chosen.constants[0], rate))
-    return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)
-
-
-def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
-    highest = upper(0.95) if math.isfinite(upper(0.95)) else None
-    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", Below(upper), profile)
-
-
-def _under(law: Exponent, estimate: Estimate) -> Estimate:
-    """The estimate where what wanders follows another power law: of the terms only the white noise beside it holds."""
-    row = TERMS[estimate.symbol]
-    value, error = law.N
-    if row.waveform is not None or estimate.status == "not observable":
-        return estimate
-    if row.slope != TERMS["N"].slope or not value:
-        return estimate.invalid(f"the power falls as f^-{law.a:.2f}, which is none of the terms")
-    normal = Normal(value, error)
-    status = "identified" if error <= WEAK * value else "weak"
-    return replace(
-        estimate, value=value, standard_error=error, status=status, upper=normal(0.9)[1], limits=normal, profile=normal
-    )
-
-
-def _observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
-    """The estimate, unless what was read cannot tell the term: then why not."""
-    reason = ""
-    if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
-        if estimate is None or not _dominates(symbol, found):
-            hidden = (
-                "the filter hides" if scope.filter else f"the band, which ends at {scope.band[1]:.3g} Hz, leaves out"
-            )
-            reason = f"{hidden} the frequencies where it would be seen"
-    elif (
-        scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
-    ):
-        reason = f"the band begins at {scope.band[0]:.3g} Hz, above where it would be seen"
-    if not reason and estimate is not None:
-        return estimate
-    return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
-
-
-def _dominates(symbol: str, found: Found) -> bool:
-    """Whether a term makes most of the power at the highest frequency that is read."""
-    which, chosen = found.noise.index(symbol), found.chosen
-    share = chosen.likelihood.S[-1] * chosen.theta
-    return bool(share[which] > 0.5 * share.sum())
-
-
-@dataclass(frozen=True, eq=False)
-class RampLimits:
-    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
-
-    centre: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        low, high = (
-            _mixture_quantile(p, self.centre, self.spread, self.weight) for p in ((1 - level) / 2, (1 + level) / 2)
-        )
-        return low, high
-
-    def upper(self, level: float) -> float:
-        """One-sided limit of the size."""
-        return max(abs(limit) for limit in self(2 * level - 1))
-
-
-def _ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
-    """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
-
-    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    Student's t, and holds where the noise was not seen at all.
-    """
-    profiles = found.profiles
-    part = profiles.everything.likelihood
-    if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
-        return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
-    slowest = max(range(len(found.noise)), key=lambda i: np.nan_to_num(TERMS[found.noise[i]].slope, nan=-math.inf))
-    thetas, weight = profiles.weighted(slowest)
-    along = [part.directions(theta)[:2] for theta in thetas]
-    size = scale.coefficient_of(symbol, 1.0)
-    centre = size * (np.array([eta[-1] for eta, _ in along]) + scale.slope)
-    spread = size * np.sqrt([V[-1, -1] for _, V in along])
-    value = float(weight @ centre)
-    error = math.sqrt(float(weight @ (spread**2 + (centre - value) ** 2)))
-    ramp = RampLimits(centre, spread, weight)
-    limits, upper = Remembered(ramp), Remembered(ramp.upper)
-    low, high = limits(0.95)
-    if low <= 0 <= high:
-        return _absent(symbol, scale, upper, limits)
-    status = "identified" if error <= WEAK * abs(value) else "weak"
-    return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits)
-
-
-def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
-    """Quantile of a mixture of normal distributions, by bisection."""
-    from scipy.special import ndtr
-
-    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = weight @ ndtr((middle - centre) / spread) < p
-        low, high = (middle, high) if below else (low, middle)
-    return (low + high) / 2
 
 
 def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:

@@ -103,7 +103,7 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
 
 
 def _masked(source: Found, whole: Portion, rival: bool) -> Iterator[Found]:
-    """Without the humps that stand out of a fit, then behind a filter too; a high one, or one at the top, ends a band."""
+    """Without the humps of a fit, then behind a filter too; a high one, or one at the top, ends a band instead."""
     out = humps(source) & whole.used
     masked = whole.but(used=whole.used & ~out)
     if not 0 < out.sum() <= MASKED * out.size:

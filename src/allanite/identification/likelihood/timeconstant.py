@@ -1,0 +1,164 @@
+"""The search for the time constant of Gauss-Markov noise.
+
+Its likelihood is linear in the square of the effective value but not in the time constant T. L is profiled over T on a
+grid and then refined; in the limits, T takes the values that the likelihood leaves open.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.plain import Portable
+from allanite.terms import TERMS
+
+from .likelihood import Likelihood
+from .portion import Portion
+from .selection import Subset, select, subsets
+
+SHORTEST, LONGEST = 3.0, 0.1
+"""Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
+
+PER_DECADE = 4
+"""Time constants a decade in the first search."""
+
+CLOSE = 2.0
+"""Refining the time constant gains less than this in 2 L beyond the grid."""
+
+OPEN = 6.6
+"""Time constants that lose less than this in 2 L take part in the limits of the terms (the 99 % point)."""
+
+STARTS = 3
+"""Pairs of time constants from which the best pair is sought."""
+
+NEAR = 3
+"""Time constants on either side of the best that take part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search(Portable):
+    """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
+
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term;
+    `asked` whether it was asked for.
+    """
+
+    likelihood: Likelihood
+    part: Portion
+    may: BoolArray
+    shortest: float = SHORTEST
+    symbol: str = "GM"
+    asked: bool = False
+
+    def column(self, T: float, part: Portion | None = None) -> FloatArray:
+        """Expected power of the term in the bins that are read, or in another portion."""
+        shaped = TERMS[self.symbol].shaped
+        assert shaped is not None  # noqa: S101 - `look` has seen to it
+        return (part or self.part).column(shaped((T,), 1.0))
+
+    def at(self, T: float) -> Likelihood:
+        """The likelihood with a time constant."""
+        return self.likelihood.with_column(-1, self.column(T))
+
+    def least(self, T: float, free: BoolArray | None = None) -> Subset:
+        """The minimum at a time constant, all terms free that may be."""
+        likelihood, free = self.at(T), self.may if free is None else free
+        return Subset(likelihood, free, *likelihood.minimise(free), (T,))
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The least and the greatest time constant."""
+        return self.shortest, max(LONGEST * self.part.seen.size, 2 * self.shortest)
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """Time constants of the first search."""
+        low, high = self.span
+        return np.geomspace(low, high, max(2, round(PER_DECADE * math.log10(high / low))))
+
+    @cached_property
+    def coarse(self) -> Subset:
+        """The best of the grid."""
+        return min((self.least(float(T)) for T in self.grid), key=lambda subset: subset.value)
+
+    def refined(self, around: float, free: BoolArray | None = None) -> Subset:
+        """The best near a value of the grid."""
+        from scipy.optimize import minimize_scalar
+
+        step, (low, high) = 10 ** (1 / PER_DECADE), self.span
+        best = minimize_scalar(
+            lambda x: self.least(math.exp(x), free).value, method="bounded", options={"xatol": 0.01},
+            bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
+        )  # fmt: skip
+        return self.least(math.exp(float(best.x)), free)
+
+    def best(self, penalty: FloatArray, beat: float = math.inf) -> Subset | None:
+        """The best subset with the term; None if none can have a score below `beat`."""
+        # at least one other term is there
+        if 2 * self.coarse.value + float(penalty[-1]) > beat + CLOSE:
+            return None
+        fine = self.refined(self.coarse.constants[0])
+        first = select(subsets(fine.likelihood, must=self.always, may=self.may, constants=fine.constants), penalty)
+        found = self.refined(fine.constants[0], first.free)
+        return found if found.theta[-1] > 0 else None
+
+    @cached_property
+    def must(self) -> BoolArray:
+        """The term alone."""
+        return np.asarray(np.arange(self.may.size) == self.may.size - 1)
+
+    @property
+    def always(self) -> BoolArray:
+        """The term, and what is never left out."""
+        return self.must | self.part.must
+
+    def slope(self, subset: Subset) -> FloatArray:
+        """Change of the expected power with ln T, shape (bins,)."""
+        (T,) = subset.constants
+        up, down = self.column(1.01 * T), self.column(T / 1.01)
+        return np.asarray(subset.theta[-1] * (up - down) / (2 * math.log(1.01)))
+
+    def limits(self, best: Subset, drop: float) -> tuple[float, float]:
+        """Time constants at which 2 L has risen by `drop`, the others following; at most those of the search."""
+        from scipy.optimize import brentq
+
+        (T,) = best.constants
+        ends = []
+        for end in (min(1.0, T / 2), max(float(self.part.seen.size), 2 * T)):
+
+            def excess(x: float) -> float:
+                return 2 * (self.least(math.exp(x), best.free).value - best.value) - drop
+
+            open_ = excess(math.log(end)) <= 0
+            ends.append(end if open_ else math.exp(brentq(excess, math.log(T), math.log(end), xtol=1e-3)))
+        return ends[0], ends[1]
+
+    def around(self, best: Subset) -> list[Subset]:
+        """Subsets with the term at the time constants that the likelihood leaves open; the best one's come last."""
+        (T,) = best.constants
+        low, high = self.limits(best, OPEN)
+        open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
+        each = ((self.at(float(k)), (float(k),)) for k in open_)
+        return [s for part, k in each for s in subsets(part, must=self.always, may=self.may, constants=k)]
+
+    def pair(self) -> Subset:
+        """The best with two such terms and no flicker."""
+        from scipy.optimize import minimize
+
+        free = np.append(self.may, True)
+
+        def least(x: FloatArray) -> Subset:
+            first, second = np.exp(x)
+            both = self.at(float(first)).with_more(self.column(float(second)))
+            return Subset(both, free, *both.minimise(free), (float(first), float(second)))
+
+        grid = np.log(self.grid)
+        pairs = [np.array([a, b]) for i, a in enumerate(grid) for b in grid[i + 1 :]]
+        corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.3]])
+        tries = []
+        for start in sorted(pairs, key=lambda x: least(x).value)[:STARTS]:
+            options = {"initial_simplex": start + corners, "xatol": 0.02, "fatol": 0.01}
+            tries.append(minimize(lambda x: least(x).value, start, method="Nelder-Mead", options=options))
+        return least(min(tries, key=lambda found: float(found.fun)).x)
