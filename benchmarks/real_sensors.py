@@ -1,14 +1,16 @@
 """The first answer on a real sensor: public recordings, and simulated sensors behind filters, lines, humps and faults.
 
     python benchmarks/real_sensors.py simulated [--records 300] [--exponent 16] [--write PATH]
-    python benchmarks/real_sensors.py recorded [--folder PATH] [--write PATH]
+    ALLANITE_RECORDINGS=folder python benchmarks/real_sensors.py recorded [--write PATH]
 
-Every cell has seeds of its own: the number of its sensor, of its fault, and of the record.
+The recordings are not part of the project; INDEX.md of the folder says where each comes from. Every cell has seeds of
+its own: the number of its sensor, of its fault, and of the record.
 """
 
 from table import begin, markdown
 
 import math
+import os
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -193,12 +195,10 @@ def _channel(channel: Channel) -> list[str]:
 
 def main() -> None:
     """Make the table."""
-    run = begin(
-        __doc__, what=("simulated", "recorded"), records=300, exponent=16, processes=2, folder="../shared/recordings"
-    )
+    run = begin(__doc__, what=("simulated", "recorded"), records=300, exponent=16, processes=2)
     asked = run.asked
     if asked.what == "recorded":
-        rows = recorded(Path(asked.folder))
+        rows = recorded(Path(os.environ["ALLANITE_RECORDINGS"]))
         grades = Counter(row[2] for row in rows)
         notes = ["no random numbers", ", ".join(f"{grade}: {grades[grade]}" for grade in (*GRADES, "refused"))]
         headings = ("file", "channel", "grade", "read", "N over deviation at 1 s", "0.664 B over least upper limit")

@@ -274,10 +274,10 @@ class Fit(Value):
 
     @property
     def valid(self) -> Model | None:
-        """The model without its terms that are not valid; None where the model does not explain the record."""
+        """The model without terms that are not valid or not observable; None where it does not explain the record."""
         if self.validity == UNEXPLAINED:
             return None
-        wrong = {e.symbol for e in self if e.status == "not valid"}
+        wrong = {e.symbol for e in self if e.status in ("not valid", "not observable")}
         return Model(tuple(t for t in self.model if t.symbol not in wrong)) if wrong else self.model
 
     @property

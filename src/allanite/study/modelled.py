@@ -227,7 +227,7 @@ def run_model_job(
 
     def follow(seen: Inspected) -> Modelled:
         record, noise = seen.record, noise_of(seen.record, recipe)
-        model = noise.fit.model
+        model = noise.fit.valid or noise.fit.model
         if not any(t.row.waveform is None and t.value for t in model):
             raise DataError("no noise was identified")
         result = work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name))

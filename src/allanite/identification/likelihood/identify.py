@@ -102,7 +102,7 @@ def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
         f"{TERMS[s].title} ({s}) is in the model that describes the record best, but other terms could take its place: "
         "a longer record would tell"
         for s, there in zip(found.noise, found.chosen.free, strict=True)
-        if there and not estimates[s].claimed
+        if there and s in estimates and estimates[s].status == "absent"
     ]
 
 

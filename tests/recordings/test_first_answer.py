@@ -1,0 +1,53 @@
+"""The first answer on real recordings, by the default recipe: a part of benchmarks/real_sensors.py."""
+
+import math
+
+import pytest
+
+import allanite as al
+
+GYROS = ("adis_16405_imu1.rda", "adis_16405_imu2.rda")
+OTHERS = (
+    ("mpu6050_static10min/mpu6050_gyroscope.mat", {"rate": 100.0, "unit": "deg/s"}),
+    ("mpu6050_static10min/mpu6050_accelerometer.mat", {"rate": 100.0, "unit": "g"}),
+    ("phone_gyro4.txt", {"unit": "rad/s"}),
+)
+
+
+def second(record):
+    """Allan deviation at 1 s, SI."""
+    curve = al.deviation(record, "oadev", m=[round(record.rate)])
+    return float(curve.to(record.signal.unit).deviation[0])
+
+
+def below_the_curve(channel):
+    """Whether 0.664 B, where it is a result, is at most the least upper limit of the measured curve."""
+    flicker = channel.fit["B"]
+    if not flicker.claimed:
+        return True
+    curve = al.deviation(channel.record, "oadev", taus="octave", noise=channel.fit.model)
+    return 0.664 * flicker.value <= float(curve.to(channel.record.signal.unit).upper(0.95).min())
+
+
+@pytest.mark.parametrize("name", GYROS)
+def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(recordings, name):
+    recipe = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
+    for channel in al.analyze(recordings / name, recipe).channels:
+        assert channel.noise.validity == "explained"
+        assert not channel.fit.scope.whole
+        assert abs(channel.fit["N"].value / second(channel.record) - 1) < 0.03
+        assert below_the_curve(channel)
+
+
+@pytest.mark.parametrize(("name", "choices"), OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
+def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
+    for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
+        assert channel.noise.validity in ("explained", "approximate")
+        assert math.isclose(channel.fit["N"].value, second(channel.record), rel_tol=0.1)
+        assert below_the_curve(channel)
+
+
+def test_a_swaying_gyroscope_has_no_result(recordings):
+    for channel in al.analyze(recordings / "psins_lasergyro.imu").channels:
+        assert channel.noise.validity == "unexplained"
+        assert not any(e.claimed for e in channel.fit)
