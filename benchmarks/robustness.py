@@ -20,6 +20,7 @@ import numpy as np
 import allanite as al
 from allanite.identification.likelihood.whittle import likelihood, spectrum
 from allanite.prepare.outliers import marked, outliers
+from allanite.study.noise import noise_of
 from identification import RATE, SENSORS, bounds
 
 CHECKS = ("cells", "correlation", "kurtosis", "halves", "eighths")
@@ -182,7 +183,7 @@ def steps(y: np.ndarray, sensor: str) -> al.Record:
 FAULTS: dict[str, tuple[Callable[[np.ndarray, np.random.Generator], None] | None, str]] = {
     "undithered quantizer": (None, "quantization is not white here"),
     "line": (line, "taken out first, at 13 Hz"),
-    "filter roll-off": (rolled, "the spectrum rolls off"),
+    "filter roll-off": (rolled, "low-pass"),
     "half with double noise": (louder, "the noise level changes"),
     "heavy tails": (tailed, "heavy tails"),
 }
@@ -202,10 +203,11 @@ def named(job: tuple[str, str, int]) -> tuple[bool, bool]:
     else:
         spoil(y, np.random.default_rng(20_000 + seed))
         record = al.Record(y, RATE, "rad/s")
-    left = al.residuals(record, al.identify(record))
-    # a line that was taken out is no reason against the model, and said as a remark
-    first = left.reasons[0] if left.reasons else left.verdict
-    return words in left.verdict, words in first
+    noise = noise_of(record, al.Recipe())
+    left = noise.residuals
+    # a line that was taken out, and a filter, are no reasons against the model, and said as remarks
+    first = left.reasons[0] if left and left.reasons else noise.verdict
+    return words in noise.verdict, words in first
 
 
 def main() -> None:

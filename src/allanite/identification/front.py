@@ -154,6 +154,7 @@ def identify(
         demand_band(band)
     row = METHODS[name]
     symbols = symbols_of(terms)
+    band = None if band == "auto" and "band" not in row.options else band  # nothing was asked for
     said = {"band": band, "lines": None if lines else False, "ranges": ranges}
     options: dict[str, Any] = {key: value for key, value in said.items() if value is not None}
     _demand(name, symbols, options)

@@ -109,13 +109,12 @@ def noise_of(
     readable = row is not None and recipe.statistic in row.allowed
     outliers = recipe.outliers or "mark"
     band = band or recipe.band
-    able = row is None or "band" in row.options or band != "auto"
     fit = identify(
         record,
         method=recipe.method,
         terms=terms or recipe.terms,
         statistic=recipe.statistic if readable else None,
-        band=band if able else None,
+        band=band,
         outliers=outliers,
         lines=lines,
     )

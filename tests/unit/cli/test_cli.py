@@ -292,5 +292,5 @@ def test_a_negative_square_is_explained():
     sample = ROOT / "examples" / "tactical_gyro.csv"
     result = run("analyze", sample, "--channels", "gy", "--method", "ls")
     assert re.search(r" R +rate ramp +-46\.46 +deg/h\^2 +negative", result.stdout)
-    assert "negative: the method gives a negative square, which no noise has" in result.stdout
+    assert "negative: the square of the coefficient comes out negative" in result.stdout
     assert "negative:" not in run("analyze", sample, "--channels", "gy").stdout

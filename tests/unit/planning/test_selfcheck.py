@@ -108,7 +108,7 @@ def test_the_verb_prints_the_table_and_ends_well():
 
 
 def test_the_verb_ends_with_4_where_a_limit_is_exceeded():
-    result = run(*FEW, "--terms", "QB", "--max-false", 1, "--json", "-")
+    result = run(*FEW, "--terms", "QB", "--band", "all", "--max-false", 1, "--json", "-")
     assert result.exit_code == 4
     assert "limit exceeded: Q: falsely found in" in result.stderr
     (channel,) = json.loads(result.stdout)["channels"]

@@ -27,7 +27,7 @@ GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
 LEAST, MOST = 0.4, 1.8
 """Exponents between which the limits are sought."""
 
-GAIN = 7.0
+GAIN = 8.0
 """What a free exponent must gain in 2 L over the best of the terms, which have more coefficients."""
 
 NEAR = 3.0
@@ -60,7 +60,8 @@ class Exponent:
     @property
     def named(self) -> bool:
         """Whether the noise is not flicker."""
-        return self.gain > GAIN and (self.low > 1 + APART or self.high < 1 - APART)
+        known = self.low > LEAST and self.high < MOST
+        return known and self.gain > GAIN and (self.low > 1 + APART or self.high < 1 - APART)
 
 
 def exponent(found: Found) -> Exponent | None:
