@@ -30,11 +30,9 @@ def figures(cell):
 
 def marked(cells):
     """The cells, those that fall short marked."""
-    for cell in cells:
-        why = SHORT.get((cell["sensor"], cell["behind"]))
-        yield pytest.param(
-            cell, marks=[pytest.mark.xfail(reason=why)] if why else [], id=f"{cell['sensor']}-{cell['behind']}"
-        )
+    keys = [(cell["sensor"], cell["behind"]) for cell in cells]
+    marks = [[pytest.mark.xfail(reason=SHORT[key], strict=False)] if key in SHORT else [] for key in keys]
+    return [pytest.param(cell, marks=m, id="-".join(k)) for cell, m, k in zip(cells, marks, keys, strict=True)]
 
 
 def test_they_say_how_they_were_made():

@@ -51,7 +51,7 @@ HIGH = 3.0
 WRONG = 0.5
 """Misfit of a cell beyond chance, as a share of the power, from which a model is no description of it."""
 
-LOUD = 10.0
+LOUD = 3.0
 """Power that may be left out, over that of the model."""
 
 STOP = 0.003
@@ -125,10 +125,13 @@ def _high(found: Found, out: BoolArray) -> float:
     return float((found.seen.power / (expected_power(found) * found.part.gain))[out].max())
 
 
-def _quiet(found: Found, used: BoolArray) -> bool:
+def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
     """Whether what is not read has less than half of the power beyond the model's: else the sensor was not at rest."""
     seen, part = found.seen, found.part
     m = expected_power(found) * part.gain
+    if bare:  # the noise of the angle, which a band does not see, excuses nothing above one that begins above zero
+        angle = [i for i, symbol in enumerate(found.noise) if TERMS[symbol].edge]
+        m = m - part.whole.S[:, angle] @ found.chosen.theta[angle] * part.gain
     excess = np.maximum(seen.power - m, 0) * seen.count
     return float(excess[~used].sum()) < LOUD * float(m @ seen.count)
 
@@ -201,7 +204,7 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
             # the noise of the angle, and the foot of what is above, may lie just below what a selection sees
             angle = tuple(symbol for symbol in part.noise if TERMS[symbol].edge)
             found = fitted(replace(part.but(used=final), kept=angle), rival=rival)
-            if _quiet(found, final):
+            if _quiet(found, final, bare=low > 0):
                 yield found
 
 
