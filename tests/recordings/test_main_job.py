@@ -76,11 +76,9 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     channels = json.loads(data.read_text())["channels"]
     assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]
     assert [[t["symbol"] for t in channel["fit"]["terms"]] for channel in channels] == [list("QNBKR")] * 3
-    grades = ["unexplained", "approximate" if window else "unexplained", "unexplained"]
-    assert [channel["validity"] for channel in channels] == grades
-    not_valid = [[t["symbol"] for t in channel["fit"]["terms"] if t["status"] == "not valid"] for channel in channels]
-    assert not_valid[0] == not_valid[2] == list("QNBKR")
-    assert {"Q", "N"} <= set(not_valid[1])
+    for channel in channels:  # the carrier sways: what stands in a band of little power is no answer
+        assert channel["validity"] == "unexplained"
+        assert [t["symbol"] for t in channel["fit"]["terms"] if t["status"] == "not valid"] == list("QNBKR")
 
 
 def matrix(path):
@@ -107,7 +105,11 @@ def test_a_filter_is_found_or_left_out(recordings, adis):
         assert "the spectrum rolls off" in plain.goodness.verdict
         behind = al.identify(record)
         assert behind.validity == "explained"
-        assert 20 < behind.scope.filter.cutoff < 60
+        if channel == "gz":  # no filter of the table explains it
+            assert behind.scope.filter is None
+            assert 3 < behind.scope.band[1] < 5
+        else:
+            assert 36 < behind.scope.filter.cutoff < 38
         below = al.identify(record, band=(0, 5))
         at_one_second = al.deviation(record, m=[100]).deviation[0]
         assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
