@@ -19,6 +19,9 @@ WELL_KNOWN = 50
 CHANGED = 0.2
 """Share of the power by which the spectrum outside a band differs from the model before it is mentioned."""
 
+STANDS_OUT = 1.5
+"""Power over the average of what lies outside a band from which a frequency there is mentioned."""
+
 
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
     """The scope of what was found; `asked` is a band that was given."""
@@ -113,20 +116,23 @@ def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tupl
     first, last = int(there[0]), int(there[-1])
     said = []
     if first:
-        said.append(_beyond(f"below {band[0]:.3g} Hz", _mean(found, level, slice(0, first)), "drift or motion"))
+        said.append(_beyond(f"below {band[0]:.3g} Hz", found, level, slice(0, first), "drift or motion"))
     if last < level.size - 1:
         what = "vibration or interference"
-        said.append(_beyond(f"above {band[1]:.3g} Hz", _mean(found, level, slice(last + 1, None)), what))
+        said.append(_beyond(f"above {band[1]:.3g} Hz", found, level, slice(last + 1, None), what))
     return tuple(said)
 
 
-def _mean(found: Found, level: FloatArray, part: slice) -> float:
-    """Mean level of bins by the number of octaves they hold."""
-    return float(np.exp(np.log(level[part]).mean()))
-
-
-def _beyond(where: str, ratio: float, what: str) -> str:
-    if abs(ratio - 1) < CHANGED:
-        return f"{where} the spectrum departs from the model by less than {100 * CHANGED:.0f} % on average"
-    why = f"{ratio:.2g} times the model's power: {what}" if ratio > 1 else f"{ratio:.2g} of the model's power: a filter"
-    return f"{where} the record has {why}"
+def _beyond(where: str, found: Found, level: FloatArray, part: slice, cause: str) -> str:
+    """What the spectrum does in a part that is not read."""
+    level, first = level[part], found.seen.first[part]
+    ratio, highest = float(np.exp(np.log(level).mean())), int(level.argmax())
+    if ratio < 1 - CHANGED:
+        return f"{where} the record has {ratio:.2g} of the model's power: a filter"
+    peak = ""
+    if level[highest] > STANDS_OUT * max(ratio, 1.0):
+        peak = f"{level[highest]:.2g} times at {float(found.seen.frequency(first[highest])):.3g} Hz"
+    if ratio > 1 + CHANGED:
+        return f"{where} the record has {ratio:.2g} times the model's power{peak and ', ' + peak}: {cause}"
+    less = f"{where} the spectrum departs from the model by less than {100 * CHANGED:.0f} % on average"
+    return f"{less}, but has {peak.replace(' at', ' its power at')}: {cause}" if peak else less

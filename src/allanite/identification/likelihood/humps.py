@@ -34,12 +34,13 @@ def humps(found: Found) -> BoolArray:
     """Bins of a spectrum that stand out of their surroundings, whatever the model says of these, shape (bins,)."""
     seen, used = found.seen, found.used
     m = found.chosen.likelihood.expectation(found.chosen.theta)
-    ratio = np.log(seen.power / np.interp(seen.first, seen.first[used], m))
+    expected = np.interp(seen.first, seen.first[used], m)
+    ratio = np.log(seen.power / expected)
     able = seen.count >= FEWEST
     out = np.zeros(used.size, dtype=bool)
     for _ in range(ROUNDS):
-        above = ratio - _surrounding(ratio, able & ~out)
-        now = _clusters(above, np.sqrt(2 / seen.count), able)
+        around = _surrounding(ratio, able & ~out)
+        now = _clusters(ratio - around, np.sqrt(2 / seen.count), able, np.log(expected) + around)
         if (now == out).all():
             break
         out = now
@@ -56,8 +57,8 @@ def _surrounding(ratio: FloatArray, quiet: BoolArray) -> FloatArray:
     return np.array([np.median(ratio[at[a : a + 2 * SURROUNDINGS]]) for a in start])
 
 
-def _clusters(above: FloatArray, error: FloatArray, able: BoolArray) -> BoolArray:
-    """Bins that stand out with their slopes and skirts, shape (bins,)."""
+def _clusters(above: FloatArray, error: FloatArray, able: BoolArray, floor: FloatArray) -> BoolArray:
+    """Bins that stand out of a floor, given by its logarithm, with their slopes and skirts, shape (bins,)."""
     top = able & (above > STANDS_OUT * error) & (above > EXCESS)
     slope = able & (above > SLOPE * error) & (above > FOOT)
     out = np.zeros(above.size, dtype=bool)
@@ -67,17 +68,19 @@ def _clusters(above: FloatArray, error: FloatArray, able: BoolArray) -> BoolArra
             left -= 1
         while right < above.size - 1 and slope[right + 1]:
             right += 1
-        reach = _skirt(above[left : right + 1])
-        highest = left + int(above[left : right + 1].argmax())
-        out[max(min(left - MARGIN, highest - reach), 0) : max(right + MARGIN, highest + reach) + 1] = True
+        out[max(left - MARGIN, 0) : right + MARGIN + 1] = True
+        out |= _skirt(above, floor, left, right)
     return out
 
 
-def _skirt(above: FloatArray) -> int:
-    """Bins from the top of a hump to where a resonance of its height and width is `HARMLESS`.
+def _skirt(above: FloatArray, floor: FloatArray, left: int, right: int) -> BoolArray:
+    """Where a resonance of a hump's height and width is more than `HARMLESS`, shape (bins,).
 
-    Its power over that of the noise is A / (1 + Q^2 (x - 1/x)^2) at x times its frequency, and 1 / Q its width.
+    Its power is A / (1 + Q^2 (x - 1/x)^2) at x times its frequency, and 1 / Q its width.
     """
-    excess = np.expm1(above)
+    excess = np.expm1(above[left : right + 1])
+    highest = left + int(excess.argmax())
     width = np.count_nonzero(excess > excess.max() / 2) / PER_OCTAVE * math.log(2)
-    return math.ceil(PER_OCTAVE * math.log2(max(1.0, width * math.sqrt(float(excess.max()) / HARMLESS))))
+    octaves = (np.arange(above.size) - highest) / PER_OCTAVE
+    height = math.log(excess.max()) + floor[highest] - np.log1p((2 * np.sinh(octaves * math.log(2)) / width) ** 2)
+    return np.asarray(height > floor + math.log(HARMLESS))

@@ -30,6 +30,9 @@ from .whittle import FEWEST
 MASKED = 0.25
 """Share of the bins that may be left out as humps."""
 
+LOOKS = 4
+"""Fits without the humps, whose model shows how far their skirts reach."""
+
 ENOUGH, DECADES = 1000, 1.5
 """Coefficients, and decades of frequency, that a band must hold: a test of fewer has no power."""
 
@@ -105,10 +108,15 @@ def _candidates(found: Found, rival: bool) -> Iterator[Found]:
 def _masked(source: Found, whole: Portion, rival: bool) -> Iterator[Found]:
     """Without the humps of a fit, then behind a filter too; a high one, or one at the top, ends a band instead."""
     out = humps(source) & whole.used
-    masked = whole.but(used=whole.used & ~out)
-    if not 0 < out.sum() <= MASKED * out.size:
-        return
-    found = fitted(masked, rival=rival)
+    for _ in range(LOOKS):
+        masked = whole.but(used=whole.used & ~out)
+        if not 0 < out.sum() <= MASKED * out.size:
+            return
+        found = fitted(masked, rival=rival)
+        further = humps(found) & whole.used
+        if not (further & ~out).any():
+            break
+        out |= further
     if not _quiet(found, masked.used):
         return
     if out[-1] or _high(found, out) > HIGH:
