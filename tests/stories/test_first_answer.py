@@ -1,5 +1,6 @@
 """The first answer on a file that is not as it should be: what is said once, in whose times, and what to type next."""
 
+import json
 import re
 import shlex
 
@@ -107,3 +108,69 @@ def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
     assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ deg/h \+\d\d", said)
     assert "no change of the noise" not in said
     assert re.search(r"K \(from \S+ (min|h|d) on\)", said)
+
+
+def still(y):
+    y[6000:6400] = y[6000]
+
+
+def saturated(y):
+    y[6000:8000] = np.clip(3 * y[6000:8000], -4, 4)
+
+
+def louder(y):
+    y[5000:10_000] *= 3
+
+
+def spiked(y):
+    y[6000:6050:10] += 30
+
+
+def moved(y):
+    y[6000:8000] += 80 * np.sin(np.arange(2000) / RATE)
+
+
+PARTIAL = {"stuck": still, "clipped": saturated, "level": louder, "outliers": spiked, "moving": moved}
+
+
+@pytest.mark.parametrize("name", PARTIAL)
+def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
+    y = np.random.default_rng(4).standard_normal(20_000)
+    PARTIAL[name](y)
+    file, data = write(tmp_path / "day.csv", {"gx [deg/s]": y}), tmp_path / "day.json"
+
+    def finding(*window):
+        run("info", file, *window, "--json", data, "--force")
+        quality = json.loads(data.read_text())["channels"][0]["quality"]
+        return next((f for f in quality["findings"] if f["name"] == name), None)
+
+    found = finding()
+    assert "--from" in found["remedy"]
+    assert "--until" in found["remedy"]
+    start, end = found["place"]
+    assert 240 < start < end < 510
+    assert finding("--until", start) is None
+    assert finding("--from", end) is None
+
+
+def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
+    y = np.random.default_rng(4).standard_normal(20_000)
+    spiked(y)
+    file, data = write(tmp_path / "day.csv", {"gx [deg/s]": y}), tmp_path / "day.json"
+    assert "leave them out there, too (--outliers mark)" in run("analyze", file)
+    first = []
+    for how in ("keep", "mark"):
+        run("analyze", file, "--outliers", how, "--json", data, "--force")
+        first.append(json.loads(data.read_text())["channels"][0]["curves"][0]["deviation"][0])
+    assert first[0] > 1.1 * first[1]
+
+
+def test_where_nearly_all_is_lost_a_window_of_what_is_left_is_analysed(tmp_path):
+    y = np.random.default_rng(4).standard_normal(20_000)
+    y[:18_500] = np.nan
+    file = write(tmp_path / "day.csv", {"gx [deg/s]": y})
+    refused = CliRunner().invoke(main, ["analyze", str(file)])
+    assert refused.exit_code == 3
+    assert "less than a tenth is left" in refused.output
+    assert "choose a window (--from, --until)" in " ".join(refused.output.split())
+    assert "angle random walk" in run("analyze", file, "--from", 18_500 / RATE)

@@ -52,14 +52,14 @@ def clipped(view: View) -> Finding | None:
         inner = y[~at]
         beside = inner.max() if side == "upper" else inner.min()
         if count > 1.5 * int((inner == beside).sum()) and grid(view.steps)[0] > FEW_CODES // 2:
-            first = int(at.argmax())
+            first, last = int(at.argmax()), at.size - 1 - int(at[::-1].argmax())
             return Finding(
                 "clipped",
                 f"{count} readings lie exactly at the {side} end, {float(edge):.6g}, "
-                f"the first at {view.seconds(first):.6g} s",
+                f"the first at {view.seconds(first):.6g} s, the last at {view.seconds(last):.6g} s",
                 "the noise beyond the sensor's range is missing, and coefficients come out too small",
                 "use a wider range, or a window without it (--from, --until)",
-                (view.seconds(first), view.seconds(y.size)),
+                (view.seconds(first), view.seconds(last + 1)),
             )
     return None
 

@@ -114,8 +114,10 @@ def _block_rms(view: View) -> FloatArray:
 
 def level(view: View) -> Finding | None:
     """Fast noise that is not the same in all of eight parts of the record."""
-    size = view.bends.size // PARTS
-    power = np.array([np.square(view.bends[i * size : (i + 1) * size]).mean() for i in range(PARTS)])
+    bends = view.bends.copy() if view.outliers.at.size else view.bends
+    bends[_beside_outliers(view)] = np.nan
+    size = bends.size // PARTS
+    power = np.array([np.nanmean(np.square(bends[i * size : (i + 1) * size])) for i in range(PARTS)])
     # second differences of white noise: 35/18 readings make one degree of freedom; outliers and vibration make it less
     error = math.sqrt(2 * 35 / 18 / size)
     ratio = power / np.median(power)
@@ -133,6 +135,13 @@ def level(view: View) -> Finding | None:
         "analyse the parts apart (--from, --until)",
         (view.seconds(odd[0]), view.seconds(odd[1])),
     )
+
+
+def _beside_outliers(view: View) -> NDArray[np.intp]:
+    """Second differences that hold an outlier."""
+    at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
+    held = np.unique(np.subtract.outer(at, np.arange(3)))
+    return np.asarray(held[(held >= 0) & (held < view.bends.size)], dtype=np.intp)
 
 
 def lines(view: View) -> Finding | None:
