@@ -22,7 +22,7 @@ from .core.errors import DataError as DataError
 from .core.errors import LongJobWarning as LongJobWarning
 from .core.errors import UnitError as UnitError
 from .core.errors import UsageError as UsageError
-from .core.fit import Estimate as Estimate
+from .core.estimate import Estimate as Estimate
 from .core.fit import Fit as Fit
 from .core.model import GM as GM
 from .core.model import B as B

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from allanite.core.encoding import finite, plain
-from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit, chance
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal

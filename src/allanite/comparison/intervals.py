@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.study.channels import provenance_of
 from allanite.study.recipe import Recipe
 

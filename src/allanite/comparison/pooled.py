@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
-from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.limits import Below, quantile
 from allanite.core.record import Record
 from allanite.core.units import Signal

@@ -1,6 +1,5 @@
 """Fit: the coefficients found, each with its interval, and whether the model explains the data."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -9,17 +8,13 @@ from allanite.terms import TERMS
 
 from .arrays import FloatArray
 from .curve import Curve
-from .encoding import finite
 from .errors import UsageError
+from .estimate import Estimate
 from .finding import Finding
-from .limits import demand_level
 from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 from .units import Signal
-
-WEAK = 0.25
-"""Relative standard error above which a term that was found is called weak."""
 
 EXPLAINED = 0.01
 """A goodness-of-fit p value below this says that the model does not explain the record."""
@@ -31,121 +26,6 @@ REJECTED = "the model does not explain the record"
 def chance(p: float) -> str:
     """A p value in words: ``p = 0.19``."""
     return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Estimate(Value):
-    """One coefficient, SI.
-
-    Attributes
-    ----------
-    value : float or None
-        The estimate; None where the term was not found.
-    standard_error : float or None
-        Of `value`; None where the method gives none.
-    status : {"identified", "weak", "absent", "not observable", "not valid", "reported", "negative"}
-        "identified": found, relative standard error at most 25 %; "weak": found, above; "absent": not found, see
-        `upper`; "not observable": this record cannot tell, see `reason`; "not valid": the model does not explain the
-        record, or the measured curve contradicts the value, see `reason`; "reported": by a method that gives no
-        evidence; "negative": the method gives a negative square.
-    upper : float or None
-        One-sided 95 % upper limit of the size of the coefficient.
-    limits : level -> (low, high)
-        Interval as `interval` gives it; None where the method has none.
-    profile : level -> (low, high)
-        Two-sided limits, whether the term was found or not; None where the method has none.
-    shape : tuple of float
-        Values of the `parameters` of the term's row: the time constant of GM, s.
-    shape_limits : level -> (low, high) of each of them
-    reason : str
-        Why nothing is known, or why the value is not valid.
-    """
-
-    symbol: str
-    signal: Signal
-    value: float | None
-    standard_error: float | None
-    status: str
-    upper: float | None
-    method: str
-    limits: Callable[[float], tuple[float, float]] | None = None
-    profile: Callable[[float], tuple[float, float]] | None = None
-    shape: tuple[float, ...] = ()
-    shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
-    reason: str = ""
-
-    def invalid(self, reason: str) -> "Estimate":
-        """The same, not valid: the value stays to be looked at, its limits do not."""
-        return replace(
-            self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None, profile=None,
-            shape_limits=None,
-        )  # fmt: skip
-
-    @property
-    def unit(self) -> str:
-        """SI unit."""
-        return self.signal.si[TERMS[self.symbol].power]
-
-    @property
-    def sheet_unit(self) -> str:
-        """Unit of data sheets."""
-        return self.signal.sheet[TERMS[self.symbol].power]
-
-    @property
-    def claimed(self) -> bool:
-        """Whether the term is said to be there."""
-        return self.status in ("identified", "weak")
-
-    def interval(self, level: float = 0.95) -> tuple[float, float]:
-        """Confidence limits (low, high) in SI; from 0 to `upper` for an absent term."""
-        demand_level(level)
-        return (math.nan, math.nan) if self.limits is None else self.limits(level)
-
-    def to(self, unit: str) -> float:
-        """The value in `unit`; NaN where there is none."""
-        return math.nan if self.value is None else self.value / coefficient_factor(self.symbol, unit, self.signal)
-
-    def words(self, unit: str | None = None, level: float = 0.95) -> str:
-        """What is known, in words: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
-
-        Examples
-        --------
-        >>> from .units import SIGNALS
-        >>> Estimate("B", SIGNALS[0], None, None, "absent", 4.848e-6, "whittle").words("deg/h")
-        'not identified, below 1 deg/h'
-        """
-        unit = unit or self.sheet_unit
-        scale = 1 / coefficient_factor(self.symbol, unit, self.signal)
-        if self.status == "not observable":
-            return f"not observable: {self.reason}"
-        if self.status == "not valid":
-            shown = "" if self.value is None else f" ({self.value * scale:.4g} {unit})"
-            return f"not valid{shown}: {self.reason}"
-        if self.value is None:
-            return "not identified" if self.upper is None else f"not identified, below {self.upper * scale:.3g} {unit}"
-        low, high = self.interval(level)
-        around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
-        return f"{self.value * scale:.4g}{around} {unit}"
-
-    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the data-sheet form under "shown"."""
-        low, high = map(finite, self.interval(level))
-        scale = 1 / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
-        known = {"value": self.value, "low": low, "high": high}
-        shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
-        extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
-
-    def _summary(self) -> str:
-        size = "" if self.value is None else f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
-        return f"{self.symbol}{size}, {self.status}"
-
-    def _shape_dict(self, level: float) -> dict[str, Any]:
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
-        return {
-            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
-        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,7 +9,8 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.limits import quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value

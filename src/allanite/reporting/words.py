@@ -2,7 +2,8 @@
 
 import math
 
-from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record

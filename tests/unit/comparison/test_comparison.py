@@ -14,7 +14,7 @@ from allanite.comparison.contrast import Contrast, gain, homogeneity
 from allanite.comparison.intervals import IntervalContrast
 from allanite.comparison.joint import drawn, joint, reduced, tied
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
-from allanite.core.fit import Estimate
+from allanite.core.estimate import Estimate
 from allanite.core.limits import Below
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import iirpeak, lfilter
 
 import allanite as al
-from allanite.core.fit import Estimate
+from allanite.core.estimate import Estimate
 from allanite.core.scope import GRADES, Scope, demand_band, worst
 from allanite.identification.checks.contradiction import contradictions
 from allanite.study.noise import noise_of

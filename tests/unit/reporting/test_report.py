@@ -13,8 +13,9 @@ import pytest
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
+from allanite.core.estimate import Estimate
 from allanite.core.finding import Finding, Quality
-from allanite.core.fit import Estimate, Fit, Goodness
+from allanite.core.fit import Fit, Goodness
 from allanite.core.model import B, N, R, term
 from allanite.core.record import Record
 from allanite.core.units import signal_named

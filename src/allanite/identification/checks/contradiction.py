@@ -4,7 +4,8 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray
 from allanite.core.curve import Curve
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.statistics import expected
 from allanite.terms import TERMS

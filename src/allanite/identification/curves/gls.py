@@ -10,7 +10,8 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
-from allanite.core.fit import WEAK, Estimate, Fit
+from allanite.core.estimate import WEAK, Estimate
+from allanite.core.fit import Fit
 from allanite.core.limits import Below, quantile
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal

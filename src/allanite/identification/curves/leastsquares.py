@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.curve import Curve
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 

@@ -7,7 +7,8 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.terms import TERMS
 
 from .reading import early, result, signal_of

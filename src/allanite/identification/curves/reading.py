@@ -7,7 +7,8 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
 

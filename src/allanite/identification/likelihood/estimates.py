@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.fit import WEAK, Estimate
+from allanite.core.estimate import WEAK, Estimate
 from allanite.core.limits import Below, Normal, Remembered, Stored, quantile
 from allanite.core.model import Term
 from allanite.core.scope import Scope

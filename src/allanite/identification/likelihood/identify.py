@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from allanite.core.errors import DataError
-from allanite.core.fit import Alternative, Estimate, Fit, Line
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Alternative, Fit, Line
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record

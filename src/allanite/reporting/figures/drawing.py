@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from allanite.core.fit import Estimate, Fit
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
 from allanite.terms import TERMS

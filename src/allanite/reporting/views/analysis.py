@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.fit import Estimate
+from allanite.core.estimate import Estimate
 from allanite.core.header import Header
 from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit

@@ -9,7 +9,7 @@ from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
-from allanite.core.fit import Estimate
+from allanite.core.estimate import Estimate
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.fit import Estimate, Fit, chance
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit, chance
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
 from allanite.reporting import figures, words
