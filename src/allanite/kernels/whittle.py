@@ -15,6 +15,7 @@ SWIFT = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FAST}
 NOTHING = 1e-250
 ROUNDING = 1e-15
 SMALLEST_STEP = 1e-4
+FASTEST = 0.95
 CONVERGED = 1e-7
 ITERATIONS = 200
 ALIKE = 1 - 1e-11
@@ -143,20 +144,19 @@ def directions(theta, columns, data):  # type: ignore[no-untyped-def]
 @njit(**SWIFT)
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
-    bits, rest = x.view(np.int64), np.empty(x.size, np.int64)
-    f, e, p = rest.view(np.float64), np.empty(x.size), np.full(x.size, 1 / 21)
+    bits, rest, result = x.view(np.int64), np.empty(x.size, np.int64), np.empty(x.size)
+    f = rest.view(np.float64)
     for i in range(x.size):
-        power = (bits[i] - ROOT_HALF) >> 52
-        rest[i] = bits[i] - (power << 52)
-        e[i] = power
+        e = (bits[i] - ROOT_HALF) >> 52
+        rest[i] = bits[i] - (e << 52)
+        result[i] = e * math.log(2.0)
     for i in range(x.size):
-        f[i] = (f[i] - 1) / (f[i] + 1)
-    for k in range(19, 0, -2):
-        for i in range(x.size):
-            p[i] = p[i] * f[i] * f[i] + 1 / k
-    for i in range(x.size):
-        e[i] = e[i] * math.log(2.0) + 2 * f[i] * p[i]
-    return e
+        s = (f[i] - 1) / (f[i] + 1)
+        t = s * s
+        p = ((((t / 21 + 1 / 19) * t + 1 / 17) * t + 1 / 15) * t + 1 / 13) * t + 1 / 11
+        p = ((((p * t + 1 / 9) * t + 1 / 7) * t + 1 / 5) * t + 1 / 3) * t + 1
+        result[i] += 2 * s * p
+    return result
 
 
 @njit(**SWIFT)
@@ -194,20 +194,16 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
     power, count, UU, Uc = data
     root, b, own, _ = found
     eta, V = _solved(root, b)
-    n = power.size
-    result = np.zeros((4, m.size))
-    full, expected, rest, weight = result
+    n, more = power.size, np.zeros(power.size)
     for j in range(eta.size):
-        _add(full[:n], -2 * eta[j], Uc[j])
+        _add(more, -2 * eta[j], Uc[j])
         for k in range(j + 1):
-            _add(full[:n], (eta[j] * eta[k] + V[j, k]) * (1.0 if k == j else 2.0), UU[j, k])
+            _add(more, (eta[j] * eta[k] + V[j, k]) * (1.0 if k == j else 2.0), UU[j, k])
+    full, rest, weight = np.empty(m.size), np.zeros(m.size), np.ones(m.size)
     for i in range(n):
-        full[i] = power[i] + full[i] / count[i]
-        expected[i], weight[i] = m[i], count[i]
-    for i in range(n, m.size):
-        full[i], rest[i], weight[i] = own[0, i - n] ** 2, own[1, i - n], 1.0
-        expected[i] = m[i] + rest[i]
-    return result
+        full[i], weight[i] = power[i] + more[i] / count[i], count[i]
+    full[n:], rest[n:] = own[0] ** 2, own[1]
+    return full, m + rest, rest, weight
 
 
 @njit(**SWIFT)
@@ -305,24 +301,43 @@ def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def
 
 
 @njit(**SWIFT)
+def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
+    """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
+    step = 1.0 / (1.0 - min(max(rate, -1.0), FASTEST))
+    for j in range(theta.size):
+        if move[j] < 0:
+            step = min(step, max(1.0, -theta[j] / move[j]))
+    return step
+
+
+@njit(**SWIFT)
 def minimise(theta, moving, columns, data):  # type: ignore[no-untyped-def]
-    """Theta at the least L and that L: Fisher scoring from `theta` with step halving, only the moving ones >= 0 move."""
+    """Theta at the least L and that L: Fisher scoring from `theta` with step halving, only the moving ones >= 0 move.
+
+    Where the model is wrong, the steps of Fisher scoring shrink evenly: after two of them the sum of all is gone.
+    """
     best, m, found = _evaluated(theta, columns, data)
     held = expectation(columns, np.where(moving, 0.0, theta))
-    own = columns[moving]
+    own, before = columns[moving], np.zeros(m.size)
     for _ in range(ITERATIONS):
         power, expected, rest, count = _completed(m, found, data)
+        weight = count / expected**2
         target = theta.copy()
-        target[moving] = weighted_nnls(own, power - rest - held, count / expected**2, theta[moving])
-        step, least, close = 1.0, np.inf, CONVERGED + ROUNDING * abs(best)
+        target[moving] = weighted_nnls(own, power - rest - held, weight, theta[moving])
+        move = target - theta
+        shift = expectation(columns, move)
+        size = _dot(weight, before**2)
+        stretch = _stretch(theta, move, _dot(weight, before * shift) / size) if size > 0 else 1.0
+        step, least, close = stretch, np.inf, CONVERGED + ROUNDING * abs(best)
         while step > SMALLEST_STEP:
-            trial = theta + step * (target - theta)
+            trial = np.maximum(theta + step * move, 0.0)
             least, m, found = _evaluated(trial, columns, data)
             if least <= best + close:
                 break
-            step /= 2
+            step = min(step / 2, 1.0)
         if not least < best:
             break
+        before = shift if step == 1.0 else np.zeros(m.size)
         gain, theta, best = best - least, trial, least
         if gain < close:
             break
