@@ -14,12 +14,10 @@ more.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 
 
@@ -69,7 +67,7 @@ class Likelihood(Portable):
         The angle at the edges of the record is that behind the filter: white noise of the angle has there the share
         `mean` of its variance, the mean gain over all frequencies. A ramp lies far below the cut-off.
         """
-        return replace(self, S=self.S * gain[:, None], W=self.W * mean)
+        return self._explained(self.S * gain[:, None], self.W * mean)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
         """The likelihood in which only a share of each bin's coefficients counts, shape (bins,)."""
@@ -79,34 +77,54 @@ class Likelihood(Portable):
         """The likelihood with another column of the bins for one of the terms."""
         columns = self.S.copy()
         columns[:, which] = S
-        return replace(self, S=columns)
+        return self._explained(columns, self.W)
 
     def with_more(self, S: FloatArray) -> "Likelihood":
         """The likelihood with one more column, of a term that does not know the edges of the record."""
-        return replace(self, S=np.column_stack((self.S, S)), W=np.column_stack((self.W, np.zeros(self.W.shape[0]))))
+        return self._explained(np.column_stack((self.S, S)), np.column_stack((self.W, np.zeros(self.W.shape[0]))))
+
+    def _explained(self, S: FloatArray, W: FloatArray) -> "Likelihood":
+        """The same data with other columns."""
+        found = replace(self, S=S, W=W)
+        found.__dict__["data"] = self.data  # arranged once
+        return found
 
     def expectation(self, theta: FloatArray) -> FloatArray:
         """Expected power m of the bins, without the directions."""
         return np.asarray(self.S @ theta)
 
     @cached_property
-    def data(self) -> tuple[NDArray[Any], ...]:
-        """All of it as the kernels take it."""
-        arrays = (self.S, self.power, self.count, self.UU, self.Uc, self.W)
-        return (*(np.ascontiguousarray(part, dtype=np.float64) for part in arrays), np.asarray(self.flat))
+    def data(self) -> tuple[FloatArray, ...]:
+        """Power, count and directions as the kernels take them: bins along the last axis, flat directions first."""
+        UU, Uc = self.UU.transpose(1, 2, 0)[np.ix_(self._order, self._order)], self.Uc.T[self._order]
+        return self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """S of the bins and then W of the finite directions, shape (p, bins + finite directions)."""
+        bins, terms = self.S.shape
+        found = np.empty((terms, bins + np.count_nonzero(~self.flat)))
+        found[:, :bins], found[:, bins:] = self.S.T, self.W[~self.flat].T
+        return found
+
+    @cached_property
+    def _order(self) -> IntArray:
+        """Directions in the order of the kernels."""
+        return np.argsort(~self.flat, kind="stable")
 
     def directions(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Estimates eta, their covariance V and the directions' part of 2 L."""
         from allanite.kernels.whittle import directions
 
-        eta, V, part = directions(self.expectation(theta), np.asarray(theta, dtype=np.float64), self.data)
-        return eta, V, float(part)
+        eta, V, part = directions(np.asarray(theta, dtype=np.float64), self.columns, self.data)
+        back = np.argsort(self._order)
+        return eta[back], V[np.ix_(back, back)], float(part)
 
     def value(self, theta: FloatArray) -> float:
         """L at `theta`; infinite where the expectation is not positive."""
         from allanite.kernels.whittle import value
 
-        return float(value(np.asarray(theta, dtype=np.float64), self.data))
+        return float(value(np.asarray(theta, dtype=np.float64), self.columns, self.data))
 
     def completed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """What the terms are to explain: power, its expectation, the part of that which is not theirs, and the count.
@@ -116,18 +134,13 @@ class Likelihood(Portable):
         """
         from allanite.kernels.whittle import completed
 
-        power, m, rest, count = completed(np.asarray(theta, dtype=np.float64), self.data)
+        power, m, rest, count = completed(np.asarray(theta, dtype=np.float64), self.columns, self.data)
         return power, m, rest, count
-
-    @cached_property
-    def columns(self) -> FloatArray:
-        """S of the bins and then of the directions, shape (bins + finite directions, p)."""
-        return np.ascontiguousarray(np.concatenate((self.S, self.W[~self.flat])))
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
         power, m, _, count = self.completed(theta)
-        return np.asarray((0.5 * count / m * (1 - power / m)) @ self.columns)
+        return np.asarray(self.columns @ (0.5 * count / m * (1 - power / m)))
 
     def information(self, theta: FloatArray) -> FloatArray:
         """Expected information of theta with the directions unknown, shape (p, p)."""
@@ -177,6 +190,6 @@ class Likelihood(Portable):
 
         theta = np.zeros(self.S.shape[1])
         share = (self.S[:, free] / floor[:, None]).max(axis=0)
-        found = weighted_nnls(self.data[0], floor, np.sqrt(self.count) / floor, free)
+        found = weighted_nnls(self.columns[free, : floor.size], floor, self.count / floor**2, np.zeros(share.size))
         theta[free] = np.maximum(found, 1e-3 / share)
         return theta
