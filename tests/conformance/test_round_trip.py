@@ -18,6 +18,7 @@ from allanite.compensation.settings import CompensationSettings
 from allanite.compensation.study import compensate_file
 from allanite.core.correction import Correction
 from allanite.core.finding import Finding
+from allanite.core.averaged import averaged
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.prepare import inspect
@@ -169,6 +170,7 @@ MAKERS = {
     "Alternative": lambda: Alternative(MODEL, -3.5),
     "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
     "AngleSettings": plan_of_angles,
+    "Averaged": lambda: averaged([MODEL, al.Model(MODEL.terms[:1])], [3, 1]),
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],
@@ -191,6 +193,7 @@ MAKERS = {
     "CompensationStudy": compensation,
     "ComparisonSettings": lambda: ComparisonSettings(against=("x", "y"), part=10.0),
     "Curve": curve,
+    "Curve of an average": lambda: curve(noise=averaged([MODEL, al.Model(MODEL.terms[:1])], [3, 1])),
     "Curve of a found power law": lambda: curve(noise="auto"),
     "Curve without limits": lambda: curve(noise=None),
     "Curve of many points": lambda: curve(taus="all"),

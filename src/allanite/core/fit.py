@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from allanite.terms import TERMS
 
 from .arrays import FloatArray
+from .averaged import Averaged, averaged
 from .curve import Curve
 from .errors import UsageError
 from .estimate import Estimate
@@ -125,7 +126,7 @@ class Fit(Value):
     of what the model leaves of the record, where that was looked at.
     """
 
-    _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives"}
+    _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
 
     estimates: tuple[Estimate, ...]
     method: str
@@ -141,6 +142,12 @@ class Fit(Value):
     scope: Scope | None = None
     findings: tuple[Finding, ...] = ()
     checked: str = ""
+    nodes: Callable[[], Averaged] | None = None
+
+    @property
+    def averaged(self) -> Averaged:
+        """The models that the record leaves open, with their weights; `model` alone where the method knows no other."""
+        return self.nodes() if self.nodes else averaged([self.model], [1.0])
 
     @property
     def validity(self) -> str:
@@ -203,13 +210,19 @@ class Fit(Value):
             "gof_reasons": list(reasons),
             "gof_remarks": list(remarks),
         }
-        return super().to_dict(level) | {"alternatives": [other.to_dict() for other in self.alternatives]} | extra
+        others = {"alternatives": [other.to_dict() for other in self.alternatives], "averaged": self.averaged.to_dict()}
+        return super().to_dict(level) | others | extra
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Fit":
         """The fit that `to_dict` has written; its limits are known for the stored level only."""
         others = data.get("alternatives")
-        return super().from_dict(data | {"alternatives": {"values": others} if others else None})
+        nodes = data.get("averaged")
+        kept = {
+            "alternatives": {"values": others} if others else None,
+            "averaged": {"values": nodes} if nodes else None,
+        }
+        return super().from_dict(data | kept)
 
     def _summary(self) -> str:
         return f"of {self.name!r} by {self.method}: {self.model}"

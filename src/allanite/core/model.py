@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from inspect import Parameter, Signature
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -284,15 +284,3 @@ def model_of(value: ModelLike) -> Model:
         f"a noise model is a Model, a Term as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; "
         "parse_model makes a model of a text"
     )
-
-
-def noise_choice(value: ModelLike | Literal["auto"] | None) -> Model | Literal["auto"] | None:
-    """A choice of the noise that limits suppose: a model, "auto" for what the record shows, None for no limits."""
-    if value is None or value == "auto":
-        return value
-    if isinstance(value, str):
-        raise UsageError(
-            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'auto' or None, not {value!r}; "
-            "parse_model makes a model of a text"
-        )
-    return model_of(value)

@@ -33,6 +33,7 @@ _MODULES: dict[str, str] = {
     "compensation.regression": "Regression",
     "compensation.regressor": "Effect Regressor",
     "compensation.settings": "CompensationSettings FitSettings",
+    "core.averaged": "Averaged",
     "core.curve": "Curve",
     "core.finding": "Finding Quality",
     "core.estimate": "Estimate",

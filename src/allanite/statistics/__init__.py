@@ -2,13 +2,18 @@
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal
 
+import numpy as np
+
+from allanite.core.averaged import Averaged, noise_choice
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
-from allanite.core.model import Model, ModelLike, noise_choice
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
+from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import correction, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
@@ -36,7 +41,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
     noise: ModelLike | Literal["auto"] | None = "auto",
-    bias: Literal["exact", "published", "model"] | None = None,
+    bias: Literal["exact", "published", "model", "plain"] | None = None,
     join: float = 0.2,
     divisor: int = 30,
     threads: int = 1,
@@ -55,10 +60,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     m : sequence of int, optional
         Averaging factors instead of times; of theoh, those of oadev up to the joint and of Theo1 beyond.
     noise : Model, Term, Fit or "auto", optional
-        The noise supposed for the confidence limits and for a bias: a model as ``identify(record).model``, or the
-        power law that is found at each tau; None for no limits.
-    bias : {"exact", "published", "model"}, optional
-        None for the plain definition. "exact" divides the variance by its exact expectation over that of the
+        The noise supposed for the confidence limits and for a bias: a fit as ``identify(record)``, over whose models
+        they are averaged, a model that is known, or "auto" for the power law that is found at each tau; None for no
+        limits.
+    bias : {"exact", "published", "model", "plain"}, optional
+        None for the plain definition, but of theobr and theoh "model" where a model is given as the noise: their own
+        bias ratio supposes one kind of noise, and is 2 to 4 times too low in mixtures. "plain" is the definition in
+        either case. "exact" divides the variance by its exact expectation over that of the
         statistic it estimates (totdev: oadev, mtotdev: mdev, theo1: oadev ...), "published" by the published factor;
         for theobr and theoh "model" puts the exact ratio in the place of their own. `Curve.factor` has the factor.
     join : float
@@ -102,6 +110,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     row = statistic_named(statistic)
     demand_bias(bias, row)
     supposed = noise_choice(noise)
+    if bias is None and row.parts and isinstance(supposed, Averaged):
+        bias = "model"
+    bias = None if bias == "plain" else bias
     if not 0 < join < 1:
         raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
     if threads < 1:
@@ -114,9 +125,11 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
     points = Points(row, factors, angle.runs, record.size, record.rate, join, scattered=bias != "model")
+    each = np.ones((1, factors.size))
     if bias is not None:
-        wanted = _corrected(points, bias, supposed, angle, record.signal)
-        variance, factor = variance * wanted / factor, wanted
+        each = _corrections(points, bias, supposed, angle, record.signal)
+        wanted = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
+        variance, factor, each = variance * wanted / factor, wanted, each / wanted
     return Curve(
         statistic=row.name,
         m=factors,
@@ -129,8 +142,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=supposed if isinstance(supposed, Model) else None,
-        law=_law(points, supposed, angle, record.signal),
+        noise=model_of(noise) if noise is not None and noise != "auto" else None,
+        law=_law(points, supposed, each, angle, record.signal),
     )
 
 
@@ -145,27 +158,32 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
         )
 
 
-def _law(points: Points, noise: Model | str | None, angle: Angle, signal: Signal) -> Law | None:
+def _law(points: Points, noise: Averaged | str | None, bias: FloatArray, angle: Angle, signal: Signal) -> Law | None:
     """The confidence law, where there is one: a maximum has none, and the angle's own error only under white noise."""
     if noise is None or points.row.order < 2:
         return None
-    if isinstance(noise, Model):
-        return sparse_law(points, lambda few: ModelLaw(few, (noise,)))
-    return sparse_law(points, lambda few: AutomaticLaw(few, angle, signal))
+    if not isinstance(noise, Averaged):
+        return sparse_law(points, lambda few: AutomaticLaw(few, angle, signal))
+    if len(noise) == 1:
+        return sparse_law(points, lambda few: ModelLaw(few, (noise.terms,)))
+    place = {int(m): i for i, m in enumerate(points.m)}
+    return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
 
 
-def _corrected(points: Points, bias: str, noise: Model | str | None, angle: Angle, signal: Signal) -> FloatArray:
+def _corrections(points: Points, bias: str, noise: Averaged | str | None, angle: Angle, signal: Signal) -> FloatArray:
+    """What the plain variance is multiplied with under each model, shape (models, points)."""
     if noise is None:
-        raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record).model, or noise='auto'")
-    if isinstance(noise, Model):
-        return sparse(points, lambda few: correction(few, bias, [noise], None))
+        raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record), or noise='auto'")
+    if isinstance(noise, Averaged):
+        under = [model for model, _ in noise]
+        return np.array([sparse(points, partial(correction, bias=bias, models=[m], alpha=None)) for m in under])
 
     def automatically(few: Points) -> FloatArray:
         laws = power_laws(few, angle)
         models = [Model((unit_term(law.symbol, signal),)) for law in laws]
         return correction(few, bias, models, [law.alpha for law in laws])
 
-    return sparse(points, automatically)
+    return sparse(points, automatically)[None]
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:

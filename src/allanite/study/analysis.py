@@ -134,7 +134,7 @@ def analyze(
 
     def work(seen: Inspected) -> Channel:
         noise = noise_of(seen.record, recipe)
-        curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit.model)
+        curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
         usual = curve.statistic == "oadev" and recipe.taus == "log"
         read = readings(seen.record, curve if usual else None)

@@ -71,7 +71,7 @@ def graded(noise: Noise, record: Record) -> Noise:
     fit, noise = replace(noise.fit, checked=noise.residuals.grade), replace(noise, leftover=Stored(noise.residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    curve = deviation(record, "oadev", taus="octave", noise=fit.model)
+    curve = deviation(record, "oadev", taus="octave", noise=fit)
     for symbol, reason in contradictions(fit, curve).items():
         fit = fit.invalid(reason, (symbol,))
     return replace(noise, fit=fit)

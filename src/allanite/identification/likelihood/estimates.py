@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.limits import Below, Normal, Remembered, Stored, quantile
+from allanite.core.limits import Normal, Remembered, Stored, quantile
 from allanite.core.model import Term
 from allanite.core.scope import Scope
 from allanite.core.units import Signal
@@ -36,12 +36,16 @@ class Scale:
 
     def terms(self, noise: Sequence[str], subset: Subset) -> tuple[Term, ...]:
         """The terms of a subset; what it has beyond `noise` is one more Gauss-Markov term."""
-        constants = iter(subset.constants)
+        return self.powers(noise, subset.theta, subset.constants)
+
+    def powers(self, noise: Sequence[str], theta: FloatArray, constants: tuple[float, ...]) -> tuple[Term, ...]:
+        """The terms of some powers, with time constants in samples."""
+        left = iter(constants)
         found = []
-        for symbol, theta in zip((*noise, noise[-1]), subset.theta.tolist(), strict=False):
-            shape = (next(constants) / self.rate,) if TERMS[symbol].parameters and subset.constants else ()
-            if theta > 0:
-                found.append(Term(symbol, self.coefficient(symbol, theta), self.signal, shape))
+        for symbol, power in zip((*noise, noise[-1]), theta.tolist(), strict=False):
+            shape = (next(left) / self.rate,) if TERMS[symbol].parameters and constants else ()
+            if power > 0:
+                found.append(Term(symbol, self.coefficient(symbol, power), self.signal, shape))
         return tuple(found)
 
     def coefficient(self, symbol: str, theta: float) -> float:
@@ -112,7 +116,7 @@ def _with_constant(estimate: Estimate, found: Found) -> Estimate:
 
 def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
-    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", Below(upper), profile)
+    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", profile, profile)
 
 
 def under(law: Exponent, estimate: Estimate) -> Estimate:
@@ -185,7 +189,7 @@ def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
     part = profiles.everything.likelihood
     if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
-    slowest = max(range(len(found.noise)), key=lambda i: np.nan_to_num(TERMS[found.noise[i]].slope, nan=-math.inf))
+    slowest = found.slowest
     thetas, weight = profiles.weighted(slowest)
     along = [part.directions(theta)[:2] for theta in thetas]
     size = scale.coefficient_of(symbol, 1.0)

@@ -68,6 +68,19 @@ class Found(Portable):
         around = self.search.around(self.markov) if self.search and self.markov and self.counts else []
         return [*(self.elsewhere(self) if self.elsewhere else []), *self.every, *around] or [self.chosen]
 
+    @cached_property
+    def full(self) -> Subset:
+        """All terms free that may stand beside those chosen: nothing is left out because it was not selected."""
+        p = self.chosen.theta.size
+        if self.search is None or p > len(self.noise):
+            may = np.ones(p, dtype=bool)
+        else:
+            may = self.search.may if self.chosen.constants else ~self.search.must
+        if (self.chosen.free == may).all():
+            return self.chosen
+        part = self.chosen.likelihood
+        return Subset(part, may, *part.minimise(may, self.chosen.theta), self.chosen.constants)
+
     @property
     def counts(self) -> bool:
         """Whether the Gauss-Markov term takes part in the limits: chosen, or asked for."""
@@ -82,6 +95,11 @@ class Found(Portable):
     def profiles(self) -> Profiles:
         """Limits of the terms."""
         return Profiles(self.fitted, self.chosen, self.everything)
+
+    @property
+    def slowest(self) -> int:
+        """The column of the noise of the longest memory, which is known from a few coefficients only."""
+        return max(range(len(self.noise)), key=lambda i: np.nan_to_num(TERMS[self.noise[i]].slope, nan=-math.inf))
 
     @cached_property
     def slope(self) -> FloatArray | None:

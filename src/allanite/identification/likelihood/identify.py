@@ -18,6 +18,7 @@ from allanite.terms import TERMS
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
 from .families import Found, look
+from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 
@@ -74,7 +75,8 @@ def whittle(
     if law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
     model = _model(estimates, found, scale)
-    good = goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used, taken)
+    deterministic = tuple(t for t in model if t.row.waveform is not None)
+    good = goodness(found.seen, found.full.likelihood, found.full.theta, found.used, taken)
     return Fit(
         estimates=tuple(estimates[s] for s in shown),
         method="whittle",
@@ -85,6 +87,7 @@ def whittle(
         notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
+        nodes=Remembered(partial(nodes, found, scale, deterministic)),
         scope=scope,
         findings=tuple(slow),
     )

@@ -86,8 +86,8 @@ def steady(found: Found, signal: Signal, *, rival: bool, free: bool) -> tuple[Wa
 
 
 def explains(found: Found) -> bool:
-    """Whether the model explains what is read."""
-    return goodness(found.seen, found.chosen.likelihood, found.chosen.theta, found.used).explained
+    """Whether the terms explain what is read."""
+    return goodness(found.seen, found.full.likelihood, found.full.theta, found.used).explained
 
 
 def _candidates(found: Found, rival: bool) -> Iterator[Found]:

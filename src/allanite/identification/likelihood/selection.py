@@ -169,10 +169,11 @@ class Profiles(Portable):
         """Whether theta = 0 lies below the limits even if every other term is let in without doubt."""
         return Profile(self.everything, which).lower(quantile((1 + level) / 2) ** 2) > 0
 
-    def weighted(self, which: int, nodes: int = 32) -> tuple[list[FloatArray], FloatArray]:
-        """All thetas along the profile of one, with weights of its likelihood times a flat prior of theta.
+    def weighted(self, which: int, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
+        """All thetas along the profile of one, with weights of its likelihood times a prior.
 
-        Every term is free; the nodes are evenly spaced in sqrt(theta), from 0 to where nothing is left.
+        Every term is free; the nodes are evenly spaced in the coefficient from 0 to where nothing is left.
+        The prior's density goes as the coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
         """
         profile = Profile(self.everything, which)
         roots = np.linspace(0.0, math.sqrt(profile.upper(16.0)), nodes)
@@ -183,7 +184,10 @@ class Profiles(Portable):
                 break
             thetas.append(start)
             excess.append(value)
-        weight = roots[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
+        density = roots**prior
+        if prior < 1:  # what lies within half a step of 0
+            density[0] = (roots[1] / 2) ** (prior + 1) / (prior + 1) / roots[1]
+        weight = density[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
         return thetas, weight / weight.sum()
 
     def _within(self, which: int, drop: float) -> list[tuple[Profile, float]]:

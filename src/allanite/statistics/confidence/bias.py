@@ -11,12 +11,12 @@ from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, Points
 
-BIASES = ("exact", "published", "model")
+BIASES = ("exact", "published", "model", "plain")
 
 
 def demand_bias(bias: str | None, row: Statistic) -> None:
     """Refuse a correction that is unknown or that the row does not have; the message says which there are."""
-    if bias is None:
+    if bias is None or bias == "plain":
         return
     if bias not in BIASES:
         raise UsageError(f"unknown correction of bias {bias!r}; known are {', '.join(BIASES)}, or None")

@@ -24,6 +24,10 @@ NEAR = 1e-4
 """|t| in standard deviations below which the limit at the mean is taken."""
 
 
+NEWTON, STRIDE = 3, 4.0
+"""Steps from one deviate to the next, and the longest of them."""
+
+
 class Mixture(NamedTuple):
     """Weights and degrees of freedom, shape (k, j); mean and weight of the deterministic part, shape (k,)."""
 
@@ -42,21 +46,51 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
     >>> quantiles(one, 0.975).round(2).item()  # chi-square with 10 degrees of freedom over 10: 2.0483
     2.05
     """
-    from scipy.special import ndtr
-
-    top = 1 / (2 * np.maximum(mixture.weight.max(axis=1), mixture.beside))
+    top = _pole(mixture)
     low, high = np.full(top.shape, -40.0), np.full(top.shape, 40.0)
     for _ in range(60):
         middle = (low + high) / 2
         # from -infinity to the pole, t = top (1 - exp(-y))
-        t = -top * np.expm1(-middle)
-        r, v, skewness, _ = _saddle(mixture, t)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
-        probability = np.where(np.abs(v) < NEAR, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
-        below = probability < p
+        below = _probability(*_saddle(mixture, -top * np.expm1(-middle))[:3]) < p
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     return _saddle(mixture, -top * np.expm1(-(low + high) / 2))[3]
+
+
+def table(mixture: Mixture, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each.
+
+    The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
+    """
+    from scipy.special import ndtri
+
+    top, found = _pole(mixture), []
+    middle = int(np.abs(deviates).argmin())
+    for way in (range(middle, -1, -1), range(middle + 1, deviates.size)):
+        y = np.full(top.shape, 1e-6)
+        for i in way:
+            for _ in range(NEWTON):
+                t = -top * np.expm1(-y)
+                r, v, _, _ = _saddle(mixture, t)
+                # dr / dy = (t K'' / r) dt / dy, and v = t sqrt(K'')
+                slope = v**2 / (np.where(np.abs(t) > 0, t, 1.0) * np.where(np.abs(r) > 0, r, 1.0)) * (top - t)
+                y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
+            r, v, skewness, x = _saddle(mixture, -top * np.expm1(-y))
+            found.append((i, x, ndtri(_probability(r, v, skewness))))
+    found.sort(key=lambda one: one[0])
+    return np.array([x for _, x, _ in found]), np.array([z for _, _, z in found])
+
+
+def _pole(mixture: Mixture) -> FloatArray:
+    return np.asarray(1 / (2 * np.maximum(mixture.weight.max(axis=1), mixture.beside)))
+
+
+def _probability(r: FloatArray, v: FloatArray, skewness: FloatArray) -> FloatArray:
+    """P(V < x) at a saddlepoint."""
+    from scipy.special import ndtr
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        probability = ndtr(r) + np.exp(-r * r / 2) / math.sqrt(2 * math.pi) * (1 / r - 1 / v)
+    return np.where(np.abs(v) < NEAR, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
 
 
 def _saddle(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

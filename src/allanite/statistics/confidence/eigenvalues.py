@@ -4,6 +4,9 @@ They come from few windows spread over the record, and from reduced windows wher
 of freedom, known exactly, scale them. White noise of the angle is left to its own where windows meet it point by point.
 """
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from allanite.statistics.moments import lagsums
@@ -17,20 +20,40 @@ WINDOWS = 96
 FEW = 32
 """Windows of several rows that stand for all."""
 
-Terms = list[tuple[float, NoiseTerm]]
-"""Squared coefficients in units of the sample interval, and rows of the table."""
+SPACE = 12
+"""Leading eigenvectors of one model that carry those of its neighbours."""
 
 
-def spectrum_of(row: Statistic, terms: Terms, m: int, count: int, size: int) -> FloatArray:
-    """Eigenvalues, descending and of sum 1, of the form under terms with these squared coefficients."""
+class Spectrum(NamedTuple):
+    """Of a form with the sum 1: its `leading` eigenvalues, descending, and the sum of `squares` of all."""
+
+    leading: FloatArray
+    squares: float
+
+
+def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
+    """The form under each term of size 1, shape (t, w, w)."""
     if row.differences:
-        matrix = _differences(row, terms, m, count)
-    elif row.window is None:
-        matrix = _folded(terms, m, size)
+        return _differences(row, terms, m, count)
+    return _folded(terms, m, size) if row.window is None else _windows(row, terms, m, count)
+
+
+def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Spectrum]:
+    """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
+
+    Those of one model come from its matrix; of several, which are alike, from the leading eigenvectors of their mean,
+    improved by one power step of each (Rayleigh and Ritz).
+    """
+    each = np.tensordot(powers, forms, axes=1)
+    if len(each) == 1:
+        values = np.linalg.eigvalsh(each)
     else:
-        matrix = _windows(row, terms, m, count)
-    values = np.maximum(np.linalg.eigvalsh(matrix)[::-1], 0)
-    return np.asarray(values / values.sum())
+        vectors = np.linalg.eigh(each.mean(axis=0))[1][:, -SPACE:]
+        basis = np.linalg.qr(each @ vectors)[0]
+        values = np.linalg.eigvalsh(basis.swapaxes(1, 2) @ each @ basis)
+    total, squares = np.trace(each, axis1=1, axis2=2), np.square(each).sum(axis=(1, 2))
+    first = np.maximum(values[:, : -leading - 1 : -1], 0)
+    return [Spectrum(v / t, float(q / t**2)) for v, t, q in zip(first, total, squares, strict=True)]
 
 
 def is_sharp(row: Statistic, count: int) -> bool:
@@ -45,14 +68,14 @@ def _places(count: int, most: int) -> FloatArray:
     return np.floor((np.arange(k) + 0.5) * count / k)
 
 
-def _differences(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
+def _differences(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
     at = _places(count, WINDOWS) * (1 if row.overlapped else m)
     lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
-    C = sum(c * lagsums.covariance_of_windows(row, term, m, lags) for c, term in terms)
-    return np.asarray(C)[where].reshape(at.size, at.size)
+    C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
+    return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
 
 
-def _windows(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
+def _windows(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
     assert row.window is not None  # noqa: S101 - the caller has looked
     short = min(m, row.scheme.leading)
     weights, filters = row.window(short)
@@ -61,13 +84,13 @@ def _windows(row: Statistic, terms: Terms, m: int, count: int) -> FloatArray:
     at, points = _places(count, FEW), np.arange(filters.shape[1]) * (m / short)
     place = (at[:, None] + points).ravel()
     lag = np.abs(np.subtract.outer(place, place)) * (short / m)
-    D = np.asarray(sum(c * averaged(term, short / m)(lag) for c, term in terms))
-    blocks = D.reshape(at.size, points.size, at.size, points.size)
-    C = -0.5 * np.einsum("ap,ipjq,bq->iajb", factors, blocks, factors, optimize=True)
-    return np.asarray(C.reshape(at.size * factors.shape[0], -1))
+    D = np.array([averaged(term, short / m)(lag) for term in terms])
+    blocks = D.reshape(-1, at.size, points.size, at.size, points.size)
+    C = -0.5 * np.einsum("ap,tipjq,bq->tiajb", factors, blocks, factors, optimize=True)
+    return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
-def _folded(terms: Terms, m: int, size: int) -> FloatArray:
+def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Second differences of the record folded back at its ends, as weights of its own points."""
     middle = 1 + _places(size - 1, WINDOWS)
     place, weight = [middle], [np.full(middle.size, -2.0)]
@@ -78,6 +101,6 @@ def _folded(terms: Terms, m: int, size: int) -> FloatArray:
         weight += [np.where(inside, 1.0, 2.0), np.where(inside, 0.0, -1.0)]
     places, weights = np.stack(place, axis=1), np.stack(weight, axis=1)
     lag = np.abs(np.subtract.outer(places.ravel(), places.ravel()))
-    D = np.asarray(sum(c * term.structure(lag) for c, term in terms))
-    blocks = D.reshape(*places.shape, *places.shape)
-    return np.asarray(-0.5 * np.einsum("ip,ipjq,jq->ij", weights, blocks, weights, optimize=True))
+    D = np.array([term.structure(lag) for term in terms])
+    blocks = D.reshape(-1, *places.shape, *places.shape)
+    return np.asarray(-0.5 * np.einsum("ip,tipjq,jq->tij", weights, blocks, weights, optimize=True))

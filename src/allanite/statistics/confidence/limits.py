@@ -6,25 +6,28 @@ and its upper limit is up to several times too wide. There the three largest eig
 for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
 from allanite.statistics.estimator import Angle
 from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.compact import white_level
-from allanite.statistics.moments.moments import grouped, noise_of, shares
+from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.statistics.table import Points
 from allanite.terms import TERMS
 
 from .chisquares import Mixture, quantiles
-from .eigenvalues import is_sharp, spectrum_of
+from .eigenvalues import Spectrum, is_sharp, matrices, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
 MANY = 60.0
@@ -66,27 +69,83 @@ class ModelLaw(Portable):
 def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
     """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
     models = [noise_of(model) for model in models]
-    made = [mixture_of(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
+    local = [at_point(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
+    return stacked([at.laws(np.ones((1, at.E.size)))[0] for at in local])
+
+
+def stacked(made: Sequence[tuple[float, Mixture]]) -> tuple[FloatArray, Mixture]:
+    """Degrees of freedom and laws one by one, as arrays."""
     edf = np.array([e for e, _ in made])
     weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
     return edf, Mixture(weight, dof, mean, beside)
 
 
-def mixture_of(points: Points, i: int, model: Model) -> tuple[float, Mixture]:
-    """Degrees of freedom and law of V / E[V] at a point."""
+@dataclass(frozen=True)
+class Local:
+    """What the law of a point takes from the terms of a model, whatever their sizes.
+
+    `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
+    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,).
+    """
+
+    row: Statistic
+    model: Model
+    m: int
+    count: int
+    size: int
+    rate: float
+    E: FloatArray
+    r: FloatArray
+    kept: FloatArray
+
+    def laws(self, scale: FloatArray) -> list[tuple[float, Mixture]]:
+        """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
+        E = self.E * scale
+        share = E / E.sum(axis=1, keepdims=True)
+        inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / (share @ self.kept)
+        edf = [max(1 / v, 1.0) if v > 0 else math.inf for v in inverse.tolist()]
+        few = np.array([e < MANY for e in edf])
+        several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
+        return [(e, (next(several) if f else None) or _single(e)) for e, f in zip(edf, few, strict=True)]
+
+    def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> list[Mixture | None]:
+        """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they fit no EDF."""
+        rows = [t.sampled(self.rate) for t in self.model]
+        fixed = np.array([term.waveform is not None for term in rows])
+        sharp = is_sharp(self.row, self.count)
+        white = np.array([sharp and white_level(term) > 0 for term in rows])
+        smooth = ~(fixed | white)
+        power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
+        held = np.asarray(power > 0).max(axis=1)
+        if not held.any():
+            return [None] * len(share)
+        terms = [row for row, there in zip(rows, smooth, strict=True) if there]
+        forms = matrices(self.row, terms, self.m, self.count, self.size)
+        found = iter(spectra(forms, power[held], LEADING))
+        kinds = Kinds(smooth, white, fixed)
+        return [
+            _mixture(next(found), p, self.r, kinds, v) if h else None
+            for p, v, h in zip(share, inverse.tolist(), held, strict=True)
+        ]
+
+
+class Kinds(NamedTuple):
+    """Which terms are smooth, which white noise of the angle, which deterministic, shape (t,) each."""
+
+    smooth: BoolArray
+    white: BoolArray
+    fixed: BoolArray
+
+
+def at_point(points: Points, i: int, model: Model) -> Local:
+    """What a model's terms mean at a point."""
     row, m, size = points.row, int(points.m[i]), points.size
     part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
     runs = grouped(points.runs)
-    share, r = shares(part, model, m, runs, points.rate)
-    inverse = float(share @ r @ share)
-    if row.parts and part is row.parts[-1] and points.scattered:
-        kept = [row.kept(term.row.slope, m / size) for term in model]
-        inverse /= float(share @ kept)
-    edf = max(1 / inverse, 1.0) if inverse > 0 else np.inf
-    if edf >= MANY:
-        return edf, _single(edf)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
-    return edf, _several(part, model, (m, count, size), (share, r, 1 / edf), points.rate) or _single(edf)
+    hybrid = row.parts and part is row.parts[-1] and points.scattered
+    kept = np.array([row.kept(term.row.slope, m / size) if hybrid else 1.0 for term in model])
+    return Local(part, model, m, count, size, points.rate, *moments(part, model, m, runs, points.rate), kept)
 
 
 def _single(edf: float) -> Mixture:
@@ -96,30 +155,14 @@ def _single(edf: float) -> Mixture:
     return Mixture(weight, dof, np.array(0.0), np.array(0.0))
 
 
-def _several(
-    row: Statistic,
-    model: Model,
-    where: tuple[int, int, int],
-    moments: tuple[FloatArray, FloatArray, float],
-    rate: float,
-) -> Mixture | None:
-    """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they cannot fit the EDF."""
-    (m, count, size), (share, r, inverse) = where, moments
-    rows = [t.sampled(rate) for t in model]
-    fixed = np.array([term.waveform is not None for term in rows])
-    white = np.array([white_level(term) > 0 for term in rows])
-    white &= is_sharp(row, count)
-    apart = fixed | white
-    smooth = [(t.power(rate), t.sampled(rate)) for t, out in zip(model, apart, strict=True) if not out]
-    if not smooth:
-        return None
-    values = spectrum_of(row, smooth, m, count, size)
-    mass = float(share[~apart].sum())
-    lead, rest = mass * values[:LEADING], mass * values[LEADING:]
-    lead = np.pad(lead, (0, LEADING - lead.size))
-    nu = float(rest.sum() ** 2 / (rest @ rest)) if rest.sum() > 1e-12 else 1.0
+def _mixture(spectrum: Spectrum, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: float) -> Mixture | None:
+    smooth, white, fixed = kinds
+    mass = float(share[smooth].sum())
+    lead = np.pad(mass * spectrum.leading, (0, LEADING - spectrum.leading.size))
+    left, squares = mass - float(lead.sum()), mass**2 * spectrum.squares - float(lead @ lead)
+    nu = left**2 / squares if left > 1e-12 and squares > 0 else 1.0
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
-    own = float(r[np.ix_(white, white)].sum())
+    own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
     between = 2 * float(share[fixed] @ r[fixed] @ share)
     f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
     if f is None:

@@ -84,8 +84,8 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
-        share, r = shares(row, model, k, runs, rate)
-        result[i] = 1 / (share @ r @ share)
+        E, r = moments(row, model, k, runs, rate)
+        result[i] = E.sum() ** 2 / (E @ r @ E)
     return result
 
 
@@ -96,10 +96,10 @@ def noise_of(model: Model) -> Model:
     return model.noise
 
 
-def shares(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
-    """p_i, shape (t,), and r_ij, shape (t, t), of a model without sinusoids at an averaging factor."""
+def moments(row: Statistic, model: Model, m: int, runs: Runs, rate: float) -> tuple[FloatArray, FloatArray]:
+    """E_i, shape (t,), and r_ij, shape (t, t), of a model without sinusoids at an averaging factor."""
     E = by_term(row, model, m, sum(n * times for n, times in runs), rate)
-    return E / E.sum(), relative(row, [t.sampled(rate) for t in model], m, runs)
+    return E, relative(row, [t.sampled(rate) for t in model], m, runs)
 
 
 def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> FloatArray:

@@ -1,0 +1,107 @@
+"""Averaged: the models that a record leaves open, with their weights."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from .arrays import FloatArray
+from .errors import UsageError
+from .model import Model, ModelLike, Term, model_of
+from .plain import Value
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Averaged(Value):
+    """Models that a record leaves open, each with its weight.
+
+    Attributes
+    ----------
+    terms : Model
+        Every term that is in one of the models.
+    scale : array, shape (k, t)
+        Power of each term in each model over its power in `terms`; 0 where the model lacks it.
+    weight : array, shape (k,)
+        Of each model; their sum is 1.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
+    >>> both = averaged([quiet, drifting], [0.75, 0.25])
+    >>> print(both.model)
+    N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)
+    """
+
+    terms: Model
+    scale: FloatArray
+    weight: FloatArray
+
+    @property
+    def model(self) -> Model:
+        """The model of the mean powers: what it expects of a variance or a spectrum is their weighted mean."""
+        return _scaled(self.terms, self.weight @ self.scale)
+
+    def __iter__(self) -> Iterator[tuple[Model, float]]:
+        for scale, weight in zip(self.scale, self.weight.tolist(), strict=True):
+            yield _scaled(self.terms, scale), weight
+
+    def __len__(self) -> int:
+        return self.weight.size
+
+    def _summary(self) -> str:
+        return f"{len(self)} models of {', '.join(term.symbol for term in self.terms)}"
+
+
+def _scaled(terms: Model, scale: FloatArray) -> Model:
+    kept = zip(terms, scale.tolist(), strict=True)
+    return Model(tuple(Term(t.symbol, t.value * s**0.5, t.signal, t.shape) for t, s in kept if s > 0))
+
+
+def averaged(models: Sequence[Model], weights: Sequence[float] | FloatArray) -> Averaged:
+    """Models with their weights.
+
+    Parameters
+    ----------
+    models : sequence of Model
+        Terms of one symbol and shape are one term, of several sizes.
+    weights : sequence of float
+        Positive, of any sum.
+
+    Raises
+    ------
+    UsageError
+        There are no models, or not as many weights, or one is not positive.
+    """
+    weight = np.asarray(weights, dtype=np.float64)
+    if not models or weight.shape != (len(models),) or not (weight > 0).all():
+        raise UsageError(f"{len(models)} models need as many positive weights, not {weights!r}")
+    sizes: dict[Any, Term] = {}
+    for term in (term for model in models for term in model):
+        key = term.symbol, term.shape
+        if key not in sizes or abs(term.value) > abs(sizes[key].value):
+            sizes[key] = term
+    scale = np.zeros((len(models), len(sizes)))
+    where = {key: i for i, key in enumerate(sizes)}
+    for row, model in zip(scale, models, strict=True):
+        for term in model:
+            key = term.symbol, term.shape
+            row[where[key]] = (term.value / sizes[key].value) ** 2
+    return Averaged(Model(tuple(sizes.values())), scale, weight / weight.sum())
+
+
+def noise_choice(value: "ModelLike | Literal['auto'] | None") -> Averaged | Literal["auto"] | None:
+    """A choice of the noise that limits suppose: models, "auto" for what the record shows, None for no limits.
+
+    A model or a term stands as it is given; of a fit all the models that it leaves open.
+    """
+    if value is None or value == "auto":
+        return value
+    if isinstance(value, str):
+        raise UsageError(
+            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'auto' or None, not {value!r}; "
+            "parse_model makes a model of a text"
+        )
+    found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
+    return found if isinstance(found, Averaged) else averaged([model_of(value)], [1.0])

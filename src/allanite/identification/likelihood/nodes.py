@@ -1,0 +1,31 @@
+"""The models that a record leaves open, with their weights."""
+
+from allanite.core.averaged import Averaged, averaged
+from allanite.core.model import Model, Term
+
+from .estimates import Scale
+from .families import Found
+
+NODES = 12
+"""Models along the profile, at most."""
+
+PRIOR = 0.0
+"""Power of the coefficient in its prior."""
+
+LEAST = 1e-3
+"""Weight of a model, over that of the heaviest, below which it is left out."""
+
+
+def nodes(found: Found, scale: Scale, beside: tuple[Term, ...]) -> Averaged:
+    """Models along the profile of the noise of the longest memory, all terms free, with what stands `beside` it.
+
+    That noise rules the long averaging times and is known from a few coefficients only: what was not selected may be
+    there. The weights are those of its likelihood times a flat prior of its coefficient.
+    """
+    thetas, weight = found.profiles.weighted(found.slowest, NODES, PRIOR)
+    constants = found.profiles.everything.constants
+    each = [scale.powers(found.noise, theta, constants) for theta in thetas]
+    kept = [
+        (Model((*terms, *beside)), float(w)) for terms, w in zip(each, weight, strict=True) if w > LEAST * weight.max()
+    ]
+    return averaged([model for model, _ in kept], [w for _, w in kept])

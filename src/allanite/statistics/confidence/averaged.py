@@ -1,0 +1,71 @@
+"""The confidence law of a curve whose noise is not known for certain: an average over models.
+
+Given a model, the truth T behind a variance V lies at T / V = F / X, with X of the model's law of V / E[V], and F the
+bias that it removes over the bias that was removed. With the models' weights for probabilities the law of T / V is the
+weighted mean of these laws, and its limits hold whichever of the models it is.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.averaged import Averaged
+from allanite.core.plain import Portable
+from allanite.statistics.row import FloatArray
+from allanite.statistics.table import Points
+
+from .chisquares import table
+from .limits import at_point, stacked
+
+REACH, STEPS = 4.2, 22
+"""Normal deviates between which the laws are tabulated, and how many."""
+
+
+@dataclass(frozen=True, eq=False)
+class AveragedLaw(Portable):
+    """The average law of several models.
+
+    Attributes
+    ----------
+    points : Points
+    noise : Averaged
+    bias : array, shape (models, points)
+        Factor of each model over the one that the variance was multiplied with.
+    """
+
+    points: Points
+    noise: Averaged
+    bias: FloatArray
+
+    @cached_property
+    def found(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom, shape (points,); ln(T / V), rising, and its deviate, shape (deviates, models, points)."""
+        k, p = self.noise.weight.size, self.points.m.size
+        each = [at_point(self.points, i, self.noise.terms).laws(self.noise.scale) for i in range(p)]
+        edf, laws = stacked([each[i][j] for j in range(k) for i in range(p)])
+        x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, STEPS)))
+        return 1 / (self.noise.weight @ (1 / edf.reshape(k, p))), np.log(self.bias) - np.log(x), -deviate
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        return self.found[0], self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
+
+    def quantile(self, p: float) -> FloatArray:
+        """T / V at a probability, shape (points,), by bisection of ln(T / V)."""
+        from scipy.special import ndtr
+
+        _, logs, deviates = self.found
+        low, high = logs[0].min(axis=0), logs[-1].max(axis=0)
+        for _ in range(30):
+            middle = (low + high) / 2
+            below = self.noise.weight @ ndtr(_between(logs, deviates, middle)) < p
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return np.asarray(np.exp((low + high) / 2))
+
+
+def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArray:
+    """Deviate of each law at x, shape (models, points); straight beyond the ends."""
+    at = np.clip((logs < x).sum(axis=0), 1, len(logs) - 1)[None]
+    (a, b), (low, high) = ([np.take_along_axis(y, k, 0)[0] for k in (at - 1, at)] for y in (logs, deviates))
+    return np.asarray(low + (x - a) / np.maximum(b - a, 1e-300) * (high - low))

@@ -1,0 +1,120 @@
+"""Limits of a curve that are averaged over models, against each model's own law and against a direct mixture."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ndtr
+
+import allanite as al
+from allanite.core.averaged import averaged
+from allanite.statistics.confidence.averaged import AveragedLaw
+from allanite.statistics.confidence.chisquares import Mixture, quantiles, table
+from allanite.statistics.confidence.eigenvalues import spectra
+from allanite.statistics.confidence.limits import mixtures
+from allanite.statistics.table import Points
+
+QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
+MODELS = (QUIET, QUIET + al.K(20, "deg/h/sqrt(h)"), QUIET + al.K(60, "deg/h/sqrt(h)"))
+WEIGHTS = (0.5, 0.3, 0.2)
+FACTORS = (4, 32, 128, 256)
+
+
+def simulated(model, n, seed=1):
+    return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed))
+
+
+def points(statistic):
+    return Points.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0, 0.2)
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
+def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
+    at = points(statistic)
+    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
+    law = AveragedLaw(at, averaged(MODELS, WEIGHTS), factors)
+    laws = [mixtures(at, [model])[1] for model in MODELS]
+    p = ndtr(np.linspace(-5, 5, 61))
+    logs = np.log([[quantiles(one, float(q)) for q in p] for one in laws])  # shape (models, probabilities, points)
+
+    def below(y, i):
+        """Probability that ln(T / V) < y, from each law's quantiles."""
+        each = [1 - np.interp(np.log(f[i]) - y, v[:, i], p, left=0, right=1) for f, v in zip(factors, logs, strict=True)]
+        return float(np.dot(WEIGHTS, each))
+
+    for level in (0.68, 0.95):
+        edf, low, high = law(level)
+        for i in range(len(FACTORS)):
+            wanted = [
+                brentq(lambda y, q=q, i=i: below(y, i) - q, np.log(low[i] / 9), np.log(9 * high[i]))
+                for q in ((1 - level) / 2, (1 + level) / 2)
+            ]
+            np.testing.assert_allclose(np.log([low[i], high[i]]), wanted, atol=0.02)
+        each = np.array([mixtures(at, [model])[0] for model in MODELS])
+        np.testing.assert_allclose(edf, 1 / (np.array(WEIGHTS) @ (1 / each)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "mdev", "totdev", "theo1"])
+def test_one_model_in_parts_is_that_model(statistic):
+    record = simulated(MODELS[1], 1024)
+    whole = al.deviation(record, statistic, m=[4, 32, 128], noise=MODELS[1])
+    parts = al.deviation(record, statistic, m=[4, 32, 128], noise=averaged([MODELS[1]] * 3, WEIGHTS))
+    np.testing.assert_allclose(parts.interval(), whole.interval(), rtol=2e-3)
+    np.testing.assert_allclose(parts.edf, whole.edf, rtol=1e-9)
+
+
+def test_a_table_of_a_law_is_its_quantiles():
+    rng = np.random.default_rng(1)
+    weight = np.sort(rng.exponential(size=(40, 5)), axis=1)[:, ::-1]
+    weight /= weight.sum(axis=1, keepdims=True)
+    dof = np.tile([1.0, 1.0, 1.0, 7.0, 30.0], (40, 1))
+    laws = Mixture(weight, dof, np.where(np.arange(40) % 3, 0.0, 0.4), np.where(np.arange(40) % 3, 0.0, 0.05))
+    deviates = np.linspace(-4, 4, 17)
+    x, z = table(laws, deviates)
+    assert (np.diff(x, axis=0) > 0).all()
+    for i in (2, 8, 9, 14):
+        for k in (0, 1, 20, 39):
+            one = Mixture(*(part[k : k + 1] for part in laws))
+            assert quantiles(one, float(ndtr(z[i, k])))[0] == pytest.approx(x[i, k], rel=1e-6)
+
+
+def test_spectra_of_neighbours_are_their_own():
+    rng = np.random.default_rng(2)
+    t = np.sort(rng.uniform(0, 1, 60))
+    forms = np.array([np.exp(-np.abs(np.subtract.outer(t, t)) * s) for s in (300.0, 20.0, 1.0)])
+    powers = np.array([[1.0, 0.3 * r, 0.1 * r**2] for r in np.linspace(0, 2, 9)])
+    for found, form in zip(spectra(forms, powers, 3), np.tensordot(powers, forms, axes=1), strict=True):
+        values = np.linalg.eigvalsh(form)[::-1] / np.trace(form)
+        np.testing.assert_allclose(found.leading, values[:3], rtol=2e-3)
+        assert found.squares == pytest.approx(values @ values)
+
+
+def test_models_that_are_averaged_are_data():
+    both = averaged(MODELS, (5, 3, 2))
+    np.testing.assert_allclose([weight for _, weight in both], WEIGHTS)
+    for (model, _), given in zip(both, MODELS, strict=True):
+        assert [t.symbol for t in model] == [t.symbol for t in given]
+        np.testing.assert_allclose([t.value for t in model], [t.value for t in given])
+    mean = sum(w * al.expected(m, "oadev", [10.0, 300.0]) for m, w in zip(MODELS, WEIGHTS, strict=True))
+    np.testing.assert_allclose(al.expected(both, "oadev", [10.0, 300.0]), mean)
+    with pytest.raises(al.UsageError, match="as many positive weights"):
+        averaged(MODELS, (1, 2))
+
+
+def test_what_was_not_selected_is_in_the_limits():
+    record = simulated(al.N(1, "deg/sqrt(h)") + al.K(15, "deg/h/sqrt(h)"), 1024, seed=4)
+    fit = al.identify(record)
+    assert [t.symbol for t in fit.model] == ["N"]
+    assert {t.symbol for t in fit.averaged.terms} >= {"N", "K"}
+    m = [400]
+    alone = al.deviation(record, m=m, noise=fit.model).interval()[1]
+    assert al.deviation(record, m=m, noise=fit).interval()[1] > 1.3 * alone
+    assert al.deviation(record, m=m, noise=fit).noise == fit.model
+
+
+def test_a_hybrid_takes_its_bias_from_a_model_that_is_given():
+    record = simulated(QUIET, 1024)
+    plain = al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="plain")
+    given = al.deviation(record, "theoh", m=[4, 500], noise=QUIET)
+    np.testing.assert_array_equal(plain.variance, al.deviation(record, "theoh", m=[4, 500]).variance)
+    np.testing.assert_array_equal(given.variance, al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="model").variance)
+    assert given.variance[1] != plain.variance[1]
