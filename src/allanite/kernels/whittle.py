@@ -314,9 +314,11 @@ def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
 def minimise(theta, moving, columns, data):  # type: ignore[no-untyped-def]
     """Theta at the least L and that L: Fisher scoring from `theta` with step halving, only the moving ones >= 0 move.
 
-    Where the model is wrong, the steps of Fisher scoring shrink evenly: after two of them the sum of all is gone.
+    Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: after two of them the sum of all is gone.
     """
     best, m, found = _evaluated(theta, columns, data)
+    if best == np.inf or not moving.any():
+        return theta, best
     held = expectation(columns, np.where(moving, 0.0, theta))
     own, before = columns[moving], np.zeros(m.size)
     for _ in range(ITERATIONS):

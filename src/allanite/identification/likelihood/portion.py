@@ -8,11 +8,11 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.terms import TERMS, NoiseTerm
+from allanite.terms import TERMS
 
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .whittle import CELLS, Spectrum, cell_of, column, likelihood, with_warm_up
+from .whittle import CELLS, Spectrum, cell_of, likelihood, table_column, with_warm_up
 
 LOWEST = 1e-9
 """Gain of a bin in the stop band, at least."""
@@ -97,9 +97,9 @@ class Portion(Portable):
             found = found.behind(self.gain[self.used], float(self.gain @ count / count.sum()))
         return found if self.trust is None else found.trusted(self.trust[self.used])
 
-    def column(self, row: NoiseTerm) -> FloatArray:
+    def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a term in the bins that are read."""
-        return np.asarray((column(row, self.seen) * self.gain)[self.used])
+        return np.asarray((table_column(symbol, self.seen, shape) * self.gain)[self.used])
 
     def but(self, used: BoolArray | None = None, filter: Tuned | None = None) -> "Portion":  # noqa: A002
         """The same spectrum, read elsewhere or behind a filter, with full trust."""

@@ -93,6 +93,11 @@ class Spectrum(Portable):
         starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
         return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
 
+    @cached_property
+    def known(self) -> dict[tuple[str, tuple[float, ...]], FloatArray]:
+        """Columns that were made before, by symbol and shape."""
+        return {}
+
     def within(self, band: tuple[float, float]) -> BoolArray:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
         low, high = band
@@ -142,7 +147,7 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     UU, Uc = _directions(spectrum, with_ramp)
     edge = np.array([TERMS[symbol].edge for symbol in noise])
     return Likelihood(
-        S=np.column_stack([column(TERMS[symbol], spectrum) for symbol in noise]),
+        S=np.column_stack([table_column(symbol, spectrum) for symbol in noise]),
         power=spectrum.power,
         count=spectrum.count.astype(np.float64),
         UU=UU,
@@ -261,6 +266,14 @@ def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
     return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)
+
+
+def table_column(symbol: str, spectrum: Spectrum, shape: tuple[float, ...] = ()) -> FloatArray:
+    """The same of a row of `TERMS`, in its own shape (in samples) or another one; it is made once."""
+    if (symbol, shape) not in spectrum.known:
+        row = TERMS[symbol]
+        spectrum.known[symbol, shape] = column(row.shaped(shape, 1.0) if shape and row.shaped else row, spectrum)
+    return spectrum.known[symbol, shape]
 
 
 def surroundings(values: NDArray[Any]) -> NDArray[Any]:
