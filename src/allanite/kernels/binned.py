@@ -5,13 +5,15 @@ from numba import njit
 
 FAST = {"reassoc", "nsz", "contract", "nnan"}
 
+swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+
 BLOCK = 1024
 """Coefficients that are summed before they are added to the rest of their bin: rounding grows with neither."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@swift
 def _block(c):  # type: ignore[no-untyped-def]
-    """Sum of squares, largest square, sums of the first, third .. and of the second, fourth .. of a few coefficients."""
+    """Sum of squares, largest square, sums of the first, third .. and of the second, fourth .. of some coefficients."""
     squares = peak = first = second = 0.0
     for i in range(c.size // 2):
         a, b = c[2 * i], c[2 * i + 1]
@@ -27,7 +29,7 @@ def _block(c):  # type: ignore[no-untyped-def]
     return squares, peak, first, second
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@swift
 def binned(c, edges):  # type: ignore[no-untyped-def]
     """Mean and largest square of c[a:b] between neighbouring edges, its index, sums of even and of odd indices.
 
@@ -50,7 +52,7 @@ def binned(c, edges):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@swift
 def less_ramp(y, slope):  # type: ignore[no-untyped-def]
     """Take a ramp that is zero in the middle out of y, in its place."""
     middle = (y.size - 1) / 2

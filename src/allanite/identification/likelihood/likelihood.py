@@ -189,7 +189,7 @@ class Likelihood(Portable):
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
-        from allanite.kernels.whittle import weighted_nnls
+        from allanite.kernels.leastsquares import weighted_nnls
 
         columns = self.columns[free, : self.power.size]
         share = (columns / self._smooth).max(axis=1)
