@@ -8,25 +8,6 @@ HALF = 15
 
 
 @njit(cache=True, nogil=True)
-def residuals(y, at):  # type: ignore[no-untyped-def]
-    """How far y is off the median of the 31 readings around the indices `at`; near an end, of the first or last 31."""
-    width = min(2 * HALF + 1, y.size)
-    out = np.empty(at.size)
-    window = np.empty(width)
-    for j in range(at.size):
-        start = min(max(at[j] - HALF, 0), y.size - width)
-        for i in range(width):
-            value = y[start + i]
-            place = i
-            while place > 0 and window[place - 1] > value:
-                window[place] = window[place - 1]
-                place -= 1
-            window[place] = value
-        out[j] = y[at[j]] - 0.5 * (window[(width - 1) // 2] + window[width // 2])
-    return out
-
-
-@njit(cache=True, nogil=True)
 def off(y, limit, part):  # type: ignore[no-untyped-def]
     """Indices of readings more than ``limit[i // part]`` off the median of the 31 around them; y has 31 or more.
 

@@ -148,12 +148,12 @@ def _off(y: FloatArray, limit: float) -> tuple[IntArray, FloatArray, bool]:
     """Indices beyond the limit, by how many standard deviations, and whether as many lie just below it."""
     from scipy.special import ndtr
 
-    from allanite.kernels.robust import off, residuals
+    from allanite.kernels.robust import off
 
     part = max(-(-y.size // PARTS), SHORTEST_PART)
     scale = _scales(y, part)
     near = off(y, TAIL * limit * scale, part)
-    size = np.abs(residuals(y, near)) / scale[near // part]
+    size = np.abs(_residuals(y, near)) / scale[near // part]
     at = near[size > limit]
     expected = 2 * y.size * float(ndtr(-TAIL * limit))
     below = near.size - at.size - expected - 3 * math.sqrt(expected)
@@ -162,15 +162,13 @@ def _off(y: FloatArray, limit: float) -> tuple[IntArray, FloatArray, bool]:
     while run.size:
         beside = np.unique(np.clip(np.concatenate((run - 1, run + 1)), 0, y.size - 1))
         beside = beside[~np.isin(beside, at)]
-        run = beside[np.abs(residuals(y, beside)) > limit * scale[beside // part]]
+        run = beside[np.abs(_residuals(y, beside)) > limit * scale[beside // part]]
         at = np.concatenate((at, run))
-    return at, np.abs(residuals(y, at)) / scale[at // part], below > max(3.0, 0.3 * at.size)
+    return at, np.abs(_residuals(y, at)) / scale[at // part], below > max(3.0, 0.3 * at.size)
 
 
 def _scales(y: FloatArray, part: int) -> FloatArray:
     """Standard deviation of the residuals in each part, from some of them."""
-    from allanite.kernels.robust import residuals
-
     scales = []
     for start in range(0, y.size, part):
         # the last part may be a few readings long: it is filled up from the one before
@@ -179,6 +177,20 @@ def _scales(y: FloatArray, part: int) -> FloatArray:
         at = first + np.linspace(0, length - 1, min(length, SAMPLE)).astype(np.int64)
         steps = np.abs(y[at[1:]] - y[at[1:] - 1])
         steps = steps[steps > 0]
-        spread = 1.4826 * float(np.median(np.abs(residuals(y, at))))
+        spread = 1.4826 * float(np.median(np.abs(_residuals(y, at))))
         scales.append(max(spread, float(np.median(steps)) if steps.size else math.inf))
     return np.array(scales)
+
+
+def _residuals(y: FloatArray, at: IntArray) -> FloatArray:
+    """How far y is off the median of the 31 readings around the indices `at`; near an end, of the first or last 31."""
+    from allanite.kernels.robust import HALF
+
+    width = min(2 * HALF + 1, y.size)
+    windows = np.lib.stride_tricks.sliding_window_view(y, width)
+    start, middle = np.clip(at - HALF, 0, y.size - width), ((width - 1) // 2, width // 2)
+    off = np.empty(at.size)
+    for i in range(0, at.size, SAMPLE):
+        some = slice(i, i + SAMPLE)
+        off[some] = y[at[some]] - np.sort(windows[start[some]], axis=1)[:, middle].mean(axis=1)
+    return off

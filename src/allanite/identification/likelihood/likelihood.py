@@ -86,7 +86,7 @@ class Likelihood(Portable):
     def _explained(self, S: FloatArray, W: FloatArray) -> "Likelihood":
         """The same data with other columns."""
         found = replace(self, S=S, W=W)
-        found.__dict__["data"] = self.data  # arranged once
+        found.__dict__.update(data=self.data, _smooth=self._smooth)  # made once
         return found
 
     def expectation(self, theta: FloatArray) -> FloatArray:
@@ -174,22 +174,26 @@ class Likelihood(Portable):
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        if not moving.any():
-            return theta, self.value(theta)
-        if not self.expectation(theta).min() > 0:  # the start lies outside: let every free term in
+        found, best = minimise(theta, moving, self.columns, self.data)
+        if best == np.inf and start is not None:  # it lies outside: let every free term in
             theta = np.where(moving, np.maximum(theta, self._start(free)), theta)
-        theta, best = minimise(theta, moving, self.columns, self.data)
-        return theta, float(best)
+            found, best = minimise(theta, moving, self.columns, self.data)
+        return found, float(best)
+
+    @cached_property
+    def _smooth(self) -> FloatArray:
+        """Power of the bins, smoothed and above zero."""
+        window = np.ones(5)
+        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
+        return np.asarray(np.maximum(smooth, 1e-12 * smooth.max()))
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
-        window = np.ones(5)
-        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
-        floor = np.maximum(smooth, 1e-12 * smooth.max())
-        from allanite.kernels.whittle import weighted_nnls
+        from allanite.kernels.leastsquares import weighted_nnls
 
-        theta = np.zeros(self.S.shape[1])
-        share = (self.S[:, free] / floor[:, None]).max(axis=0)
-        found = weighted_nnls(self.columns[free, : floor.size], floor, self.count / floor**2, np.zeros(share.size))
+        columns = self.columns[free, : self.power.size]
+        share = (columns / self._smooth).max(axis=1)
+        theta = np.zeros(free.size)
+        found = weighted_nnls(columns, self._smooth, self.count / self._smooth**2, np.zeros(share.size))
         theta[free] = np.maximum(found, 1e-3 / share)
         return theta

@@ -8,11 +8,11 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.terms import TERMS, NoiseTerm
+from allanite.terms import TERMS
 
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .whittle import CELLS, Spectrum, cell_of, column, likelihood, with_warm_up
+from .whittle import CELLS, Spectrum, cell_of, likelihood, table_column, with_warm_up
 
 LOWEST = 1e-9
 """Gain of a bin in the stop band, at least."""
@@ -79,6 +79,11 @@ class Portion(Portable):
         return with_warm_up(found, self.seen, np.ones_like(self.used), self.warm)
 
     @cached_property
+    def unfiltered(self) -> Likelihood:
+        """The likelihood of what is read, without a filter and with full trust."""
+        return self.whole.only(self.used)
+
+    @cached_property
     def gain(self) -> FloatArray:
         """Of the filter in each bin, 1 without one, shape (bins,)."""
         return np.ones(self.used.size) if self.filter is None else self.filter.gain(self.seen)
@@ -86,29 +91,33 @@ class Portion(Portable):
     @cached_property
     def likelihood(self) -> Likelihood:
         """The likelihood of what is read."""
-        found = self.whole.only(self.used)
+        found = self.unfiltered
         if self.filter is not None:
             count = self.seen.count
             found = found.behind(self.gain[self.used], float(self.gain @ count / count.sum()))
         return found if self.trust is None else found.trusted(self.trust[self.used])
 
-    def column(self, row: NoiseTerm) -> FloatArray:
+    def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a term in the bins that are read."""
-        return np.asarray((column(row, self.seen) * self.gain)[self.used])
+        return np.asarray((table_column(symbol, self.seen, shape) * self.gain)[self.used])
 
     def but(self, used: BoolArray | None = None, filter: Tuned | None = None) -> "Portion":  # noqa: A002
         """The same spectrum, read elsewhere or behind a filter, with full trust."""
         found = replace(self, used=self.used if used is None else used, filter=filter, trust=None, misfit=0.0)
-        found.__dict__["whole"] = self.whole  # the columns stay what they are
-        return found
+        return self._lent(found)
 
     def doubted(self, misfit: float) -> "Portion":
         """The same with less trust in many coefficients, as if each cell had a misfit of its own of that size."""
         cell = cell_of(self.seen, self.used)
         nu = np.bincount(cell[self.used], self.seen.count[self.used], CELLS)[cell]
-        found = replace(self.but(filter=self.filter), trust=1 / (1 + misfit**2 * nu / 2), misfit=misfit)
-        found.__dict__["whole"] = self.whole
-        return found
+        return self._lent(replace(self, trust=1 / (1 + misfit**2 * nu / 2), misfit=misfit))
+
+    def _lent(self, other: "Portion") -> "Portion":
+        """Another portion with what it has in common with this one: the columns stay what they are."""
+        other.__dict__["whole"] = self.whole
+        if other.used is self.used:
+            other.__dict__["unfiltered"] = self.unfiltered
+        return other
 
     def among(self, noise: tuple[str, ...]) -> "Portion":
         """The same with other terms of noise."""

@@ -175,9 +175,9 @@ def _elsewhere(found: Found, others: tuple[Tuned, ...]) -> list[Subset]:
     """Subsets at the other cut-offs, and with the other filters, that the likelihood leaves open."""
     part = found.part
     assert part.filter is not None  # noqa: S101 - it was tuned
-    free = [s.free for s in found.every if s.value < found.plain.value + REMOTE]
+    near = [s for s in found.every if s.value < found.plain.value + REMOTE]
     parts = [part.but(filter=one).likelihood for one in (*left_open(part, part.filter), *others)]
-    return [Subset(one, mask, *one.minimise(mask)) for one in parts for mask in free]
+    return [Subset(one, s.free, *one.minimise(s.free, s.theta)) for one in parts for s in near]
 
 
 def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:

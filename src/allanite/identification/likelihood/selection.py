@@ -37,6 +37,11 @@ class Subset:
         """Akaike's criterion: 2 L and two for each number that was fitted."""
         return 2 * self.value + 2 * (int((self.theta > 0).sum()) + len(self.constants))
 
+    @cached_property
+    def variances(self) -> FloatArray:
+        """Of the free thetas, shape (free terms,)."""
+        return _variances(self.likelihood, self.theta, self.free)
+
     def score(self, penalty: float | FloatArray) -> float:
         """2 L + the penalties of the terms."""
         return 2 * self.value + float((penalty * self.free).sum())
@@ -203,11 +208,15 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
 
     `slope` is how the expected power of the bins changes with something else that is unknown too, shape (bins,).
     """
-    likelihood, theta, free = subset.likelihood, subset.theta, subset.free
-    if slope is not None:
-        likelihood = likelihood.with_more(slope)
-        theta, free = np.append(theta, 0.0), np.append(free, True)
+    at = int(subset.free[:which].sum())
+    if slope is None:
+        return float(np.sqrt(subset.variances[at]))
+    more = subset.likelihood.with_more(slope)
+    return float(np.sqrt(_variances(more, np.append(subset.theta, 0.0), np.append(subset.free, True))[at]))
+
+
+def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
+    """From the expected information of the free terms; what it does not tell apart shares it."""
     information = likelihood.information(theta)[np.ix_(free, free)]
-    at = int(free[:which].sum())
     size = np.sqrt(np.diag(information))
-    return float(np.sqrt(np.linalg.pinv(information / np.outer(size, size), hermitian=True)[at, at]) / size[at])
+    return np.asarray(np.diag(np.linalg.pinv(information / np.outer(size, size), hermitian=True)) / size**2)

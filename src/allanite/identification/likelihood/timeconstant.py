@@ -12,7 +12,6 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.terms import TERMS
 
 from .likelihood import Likelihood
 from .portion import Portion
@@ -54,18 +53,16 @@ class Search(Portable):
 
     def column(self, T: float, part: Portion | None = None) -> FloatArray:
         """Expected power of the term in the bins that are read, or in another portion."""
-        shaped = TERMS[self.symbol].shaped
-        assert shaped is not None  # noqa: S101 - `look` has seen to it
-        return (part or self.part).column(shaped((T,), 1.0))
+        return (part or self.part).column(self.symbol, (T,))
 
     def at(self, T: float) -> Likelihood:
         """The likelihood with a time constant."""
         return self.likelihood.with_column(-1, self.column(T))
 
-    def least(self, T: float, free: BoolArray | None = None) -> Subset:
-        """The minimum at a time constant, all terms free that may be."""
+    def least(self, T: float, free: BoolArray | None = None, start: FloatArray | None = None) -> Subset:
+        """The minimum at a time constant, all terms free that may be, sought from `start`."""
         likelihood, free = self.at(T), self.may if free is None else free
-        return Subset(likelihood, free, *likelihood.minimise(free), (T,))
+        return Subset(likelihood, free, *likelihood.minimise(free, start), (T,))
 
     @property
     def span(self) -> tuple[float, float]:
@@ -129,7 +126,7 @@ class Search(Portable):
         for end in (min(1.0, T / 2), max(float(self.part.seen.size), 2 * T)):
 
             def excess(x: float) -> float:
-                return 2 * (self.least(math.exp(x), best.free).value - best.value) - drop
+                return 2 * (self.least(math.exp(x), best.free, best.theta).value - best.value) - drop
 
             open_ = excess(math.log(end)) <= 0
             ends.append(end if open_ else math.exp(brentq(excess, math.log(T), math.log(end), xtol=1e-3)))

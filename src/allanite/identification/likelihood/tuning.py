@@ -26,6 +26,9 @@ OPEN = 6.6
 NEAR = 3
 """Cut-offs on either side of the best that take part."""
 
+ALIKE = 1e-3
+"""Cut-offs that differ by less than this in 2 L are alike."""
+
 GRID = 7
 """Cut-offs an octave apart at which the search of one filter begins."""
 
@@ -77,11 +80,11 @@ def _tuned(part: Portion, row: str) -> tuple[float, float]:
 
     widest = FILTERS[row].widest
     grid = [math.log(c) for c in widest * 2.0 ** -np.arange(0.0, GRID) if c > NARROWEST]
-    values = [value(x) for x in grid]
-    at = int(np.argmin(values))
+    values = np.array([value(x) for x in grid])
+    at = int(np.flatnonzero(values < values.min() + ALIKE)[-1])  # wide ones all let everything pass
     ends = grid[min(at + 1, len(grid) - 1)], grid[max(at - 1, 0)]
     best = minimize_scalar(value, method="bounded", bounds=ends, options={"xatol": 5e-3})
-    return min((float(best.fun), math.exp(float(best.x))), (values[at], math.exp(grid[at])))
+    return min((float(best.fun), math.exp(float(best.x))), (float(values[at]), math.exp(grid[at])))
 
 
 def limits(part: Portion, best: Tuned, drop: float) -> tuple[float, float]:

@@ -93,6 +93,11 @@ class Spectrum(Portable):
         starts = np.cumsum([0, *(len(x) for x, _ in rules[:-1])])
         return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
 
+    @cached_property
+    def known(self) -> dict[tuple[str, tuple[float, ...]], FloatArray]:
+        """Columns that were made before, by symbol and shape."""
+        return {}
+
     def within(self, band: tuple[float, float]) -> BoolArray:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
         low, high = band
@@ -115,30 +120,24 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     """
     from scipy.fft import dct
 
+    from allanite.kernels.binned import binned
+
     y, gaps, left = joined(record)
     n = y.size
-    time = np.asarray(np.arange(n) - (n - 1) / 2 if left is None else left - left.mean(), dtype=np.float64)
-    slope = _end_to_end_slope(y, time) if detrend else 0.0
-    if slope:
-        y -= slope * time
-    ramp = ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n) if left is None else _transformed(time)
+    slope = _less_slope(y, left) if detrend else 0.0
+    ramp = _transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     blocks = min(n, BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
     times = np.empty(0) if left is None else left[middle].astype(np.float64)
-    del time
+    del left
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
     edges = _edges(n)
-    first, count = edges[:-1], np.diff(edges)
-    even, odd = (_sums(c[parity::2], (edges + 1 - parity) // 2) for parity in (0, 1))
-    np.multiply(c, c, out=c)
-    power = np.add.reduceat(c, first) / count
-    peak = np.maximum.reduceat(c, first)
+    power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
-    peak_at = np.array([a + int(c[a:b].argmax()) for a, b in zip(first, edges[1:], strict=True)])
-    factor = record.rate_factor
-    return Spectrum(n, record.rate, first, count, power, peak, peak_at, even, odd, ramp, slope, gaps, factor, times)
+    first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
+    return Spectrum(n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times)
 
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
@@ -148,7 +147,7 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     UU, Uc = _directions(spectrum, with_ramp)
     edge = np.array([TERMS[symbol].edge for symbol in noise])
     return Likelihood(
-        S=np.column_stack([column(TERMS[symbol], spectrum) for symbol in noise]),
+        S=np.column_stack([table_column(symbol, spectrum) for symbol in noise]),
         power=spectrum.power,
         count=spectrum.count.astype(np.float64),
         UU=UU,
@@ -228,24 +227,28 @@ def _blocked(values: FloatArray, n: int) -> FloatArray:
     return np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(n / values.size)
 
 
-def _transformed(time: FloatArray) -> FloatArray:
+def _transformed(left: IntArray) -> FloatArray:
     """The lowest coefficients of a ramp with gaps."""
     from scipy.fft import dct
 
-    return np.asarray(dct(time, norm="ortho")[1 : SINGLE + 1])
+    return np.asarray(dct(left - left.mean(), norm="ortho", overwrite_x=True)[1 : SINGLE + 1])
 
 
-def _sums(values: FloatArray, edges: IntArray) -> FloatArray:
-    """Sums of values[a:b] between neighbouring edges; 0 where they are equal."""
-    padded = np.minimum(edges[:-1], values.size - 1)
-    return np.where(np.diff(edges) > 0, np.add.reduceat(values, padded)[: padded.size], 0.0)
+def _less_slope(y: FloatArray, left: IntArray | None) -> float:
+    """Take a ramp out of y and return its slope, that between the means of the first and last thirds.
 
+    Near enough that a strong ramp does not leak upwards.
+    """
+    from allanite.kernels.binned import less_ramp
 
-def _end_to_end_slope(y: FloatArray, time: FloatArray) -> float:
-    """Slope between the means of the first and last thirds: near enough that a strong ramp does not leak upwards."""
     third = y.size // 3
-    apart = float(time[-third:].mean() - time[:third].mean())
-    return float(y[-third:].mean() - y[:third].mean()) / apart
+    apart = y.size - third if left is None else float(left[-third:].mean() - left[:third].mean())
+    slope = float(y[-third:].mean() - y[:third].mean()) / apart
+    if left is None:
+        less_ramp(y, slope)
+    else:
+        y -= slope * (left - left.mean())
+    return slope
 
 
 def _edges(n: int) -> IntArray:
@@ -263,6 +266,14 @@ def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
     return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)
+
+
+def table_column(symbol: str, spectrum: Spectrum, shape: tuple[float, ...] = ()) -> FloatArray:
+    """The same of a row of `TERMS`, in its own shape (in samples) or another one; it is made once."""
+    if (symbol, shape) not in spectrum.known:
+        row = TERMS[symbol]
+        spectrum.known[symbol, shape] = column(row.shaped(shape, 1.0) if shape and row.shaped else row, spectrum)
+    return spectrum.known[symbol, shape]
 
 
 def surroundings(values: NDArray[Any]) -> NDArray[Any]:

@@ -1,0 +1,144 @@
+"""Small positive definite systems, and least squares over what is not negative."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+FAST = {"reassoc", "nsz", "contract"}
+ROUNDING = 1e-15
+ALIKE = 1 - 1e-11
+
+swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+
+
+@swift
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """Sum of the products."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@swift
+def cholesky(G):  # type: ignore[no-untyped-def]
+    """Put the lower root of G in its place; of a pivot at least its rounding is left."""
+    for j in range(G.shape[0]):
+        pivot = G[j, j]
+        for k in range(j):
+            for i in range(k):
+                G[j, k] -= G[j, i] * G[k, i]
+            G[j, k] /= G[k, k]
+            pivot -= G[j, k] * G[j, k]
+        G[j, j] = math.sqrt(max(pivot, ROUNDING * G[j, j]))
+
+
+@swift
+def forward(root, b):  # type: ignore[no-untyped-def]
+    """Put root^-1 b in the place of b."""
+    for j in range(b.size):
+        for i in range(j):
+            b[j] -= root[j, i] * b[i]
+        b[j] /= root[j, j]
+
+
+@swift
+def backward(root, b):  # type: ignore[no-untyped-def]
+    """Put root'^-1 b in the place of b."""
+    for j in range(b.size - 1, -1, -1):
+        for i in range(j + 1, b.size):
+            b[j] -= root[i, j] * b[i]
+        b[j] /= root[j, j]
+
+
+@swift
+def _solve(G, c, passive):  # type: ignore[no-untyped-def]
+    """G x = c on the passive set, zero elsewhere."""
+    q = c.size
+    A, x = np.zeros((q, q)), np.zeros(q)
+    for i in range(q):
+        A[i, i] = 1.0
+        if passive[i]:
+            x[i] = c[i]
+            for j in range(i):
+                A[i, j] = G[i, j] if passive[j] else 0.0
+    cholesky(A)
+    forward(A, x)
+    backward(A, x)
+    return x
+
+
+@swift
+def _taken(G, j, passive):  # type: ignore[no-untyped-def]
+    """Whether a column is another one in use but for its size."""
+    found = False
+    for k in range(passive.size):
+        found |= passive[k] and k != j and G[j, k] > ALIKE
+    return found
+
+
+@swift
+def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
+    """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
+    best, most = -1, 1e-12 * np.abs(c).max()
+    for j in range(c.size):
+        slope = c[j] - dot(G[j], x)
+        if not passive[j] and slope > most and not _taken(G, j, passive):
+            best, most = j, slope
+    return best
+
+
+@swift
+def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
+    """Move x to what is wanted, or as far as nothing falls below zero; the one that is zero there first, or -1."""
+    step, leaving = 1.0, -1
+    for j in range(x.size):
+        if passive[j] and wanted[j] <= 0:
+            ratio = x[j] / (x[j] - wanted[j]) if x[j] > 0 else 0.0
+            if ratio < step:
+                step, leaving = ratio, j
+    for j in range(x.size):
+        x[j] += step * (wanted[j] - x[j])
+    return leaving
+
+
+@swift
+def _nnls(G, c, x):  # type: ignore[no-untyped-def]
+    """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
+
+    By Lawson and Hanson, and Bro and de Jong; what is positive in the first x is in use from the beginning.
+    """
+    passive = x > 0
+    for j in range(x.size):
+        if passive[j] and _taken(G, j, passive):
+            passive[j], x[j] = False, 0.0
+    for _ in range(10 * x.size):
+        while passive.any():
+            leaving = _towards(x, _solve(G, c, passive), passive)
+            if leaving < 0:
+                break
+            passive[leaving], x[leaving] = False, 0.0
+        best = _steepest(G, c, x, passive)
+        if best < 0:
+            break
+        passive[best] = True
+
+
+@swift
+def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def]
+    """Theta >= 0 with the least sum of weight (power - columns theta)^2, shape (p,), sought from a first one."""
+    p = first.size
+    G, c, size = np.empty((p, p)), np.empty(p), np.empty(p)
+    weighted = np.empty(power.size)
+    for a in range(p):
+        for i in range(power.size):
+            weighted[i] = weight[i] * columns[a, i]
+        size[a] = math.sqrt(dot(weighted, columns[a]))
+        c[a] = dot(weighted, power) / size[a]
+        for b in range(a):
+            G[a, b] = G[b, a] = dot(weighted, columns[b]) / (size[a] * size[b])
+        G[a, a] = 1.0
+    x = first * size
+    _nnls(G, c, x)
+    return x / size

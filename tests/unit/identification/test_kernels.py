@@ -1,0 +1,139 @@
+"""The compiled loops of the likelihood against plain numpy, and its minimum where the model is wrong."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.fft import dct
+from scipy.optimize import nnls
+from scipy.signal import butter, lfilter
+
+import allanite as al
+from allanite.identification.likelihood.filters import FILTERS
+from allanite.identification.likelihood.portion import Tuned, portion
+from allanite.identification.likelihood.tuning import tuning
+from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.kernels.binned import binned, less_ramp
+from allanite.kernels.leastsquares import weighted_nnls
+from allanite.kernels.whittle import _logarithms as logarithms
+
+N = al.N(0.005, "deg/sqrt(s)")
+B = al.B(0.002, "deg/s")
+
+
+@pytest.mark.parametrize("n", [200, 201, 5000, 300_000])
+def test_bins_hold_what_numpy_sums(n):
+    y = np.random.default_rng(1).standard_normal(n).cumsum()
+    seen = spectrum(al.Record(y, 1.0, "1"), detrend=False)
+    c = dct(y - al.Record(y, 1.0, "1").constant, norm="ortho")
+    squares, k = c * c, np.arange(n)
+    ends = np.append(seen.first[1:], n)
+    np.testing.assert_allclose(seen.power, np.add.reduceat(squares, seen.first) / seen.count, rtol=1e-12)
+    np.testing.assert_array_equal(seen.peak, np.maximum.reduceat(squares, seen.first))
+    assert seen.peak_at.tolist() == [a + int(squares[a:b].argmax()) for a, b in zip(seen.first, ends, strict=True)]
+    size = np.sqrt(seen.power * seen.count)
+    for sums, parity in ((seen.even, 0), (seen.odd, 1)):
+        expected = np.add.reduceat(np.where(k % 2 == parity, c, 0.0), seen.first)
+        np.testing.assert_allclose((sums - expected) / size, 0, atol=1e-12)
+
+
+def test_long_bins_are_summed_to_the_last_digits():
+    c = np.random.default_rng(2).standard_normal(200_001) + 3.0
+    power, _, _, even, odd = binned(c, np.array([1, 200_001]))
+    assert power[0] == pytest.approx(math.fsum(c[1:] ** 2) / 200_000, rel=1e-13)
+    assert even[0] == pytest.approx(math.fsum(c[2::2]), rel=1e-13)
+    assert odd[0] == pytest.approx(math.fsum(c[1::2]), rel=1e-13)
+
+
+def test_a_ramp_is_taken_out_in_place():
+    y = np.random.default_rng(3).standard_normal(1001)
+    expected = y - 0.25 * (np.arange(1001) - 500)
+    less_ramp(y, 0.25)
+    np.testing.assert_allclose(y, expected, atol=1e-13)
+
+
+def test_logarithms():
+    x = np.concatenate((10.0 ** np.random.default_rng(4).uniform(-300, 300, 10_000), np.linspace(0.7, 1.5, 1001)))
+    np.testing.assert_allclose(logarithms(x), np.log(x), rtol=1e-15, atol=1e-16)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_least_squares_from_any_start(seed):
+    rng = np.random.default_rng(seed)
+    columns, weight = np.exp(rng.normal(0, 2, (5, 80))), rng.uniform(0.1, 10, 80)
+    power = rng.normal(1, 3, 80)
+    expected = nnls((columns * np.sqrt(weight)).T, power * np.sqrt(weight))[0]
+    assert 0 < np.count_nonzero(expected) < 5
+    for first in (np.zeros(5), np.ones(5), rng.uniform(0, 1e3, 5) * (rng.random(5) < 0.5)):
+        np.testing.assert_allclose(weighted_nnls(columns, power, weight, first), expected, rtol=1e-8, atol=1e-10)
+
+
+def test_of_columns_that_are_alike_one_is_used():
+    columns = np.ones((3, 40)) * np.array([[1.0], [3.0], [0.5]])
+    for first in (np.zeros(3), np.ones(3)):
+        found = weighted_nnls(columns, np.full(40, 6.0), np.ones(40), first)
+        assert np.count_nonzero(found) == 1
+        np.testing.assert_allclose(columns.T @ found, 6.0)
+
+
+def filtered(b, a, n=2**15):
+    y = al.simulate(N + B, n + 2048, 100.0, rng=np.random.default_rng(5)).values
+    return spectrum(al.Record(lfilter(b, a, y)[2048:], 100.0, "rad/s"), detrend=True)
+
+
+@pytest.mark.parametrize("symbols", ["QNBKR", "NBK", "QNK", "BKR", "NK"])
+@pytest.mark.parametrize("cutoff", [0.02, 0.3, 0.9])
+def test_the_minimum_of_a_wrong_model_is_one(symbols, cutoff):
+    """What a filter took away no term explains: scoring alone would converge slowly, and there may be two minima."""
+    ours = likelihood(filtered(*butter(1, cutoff)), symbols)
+    free = np.ones(ours.S.shape[1], dtype=bool)
+    first, value = ours.minimise(free)
+    for start in (None, first, 2 * first, np.full(first.size, first.max())):
+        theta, least = ours.minimise(free, start)
+        slope = ours.gradient(theta) / (ours.count @ (ours.S / ours.expectation(theta)[:, None]))
+        assert (slope > -1e-4).all()
+        assert (np.abs(slope[theta > 0]) < 1e-4).all()
+        assert least <= value + 1e-5 or start is not first
+
+
+def test_a_start_where_nothing_makes_noise_is_left():
+    ours = likelihood(filtered([1.0], [1.0]), "NBK")
+    free = np.ones(3, dtype=bool)
+    assert ours.minimise(free, np.zeros(3))[1] == pytest.approx(ours.minimise(free)[1], abs=1e-5)
+    theta, value = ours.minimise(np.array([True, False, False]), np.zeros(3), (0, 0.0))
+    assert value == math.inf
+    assert not theta.any()
+
+
+@pytest.mark.parametrize(
+    ("row", "b", "a"),
+    [
+        ("rc", [0.4], [1, -0.6]),
+        ("bilinear 2", *butter(2, 1 / 3)),
+        ("bilinear 1", *butter(1, 0.2)),
+        ("average", np.ones(4) / 4, [1.0]),
+    ],
+)
+def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
+    """Every cut-off of a fine grid, each likelihood made anew."""
+    seen = filtered(b, a)
+    part = portion(seen, "NBKR", seen.frequency(seen.first) < 45)
+    found = tuning(part)
+    assert found.filters[0].row == row
+    whole, free = likelihood(seen, "NBKR"), np.ones(3, dtype=bool)
+    without = 2 * whole.only(part.used).minimise(free)[1]
+
+    def gain(name, cutoff):
+        power = Tuned(name, cutoff).gain(seen)
+        behind = whole.only(part.used).behind(power[part.used], float(power @ seen.count / seen.count.sum()))
+        return without - 2 * behind.minimise(free)[1]
+
+    best = {one.row: (one.cutoff, gained) for one, gained in zip(found.filters, found.gains, strict=True)}
+    coarse = [gain(name, c) for name, other in FILTERS.items() for c in other.widest * 2.0 ** -np.arange(7)]
+    assert max(coarse) < found.gains[0]
+    cutoff, gained = best[row]
+    fine = cutoff * np.exp(np.arange(-60, 61) * 2.5e-3)
+    fine = fine[fine <= FILTERS[row].widest]
+    gains = [gain(row, c) for c in fine]
+    assert abs(math.log(fine[int(np.argmax(gains))] / cutoff)) < 5.1e-3
+    assert gained == pytest.approx(gain(row, cutoff), abs=1e-4)
