@@ -272,7 +272,9 @@ def test_a_term_and_a_fit_stand_for_a_model():
         curve = al.deviation(record, noise=noise)
         assert curve.noise == same
         # of a fit, of all the models that it leaves open
-        np.testing.assert_allclose(curve.edf, al.deviation(record, noise=same).edf, rtol=0.05 if noise is fit else 1e-12)
+        np.testing.assert_allclose(
+            curve.edf, al.deviation(record, noise=same).edf, rtol=0.05 if noise is fit else 1e-12
+        )
     np.testing.assert_array_equal(al.expected(fit, "oadev", [1.0]), al.expected(fit.model, "oadev", [1.0]))
     assert al.simulate(fit, 64, 1.0, rng=np.random.default_rng(1)).size == 64
 

@@ -16,9 +16,9 @@ from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings
 from allanite.compensation.study import compensate_file
+from allanite.core.averaged import averaged
 from allanite.core.correction import Correction
 from allanite.core.finding import Finding
-from allanite.core.averaged import averaged
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.prepare import inspect

@@ -24,8 +24,8 @@ NEAR = 1e-4
 """|t| in standard deviations below which the limit at the mean is taken."""
 
 
-NEWTON, STRIDE = 3, 4.0
-"""Steps from one deviate to the next, and the longest of them."""
+NEWTON, STRIDE, START = 3, 4.0, 1e-6
+"""Steps from one deviate to the next, the longest of them, and where the first begins."""
 
 
 class Mixture(NamedTuple):
@@ -66,14 +66,15 @@ def table(mixture: Mixture, deviates: FloatArray) -> tuple[FloatArray, FloatArra
     top, found = _pole(mixture), []
     middle = int(np.abs(deviates).argmin())
     for way in (range(middle, -1, -1), range(middle + 1, deviates.size)):
-        y = np.full(top.shape, 1e-6)
+        y = np.full(top.shape, START)
         for i in way:
             for _ in range(NEWTON):
                 t = -top * np.expm1(-y)
                 r, v, _, _ = _saddle(mixture, t)
-                # dr / dy = (t K'' / r) dt / dy, and v = t sqrt(K'')
-                slope = v**2 / (np.where(np.abs(t) > 0, t, 1.0) * np.where(np.abs(r) > 0, r, 1.0)) * (top - t)
+                r = np.where(np.abs(v) < NEAR, v, r)  # where the difference t x - K has lost its digits
+                slope = v**2 / (t * r) * (top - t)  # dr/dy = (t K'' / r) dt/dy, and v = t sqrt(K'')
                 y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
+                y = np.where(np.abs(y) < START, START, y)
             r, v, skewness, x = _saddle(mixture, -top * np.expm1(-y))
             found.append((i, x, ndtri(_probability(r, v, skewness))))
     found.sort(key=lambda one: one[0])
