@@ -33,7 +33,7 @@ demo: .venv/run
 	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
 test: lint
-	$(THREADS) $(BIN)/python -m pytest -n 2 -q
+	$(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
 
 lint: .venv/test
 	$(BIN)/ruff check .

@@ -9,10 +9,11 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from tests import ROOT
 
 import allanite as al
-from allanite.cli import VERBS
+from allanite.cli import VERBS, main
 from allanite.comparison.change import OUTCOMES
 from allanite.core.units import ATOMS, SPELLINGS
 
@@ -21,16 +22,29 @@ SAMPLE = Path("examples", "tactical_gyro.csv")
 RESULTS = Path("benchmarks", "results")
 
 
-def blocks(page, language):
-    return re.findall(rf"^```{language}\n(.*?)^```", (DOCS / page).read_text("utf-8"), re.DOTALL | re.MULTILINE)
+def fenced(text, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
+
+def blocks(page, language):
+    return fenced((DOCS / page).read_text("utf-8"), language)
+
+
+def commands(text):
+    return [line for block in fenced(text, "sh") for line in block.splitlines() if line.startswith("allanite ")]
+
+
+IN_README = commands((ROOT / "README.md").read_text("utf-8"))
+"""Commands that are run by the test of the README."""
 
 COMMANDS = [
-    line
-    for page in ("tutorial.md", "command.md", "simulation.md")
-    for block in blocks(page, "sh")
-    for line in block.splitlines()
-    if line.startswith("allanite ")
+    command
+    for command in dict.fromkeys(
+        command
+        for page in ("tutorial.md", "command.md", "simulation.md")
+        for command in commands((DOCS / page).read_text("utf-8"))
+    )
+    if command not in IN_README
 ]
 
 
@@ -169,12 +183,11 @@ def test_the_tutorial_prints_what_it_says(desk):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_commands_run_and_leave_what_they_name(desk, command):
-    program, *words = shlex.split(command)
-    done = subprocess.run(
-        [str(Path(sys.executable).with_name(program)), *words], cwd=desk, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
+    monkeypatch.chdir(desk)
+    _, *words = shlex.split(command)
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 0, done.output
     for option in ("--report", "--plot", "--csv"):
         if option in words:
             assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
@@ -188,13 +201,9 @@ def test_the_page_of_simulation_prints_what_it_says(desk):
     assert done.stdout.splitlines() == said
 
 
-def test_the_plan_on_the_page_is_that_of_the_command(desk):
+def test_the_plan_on_the_page_is_that_of_the_command():
     (shown,) = (block for block in blocks("simulation.md", "text") if block.startswith("fog"))
-    done = subprocess.run(
-        [str(Path(sys.executable).with_name("allanite")), "plan", "--sensor", "fog", "--rate", "100"],
-        cwd=desk, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    assert shown in done.stdout
+    assert shown in CliRunner().invoke(main, ["plan", "--sensor", "fog", "--rate", "100"]).stdout
 
 
 def test_make_builds_it():

@@ -127,32 +127,32 @@ def plan(
     unknown = model.drifts if ramp is None else ramp
 
     @cache
-    def errors(n: float) -> FloatArray:
-        return bound(model, round(n), rate, ramp=unknown).errors
+    def errors(n: int) -> FloatArray:
+        return bound(model, n, rate, ramp=unknown).errors
 
     names = bound(model, SHORTEST, rate, ramp=unknown).names
     nothing = np.full(len(names), math.nan)
-    table = [errors(d * rate) if d * rate >= SHORTEST else nothing for d in durations]
+    table = [errors(round(d * rate)) if d * rate >= SHORTEST else nothing for d in durations]
     columns = np.array(table).reshape(len(durations), len(names)).T
     needed = np.array([_least(errors, i, accuracy) for i in range(len(names))])
     return RecordingPlan(model, rate, unknown, names, tuple(durations), columns, accuracy, needed / rate)
 
 
-def _least(errors: Callable[[float], FloatArray], which: int, wanted: float) -> float:
+def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:
     """Least number of readings at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
 
     def excess(n: float) -> float:
-        return math.log(float(errors(n)[which]) / wanted)
+        return math.log(float(errors(round(n))[which]) / wanted)
 
     low = high = float(SHORTEST)
     while excess(high) > 0:
         low, high = high, 4 * high
         if high > LONGEST:
             return math.inf
-    while low < high and excess(high) < -5e-4:
+    while round(high) - round(low) > 1 and excess(high) < -5e-4:
         a, b = excess(low), excess(high)
-        middle = low * (high / low) ** (min(max(a / (a - b), 0.02), 0.98) if math.isfinite(a) else 0.5)
-        if middle in (low, high):
-            break
+        # aimed a little beyond, or the lower end alone would creep towards the answer
+        share = min(max((a + 2.5e-4) / (a - b), 0.02), 0.98) if math.isfinite(a) else 0.5
+        middle = low * (high / low) ** share
         low, high = (middle, high) if excess(middle) > 0 else (low, middle)
     return high

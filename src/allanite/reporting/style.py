@@ -36,6 +36,7 @@ _LOOK: dict[str, Any] = {
     "font.size": 9.0,
     "axes.labelsize": 9.0,
     "axes.titlesize": 10.0,
+    "axes.titley": 1.0,  # a fixed height: else every drawing measures the ticks once more, for nothing
     "axes.edgecolor": "#555B63",
     "axes.linewidth": 0.8,
     "axes.labelcolor": INK,

@@ -176,9 +176,10 @@ def test_what_travels_is_shown_alike(folder):
         al.truncation(files[0], 20.0, recipe),
     ):
         stored = from_dict(json.loads(json.dumps(found.to_dict())))
+        shown = table(found), page(found)
         for again in (stored, pickle.loads(pickle.dumps(found))):
             assert again.to_dict() == found.to_dict()
-            assert (table(again), page(again)) == (table(found), page(found))
+            assert (table(again), page(again)) == shown
         assert max(map(len, table(found, width=120).splitlines())) <= 120
         prose = [line for line in table(found, width=80).splitlines() if line.startswith(("  !", "made", "assumed"))]
         assert max(map(len, prose)) <= 80

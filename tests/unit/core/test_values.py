@@ -148,12 +148,17 @@ def test_confidence_needs_the_noise():
 
 def test_intervals_are_chi_square():
     """68.3 % of 400 records hold the truth at every octave: 400 trials, 4.5 standard errors, error probability 1e-4."""
-    inside = 0
-    for seed in range(1, 401):
-        simulated = al.simulate(MODEL, 512, 100.0, rng=np.random.default_rng(seed))
-        low, high = al.deviation(simulated, noise=MODEL).interval(0.683)
-        truth = np.sqrt(al.expected(MODEL, "oadev", 2.0 ** np.arange(low.size) / 100))
-        inside = inside + ((low <= truth) & (truth <= high))
+    curves = [
+        al.deviation(al.simulate(MODEL, 512, 100.0, rng=np.random.default_rng(seed)), noise=MODEL)
+        for seed in range(1, 401)
+    ]
+    # the noise is given: limits are the same multiples of the deviation in every record
+    low, high = (limit / curves[0].deviation for limit in curves[0].interval(0.683))
+    for curve in curves[1:20]:
+        np.testing.assert_allclose(curve.interval(0.683), (low * curve.deviation, high * curve.deviation), rtol=1e-9)
+    truth = np.sqrt(al.expected(MODEL, "oadev", 2.0 ** np.arange(low.size) / 100))
+    deviations = np.array([curve.deviation for curve in curves])
+    inside = ((low * deviations <= truth) & (truth <= high * deviations)).sum(axis=0)
     # few degrees of freedom make chi-square wide, never narrow
     assert np.all(inside / 400 > 0.683 - 4.5 * 0.0233)
     assert np.all(inside[:5] / 400 < 0.683 + 4.5 * 0.0233)

@@ -108,13 +108,15 @@ def test_the_staircase_of_counts_is_predicted():
 def gl1():
     """Two runs of 94 intervals of two minutes, as in the paper; and one with a warm-up."""
     plan = ExperimentSettings(reference=(12.4392 - 0.0948) * ARCSEC)
-    gyros = (GL1, GL1, replace(GL1, warm_up=-0.01))
+    # a warm-up is seen by the linear methods; the search for the staircase is most of the time
+    linear = replace(plan, methods=("regression", "optimal"))
+    gyros = ((GL1, plan), (GL1, plan), (replace(GL1, warm_up=-0.01), linear))
     seeds = (1, 2, 3)
     return [
         experiment(
-            al.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=np.random.default_rng(seed)), GL1.model, plan
+            al.simulate_ring_laser(gyro, 12.4392, 94 * 48_000, 400.0, rng=np.random.default_rng(seed)), GL1.model, how
         )
-        for gyro, seed in zip(gyros, seeds, strict=True)
+        for (gyro, how), seed in zip(gyros, seeds, strict=True)
     ]
 
 

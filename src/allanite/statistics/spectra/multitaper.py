@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -83,7 +84,7 @@ class Multitaper:
         for weight, taper in zip(weights, tapers, strict=True):
             density += weight * np.abs(rfft(y * taper)[first : (y.size + 1) // 2]) ** 2
         df = record.rate / y.size
-        overlap, bandwidth = _shape(self.bandwidth, weights, y.size)
+        overlap, bandwidth = _shape(self.bandwidth, tuple(weights.tolist()), min(y.size, SHORT))
         return Raw(first, df, y.size, density / record.rate, overlap, bandwidth * df)
 
 
@@ -92,10 +93,8 @@ def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatA
 
     As functions of t/T they depend on the bandwidth alone: those of a long record are interpolated.
     """
-    from scipy.signal.windows import dpss
-
     small = min(size, LARGEST_TAPERS)
-    tapers, shares = dpss(small, bandwidth, count, return_ratios=True)
+    tapers, shares = _dpss(small, bandwidth, count)
     if small < size:
         from scipy.interpolate import CubicSpline
 
@@ -105,16 +104,28 @@ def slepian(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatA
     return tapers, shares
 
 
-def _shape(bandwidth: float, weights: FloatArray, size: int) -> tuple[FloatArray, float]:
+@lru_cache(maxsize=4)
+def _dpss(size: int, bandwidth: float, count: int) -> tuple[FloatArray, FloatArray]:
+    """Tapers and shares, kept: the channels of a file, or simulated records, have one length."""
+    from scipy.signal.windows import dpss
+
+    tapers, shares = dpss(size, bandwidth, count, return_ratios=True)
+    tapers.flags.writeable = shares.flags.writeable = False
+    return tapers, shares
+
+
+@lru_cache(maxsize=4)
+def _shape(bandwidth: float, weights: tuple[float, ...], size: int) -> tuple[FloatArray, float]:
     """Overlap as in `Raw`, and the equivalent noise bandwidth in units of 1/T.
 
     Both depend on the bandwidth alone, and are computed for a short record.
     """
-    tapers, _ = slepian(min(size, SHORT), bandwidth, weights.size)
+    tapers, _ = slepian(size, bandwidth, len(weights))
     length = tapers.shape[1]
     overlap = np.zeros(length // 2 + 1)
     for a, one in zip(weights, tapers, strict=True):
         for b, other in zip(weights, tapers, strict=True):
             overlap += a * b * np.abs(np.fft.rfft(one * other)) ** 2
-    response = weights @ np.abs(np.fft.rfft(tapers, 16 * length, axis=1)) ** 2
+    overlap.flags.writeable = False
+    response = np.array(weights) @ np.abs(np.fft.rfft(tapers, 16 * length, axis=1)) ** 2
     return overlap, length / float(response.max())
