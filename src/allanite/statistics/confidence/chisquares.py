@@ -71,7 +71,7 @@ def table(mixture: Mixture, deviates: FloatArray) -> tuple[FloatArray, FloatArra
             for _ in range(NEWTON):
                 t = -top * np.expm1(-y)
                 r, v, _, _ = _saddle(mixture, t)
-                r = np.where(np.abs(v) < NEAR, v, r)  # where the difference t x - K has lost its digits
+                r = np.where(np.abs(v) < 0.01, v, r)  # where the difference t x - K loses its digits, they are alike
                 slope = v**2 / (t * r) * (top - t)  # dr/dy = (t K'' / r) dt/dy, and v = t sqrt(K'')
                 y = y + np.clip((deviates[i] - r) / np.maximum(slope, 1e-12), -STRIDE, STRIDE)
                 y = np.where(np.abs(y) < START, START, y)

@@ -42,14 +42,14 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Spectru
     """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
 
     Those of one model come from its matrix; of several, which are alike, from the leading eigenvectors of their mean,
-    improved by one power step of each (Rayleigh and Ritz).
+    improved by two power steps of each (Rayleigh and Ritz).
     """
     each = np.tensordot(powers, forms, axes=1)
     if len(each) == 1:
         values = np.linalg.eigvalsh(each)
     else:
         vectors = np.linalg.eigh(each.mean(axis=0))[1][:, -SPACE:]
-        basis = np.linalg.qr(each @ vectors)[0]
+        basis = np.linalg.qr(each @ np.linalg.qr(each @ vectors)[0])[0]
         values = np.linalg.eigvalsh(basis.swapaxes(1, 2) @ each @ basis)
     total, squares = np.trace(each, axis1=1, axis2=2), np.square(each).sum(axis=(1, 2))
     first = np.maximum(values[:, : -leading - 1 : -1], 0)

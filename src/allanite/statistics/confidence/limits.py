@@ -33,6 +33,9 @@ from .powerlaw import PowerLaw, identify_power_law
 MANY = 60.0
 """Degrees of freedom from which on a chi-square of as many is the law."""
 
+CERTAIN = 1e8
+"""Degrees of freedom of what does not scatter."""
+
 LEADING = 3
 """Eigenvalues that are told apart."""
 
@@ -150,8 +153,8 @@ def at_point(points: Points, i: int, model: Model) -> Local:
 
 def _single(edf: float) -> Mixture:
     weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
-    if np.isfinite(edf):
-        weight[0], dof[0] = 1 / edf, edf
+    dof[0] = min(edf, CERTAIN)
+    weight[0] = 1 / dof[0]
     return Mixture(weight, dof, np.array(0.0), np.array(0.0))
 
 
@@ -170,7 +173,7 @@ def _mixture(spectrum: Spectrum, share: FloatArray, r: FloatArray, kinds: Kinds,
     weight = np.array([*(f * lead), (mass - f * lead.sum()) / nu, angle * own])
     dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
     # a third difference leaves of a ramp what rounding leaves
-    beside = between / (2 * ramp) if ramp > NOTHING else 0.0
+    beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
     return Mixture(weight, dof, np.array(ramp), np.array(beside))
 
 
