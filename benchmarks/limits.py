@@ -1,0 +1,256 @@
+"""Limits of curves and of coefficients whose noise is identified from the same record, against the truth.
+
+    python benchmarks/limits.py curves [--records 400] [--exponents 10 14] [--write PATH]
+    python benchmarks/limits.py coefficients [--records 400] [--write PATH]
+
+Nothing is told of the noise: each record is identified by "auto", and the limits of its curves are averaged over the
+models that it leaves open. Beside them the limits that take the selected model for the truth, and those of allantools
+with the power law that it finds at each averaging time. Every cell has seeds of its own: the number of the noise, of
+samples, and of the record.
+"""
+
+from table import begin, markdown
+
+import contextlib
+import io
+import math
+import os
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing import Pool
+
+import numpy as np
+
+import allanite as al
+from allanite.statistics import STATISTICS
+
+N = al.N(1, "deg/sqrt(h)")
+NOISES: dict[str, al.Model] = {
+    "N+K": N + al.K(60, "deg/h/sqrt(h)"),
+    "N+weak K": N + al.K(15, "deg/h/sqrt(h)"),
+    "N+B+K": N + al.B(6, "deg/h") + al.K(30, "deg/h/sqrt(h)"),
+    "Q+N+B": al.Q(30, "arcsec") + N + al.B(5, "deg/h"),
+    "Q+N+B+K+R": al.Q(30, "arcsec") + N + al.B(5, "deg/h") + al.K(30, "deg/h/sqrt(h)") + al.R(60, "deg/h^2"),
+}
+"""At 1 Hz."""
+
+SHARES = (0.1, 0.2, 0.4, 0.5, 0.8)
+STATISTIC = {
+    "oadev": 0.5, "hdev": 0.33, "mdev": 0.33, "pdev": 0.5, "totdev": 0.99, "theo1": 0.74, "theobr": 0.74, "theoh": 0.74,
+}  # fmt: skip
+"""Each with the largest share of the record that it reaches."""
+
+EXACT = ("totdev", "theo1")
+"""Statistics whose bias is divided out."""
+
+PEERS = ("oadev", "hdev", "mdev", "totdev")
+"""Statistics whose limits allantools gives."""
+
+LEVELS = (0.95, 0.68)
+
+
+@dataclass(frozen=True)
+class Said:
+    """What was said at one averaging time: place of the truth, -1 below the limits, 0 within, 1 above, and their ratio.
+
+    A row for each of the levels.
+    """
+
+    place: tuple[int, ...]
+    width: tuple[float, ...]
+
+
+def factors_of(name: str, size: int) -> list[int]:
+    """Averaging factors, even, at the shares of the record that a statistic reaches."""
+    factor = STATISTICS[name].tau_factor
+    return [2 * int(share * size / factor / 2) for share in SHARES if share <= STATISTIC[name]]
+
+
+def curves_of(job: tuple[str, int, int]) -> dict[tuple[str, str, int], Said]:
+    """What was said of one record, by kind of limits, statistic and averaging factor."""
+    name, size, i = job
+    model = NOISES[name]
+    rng = np.random.default_rng((list(NOISES).index(name), size, i))
+    record = al.simulate(model, size, 1.0, rng=rng)
+    fit = al.identify(record)
+    found = {}
+    for statistic in STATISTIC:
+        m = factors_of(statistic, size)
+        bias = "exact" if statistic in EXACT else None
+        target = STATISTICS[statistic].target or statistic
+        for kind, noise in (("averaged", fit), ("selected", fit.model)):
+            curve = al.deviation(record, statistic, m=m, noise=noise, bias=bias)
+            truth = np.sqrt(al.expected(model, target, curve.tau, rate=None if target == "oadev" else 1.0, size=size))
+            limits = [curve.interval(level) for level in LEVELS]
+            for j, k in enumerate(m):
+                found[kind, statistic, k] = _said(truth[j], [(low[j], high[j]) for low, high in limits])
+        if statistic in PEERS:
+            for j, (k, limits_there) in enumerate(zip(m, _peer(record, statistic, m), strict=True)):
+                found["allantools", statistic, k] = _said(truth[j], limits_there)
+    return found
+
+
+def _said(truth: float, limits: list[tuple[float, float]]) -> Said:
+    place = tuple(-1 if truth < low else int(truth > high) for low, high in limits)
+    return Said(place, tuple(high / low if low else math.inf for low, high in limits))
+
+
+def _peer(record: al.Record, statistic: str, m: list[int]) -> Iterator[list[tuple[float, float]]]:
+    """Limits of allantools by the noise that it identifies, at both levels."""
+    import allantools
+
+    phase = np.concatenate(([0.0], np.cumsum(np.asarray(record.values) - np.mean(record.values)))) * record.rate_factor
+    function = getattr(allantools, statistic)
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("ignore")
+        for k in m:
+            try:
+                dev = function(phase, rate=1.0, data_type="phase", taus=[float(k)])[1]
+                yield _peer_limits(phase, float(dev[0]), k, statistic)
+            except (UserWarning, NotImplementedError, AssertionError):  # too few windows for it
+                yield [(math.nan, math.nan) for _ in LEVELS]
+
+
+def _peer_limits(phase: np.ndarray, dev: float, m: int, statistic: str) -> list[tuple[float, float]]:
+    """By the power law at m, or at the longest m that its identification takes: 30 points."""
+    from allantools import ci
+
+    degree, size = (3 if statistic == "hdev" else 2), phase.size - 1
+    alpha = ci.autocorr_noise_id(phase, min(m, size // 31), data_type="phase", dmin=0, dmax=degree)[0]
+    if statistic == "totdev":
+        edf = ci.edf_totdev(phase.size, m, alpha)
+    else:
+        kind = {"overlapping": statistic != "hdev", "modified": statistic == "mdev"}
+        edf = ci.edf_greenhall(alpha=alpha, d=degree, m=m, N=phase.size, **kind)
+    return [tuple(map(float, ci.confidence_interval(dev, edf, level))) for level in LEVELS]
+
+
+def curve_rows(records: int, exponents: list[int], pool: "Pool") -> list[tuple[str, ...]]:
+    """A row for each noise, length, statistic and averaging time."""
+    rows = []
+    for name in NOISES:
+        for size in (2**e for e in exponents):
+            said = pool.map(curves_of, [(name, size, i) for i in range(records)], chunksize=4)
+            for statistic in STATISTIC:
+                for k in factors_of(statistic, size):
+                    share = k * STATISTICS[statistic].tau_factor / size
+                    kinds = [_kind([one[kind, statistic, k] for one in said if (kind, statistic, k) in one])
+                             for kind in ("averaged", "selected", "allantools")]  # fmt: skip
+                    rows.append(
+                        (name, str(size), statistic, f"{share:.2f}", *(cell for kind in kinds for cell in kind))
+                    )
+                    print(*rows[-1], flush=True)
+    return rows
+
+
+def _kind(said: list[Said]) -> tuple[str, str, str]:
+    """Coverage at 95 % with what lies above and below, at 68 %, and the median ratio of the limits at 95 %."""
+    known = [one for one in said if not math.isnan(one.width[0])]
+    if not known:
+        return "", "", ""
+    place = np.array([one.place for one in known])
+    inside, above, below = (100 * (place[:, 0] == where).mean() for where in (0, 1, -1))
+    return (
+        f"{inside:.1f} (+{above:.1f} -{below:.1f})",
+        f"{100 * (place[:, 1] == 0).mean():.1f}",
+        f"{np.median([one.width[0] for one in known]):.3g}",
+    )
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A noise at a rate, Hz, for a number of samples."""
+
+    model: al.Model
+    rate: float
+    size: int
+
+
+MEMS = al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")
+CELLS: dict[str, Cell] = {
+    "only N": Cell(al.Model((al.N(1, "deg/sqrt(h)"),)), 1.0, 4096),
+    "N+K": Cell(NOISES["N+K"], 1.0, 4096),
+    "N+B": Cell(N + al.B(10, "deg/h"), 1.0, 16384),
+    "telephone 5 Hz, 1 h": Cell(al.N(0.4, "deg/sqrt(h)") + al.B(10, "deg/h") + al.K(60, "deg/h/sqrt(h)"), 5.0, 18000),
+    "accelerometer": Cell(al.N(0.1, "m/s/sqrt(h)") + al.B(0.05, "mg") + al.K(0.1, "mg/sqrt(h)"), 100.0, 65536),
+    "N+B+K, 500": Cell(NOISES["N+B+K"], 1.0, 500),
+    "N+B+K, 1000": Cell(NOISES["N+B+K"], 1.0, 1000),
+    "N+B+K, 3000": Cell(NOISES["N+B+K"], 1.0, 3000),
+    "edge K": Cell(N + al.K(25, "deg/h/sqrt(h)"), 1.0, 4096),
+    "edge B": Cell(N + al.B(6, "deg/h"), 1.0, 8192),
+    "Q+N": Cell(al.Q(60, "arcsec") + N, 1.0, 4096),
+    "all five, 1 Hz": Cell(NOISES["Q+N+B+K+R"], 1.0, 16384),
+    "navigation RLG": Cell(al.Q(0.5, "arcsec") + al.N(0.003, "deg/sqrt(h)") + al.B(0.01, "deg/h"), 10.0, 65536),
+    "tactical MEMS": Cell(MEMS, 100.0, 65536),
+}
+
+
+def coefficients_of(job: tuple[str, int]) -> dict[str, tuple[float, ...]]:
+    """Of each true term: estimate over truth, whether its limits at 95 and 68 % hold it; of the others whether claimed.
+
+    A term that is not claimed counts with the estimate 0.
+    """
+    name, i = job
+    cell = CELLS[name]
+    rng = np.random.default_rng((100 + list(CELLS).index(name), cell.size, i))
+    fit = al.identify(al.simulate(cell.model, cell.size, cell.rate, rng=rng))
+    truth = {t.symbol: t.value for t in cell.model}
+    found: dict[str, tuple[float, ...]] = {}
+    for e in fit:
+        if e.symbol in truth and e.status != "not observable":
+            inside = [low <= truth[e.symbol] <= high for low, high in map(e.interval, LEVELS)]
+            found[e.symbol] = (e.value or 0.0) / truth[e.symbol], *map(float, inside)
+        elif e.symbol not in truth:
+            found[e.symbol] = (float(e.claimed),)
+    return found
+
+
+def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
+    """A row for each true term of each cell."""
+    rows = []
+    for name, cell in CELLS.items():
+        said = pool.map(coefficients_of, [(name, i) for i in range(records)], chunksize=4)
+        least = al.bound(cell.model, cell.size, cell.rate)
+        true = {t.symbol for t in cell.model}
+        false = [100 * np.mean([one[s][0] for one in said if s in one]) for s in "QNBKR" if s not in true]
+        for t in cell.model:
+            one = np.array([found[t.symbol] for found in said if t.symbol in found])
+            bound = float(least[t.symbol])
+            rms = math.sqrt(np.mean((one[:, 0] - 1) ** 2))
+            rows.append((name, t.symbol, f"{100 * bound:.1f}", f"{100 * (one[:, 0] > 0).mean():.1f}",
+                         f"{100 * one[:, 1].mean():.1f}", f"{100 * one[:, 2].mean():.1f}", f"{rms / bound:.2f}",
+                         f"{max(false, default=0.0):.1f}"))  # fmt: skip
+            print(*rows[-1], flush=True)
+    return rows
+
+
+def main() -> None:
+    """Make a table."""
+    cores = os.cpu_count() or 1
+    run = begin(__doc__, what=("curves", "coefficients"), records=400, exponents=[10, 14], processes=cores)
+    asked = run.asked
+    with Pool(asked.processes) as pool:
+        if asked.what == "coefficients":
+            notes = [
+                "seeds: 100 and the number of the cell, samples, number of the record",
+                f"{asked.records} records a cell; `identify` with its defaults",
+                "95, 68: % of records whose limits hold the truth; rms: over the Cramer-Rao bound with terms known, 0 "
+                "for what is not claimed; false: % of records with the term that is most often claimed falsely",
+            ]
+            headings = ("noise", "term", "bound, %", "claimed, %", "95", "68", "rms / bound", "false, %")
+            run.publish("Limits of coefficients", notes, markdown(headings, coefficient_rows(asked.records, pool)))
+            return
+        notes = [
+            "seeds: number of the noise, samples, number of the record",
+            f"{asked.records} records a cell; totdev and theo1 with bias='exact', theobr and theoh with the model's",
+            "95: % of records whose limits hold the truth (+ truth above, - below); 68: at 68 %; ratio: median upper "
+            "over lower limit at 95 %",
+        ]
+        kinds = [f"{kind}: {what}" for kind in ("averaged", "selected", "allantools") for what in ("95", "68", "ratio")]
+        headings = ("noise", "samples", "statistic", "tau / T", *kinds)
+        run.publish("Limits of curves", notes, markdown(headings, curve_rows(asked.records, asked.exponents, pool)))
+
+
+if __name__ == "__main__":
+    main()
