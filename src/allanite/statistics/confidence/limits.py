@@ -144,7 +144,7 @@ def at_point(points: Points, i: int, model: Model) -> Local:
     """What a model's terms mean at a point."""
     row, m, size = points.row, int(points.m[i]), points.size
     part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
-    runs = grouped(points.runs)
+    runs = grouped(points.runs, part, m)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
     hybrid = row.parts and part is row.parts[-1] and points.scattered
     kept = np.array([row.kept(term.row.slope, m / size) if hybrid else 1.0 for term in model])

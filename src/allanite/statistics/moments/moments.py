@@ -81,10 +81,10 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     a hybrid. Of a model with sinusoids, that of its noise.
     """
     model = noise_of(model_of(model))
-    runs = [(runs, 1)] if isinstance(runs, int) else grouped(runs)
+    runs = [(runs, 1)] if isinstance(runs, int) else runs
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
-        E, r = moments(row, model, k, runs, rate)
+        E, r = moments(row, model, k, grouped(runs, row, k), rate)
         result[i] = E.sum() ** 2 / (E @ r @ E)
     return result
 
@@ -121,20 +121,28 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> 
     return np.asarray(sum(parts) / whole**2)
 
 
-def grouped(runs: Runs) -> list[tuple[int, int]]:
-    """The runs by length; of very many lengths, neighbours within a few percent share their mean length."""
+def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
+    """The runs that hold a window of m, by their number of windows, each as the shortest run with as many.
+
+    Of very many different numbers, neighbours within a few per cent share the one nearest to their mean.
+    """
     lengths = Counter[int]()
     for size, times in runs:
         lengths[size] += times
-    if len(lengths) <= DISTINCT:
-        return sorted(lengths.items())
-    sizes, many = np.array(sorted(lengths)), np.array([lengths[size] for size in sorted(lengths)])
-    edges = np.geomspace(sizes[0], sizes[-1] + 1, DISTINCT + 1)
-    bins = np.digitize(sizes, edges)
-    return [
-        (round(float(np.average(sizes[bins == b], weights=many[bins == b]))), int(many[bins == b].sum()))
-        for b in np.unique(bins)
-    ]
+    sizes = np.array(sorted(lengths))
+    windows = np.array([int(row.count(int(n), np.array([m]))[0]) for n in sizes])
+    sizes, windows = sizes[windows > 0], windows[windows > 0]
+    known, first, place = np.unique(windows, return_index=True, return_inverse=True)
+    many = np.bincount(place.ravel(), [lengths[int(n)] for n in sizes], known.size).astype(np.int64)
+    if known.size <= DISTINCT:
+        return [(int(sizes[i]), int(times)) for i, times in zip(first, many, strict=True)]
+    bins = np.digitize(known, np.geomspace(known[0], known[-1] + 1, DISTINCT + 1))
+    merged = []
+    for one in np.unique(bins):
+        here = np.flatnonzero(bins == one)
+        mean = np.average(known[here], weights=many[here])
+        merged.append((int(sizes[first[here[np.abs(known[here] - mean).argmin()]]]), int(many[here].sum())))
+    return merged
 
 
 def covariance(row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float) -> FloatArray:
