@@ -59,12 +59,12 @@ def _scaled(terms: Model, scale: FloatArray) -> Model:
     return Model(tuple(Term(t.symbol, t.value * s**0.5, t.signal, t.shape) for t, s in kept if s > 0))
 
 
-def averaged(models: Sequence[Model], weights: Sequence[float] | FloatArray) -> Averaged:
+def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray) -> Averaged:
     """Models with their weights.
 
     Parameters
     ----------
-    models : sequence of Model
+    models : sequence of Model or Term
         Terms of one symbol and shape are one term, of several sizes.
     weights : sequence of float
         Positive, of any sum.
@@ -77,14 +77,15 @@ def averaged(models: Sequence[Model], weights: Sequence[float] | FloatArray) -> 
     weight = np.asarray(weights, dtype=np.float64)
     if not models or weight.shape != (len(models),) or not (weight > 0).all():
         raise UsageError(f"{len(models)} models need as many positive weights, not {weights!r}")
+    each = [model_of(model) for model in models]
     sizes: dict[Any, Term] = {}
-    for term in (term for model in models for term in model):
+    for term in (term for model in each for term in model):
         key = term.symbol, term.shape
         if key not in sizes or abs(term.value) > abs(sizes[key].value):
             sizes[key] = term
-    scale = np.zeros((len(models), len(sizes)))
+    scale = np.zeros((len(each), len(sizes)))
     where = {key: i for i, key in enumerate(sizes)}
-    for row, model in zip(scale, models, strict=True):
+    for row, model in zip(scale, each, strict=True):
         for term in model:
             key = term.symbol, term.shape
             row[where[key]] = (term.value / sizes[key].value) ** 2
@@ -104,4 +105,4 @@ def noise_choice(value: "ModelLike | Literal['auto'] | None") -> Averaged | Lite
             "parse_model makes a model of a text"
         )
     found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
-    return found if isinstance(found, Averaged) else averaged([model_of(value)], [1.0])
+    return found if isinstance(found, Averaged) else averaged([value], [1.0])
