@@ -12,8 +12,12 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
+from allanite.terms import TERMS
 
 from .information import Grid, Information, Part, shape_parts
+
+AUTO = "QNBKR"
+"""The terms that `identify` looks for."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,8 +58,8 @@ class Bound(Value):
         return f"of {self.size} readings at {self.rate:g} Hz: {', '.join(errors)}"
 
 
-def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) -> Bound:
-    """The Cramer-Rao bound of a model's coefficients, its terms being known.
+def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, terms: str = "known") -> Bound:
+    """The Cramer-Rao bound of a model's coefficients.
 
     Parameters
     ----------
@@ -66,6 +70,9 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) ->
         Sampling rate, Hz.
     ramp : bool, optional
         Whether a ramp of unknown size must be reckoned with; if left out, whether the model has one.
+    terms : str
+        What is known of the terms beforehand. "known": which of them there are. "auto": nothing, as where `identify`
+        looks for all five; a string of symbols, as "QNB": that there are no others than these and those of the model.
 
     Returns
     -------
@@ -81,7 +88,14 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) ->
     The standard errors of the coefficients, not of their squares. They hold where they are small; a term whose bound is
     above about 40 % is hardly seen at all. A time constant of Gauss-Markov noise is unknown as well, and a sinusoid has
     unknown amplitude, phase and frequency. The size of a term that is absent is not known to be zero to whoever looks
-    for it, which costs the others some accuracy that is not counted here.
+    for it: with `terms` this is counted, as if the size could be negative too, which makes it an upper bound.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> noise = N(0.1, "deg/sqrt(h)")
+    >>> [round(bound(noise, 500, 1.0, terms=terms)["N"], 3) for terms in ("known", "auto")]
+    [0.032, 0.073]
     """
     model = model_of(model)
     if n < 8:
@@ -89,17 +103,30 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None) ->
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise in it, and without noise everything is known exactly")
-    unknown = model.drifts if ramp is None else ramp
+    beside = [Term(symbol, 1.0, model.signal) for symbol in _symbols(terms) if symbol not in {t.symbol for t in model}]
+    unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
     grid = Grid(n)
     own = [Part.of(t, rate, grid) for t in noise]
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
+    others = [Part.of(t, rate, grid) for t in beside if t.row.waveform is None]
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
-    relative = dict(zip(_names(noise, model), _errors(found.matrix(parts)), strict=True))
+    errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
+    relative = dict(zip(_names(noise, model), errors, strict=True))
     for t in model:
         if t.row.periodic or (unknown and t.row.waveform is not None):
             relative |= dict(_deterministic(t, model, found.ramp, grid.n, rate))
     slope = found.ramp * rate if unknown else None
     return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
+
+
+def _symbols(terms: str) -> str:
+    """The symbols that `terms` stands for."""
+    if terms in ("known", "auto"):
+        return AUTO if terms == "auto" else ""
+    odd = [symbol for symbol in terms if symbol not in TERMS or TERMS[symbol].parameters]
+    if odd:
+        raise UsageError(f"terms are 'known', 'auto' or symbols as in {AUTO!r}, not {terms!r}")
+    return terms
 
 
 def _errors(information: FloatArray) -> FloatArray:

@@ -44,6 +44,8 @@ class RecordingPlan(Value):
         The relative standard error that is wanted.
     needed : array, shape (parameters,)
         Least length for it, s; infinite where no length of a practical kind gives it.
+    searched, searched_needed : arrays, shapes as of `errors` and `needed`
+        The same where it is not known which of the five terms there are, as when `identify` looks for them.
     """
 
     model: Model
@@ -54,13 +56,19 @@ class RecordingPlan(Value):
     errors: FloatArray
     accuracy: float
     needed: FloatArray
+    searched: FloatArray
+    searched_needed: FloatArray
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows; errors in percent, lengths in s."""
-        headings = ["parameter", *(f"{d:g} s, %" for d in self.durations), f"s for {100 * self.accuracy:g} %"]
-        errors = (100 * self.errors).tolist()
-        rows = zip(self.names, errors, self.needed.tolist(), strict=True)
-        return headings, [[name, *row, needed] for name, row, needed in rows]
+        """Headings and rows, with the terms known and then not; errors in percent, lengths in s."""
+        headings = ["parameter", "terms", *(f"{d:g} s, %" for d in self.durations), f"s for {100 * self.accuracy:g} %"]
+        kinds = (("known", self.errors, self.needed), ("searched", self.searched, self.searched_needed))
+        rows = [
+            [name, kind, *row, least]
+            for kind, errors, needed in kinds
+            for name, row, least in zip(self.names, (100 * errors).tolist(), needed.tolist(), strict=True)
+        ]
+        return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; a plan has no limits, so that `level` changes nothing."""
@@ -84,8 +92,8 @@ def plan(
 ) -> RecordingPlan:
     """How accurate each coefficient can be at these lengths of the record, and how long it takes for a wanted accuracy.
 
-    From the Cramer-Rao bound (see `bound`), which the default method of `identify` reaches where the bound is below
-    about 12 %; nothing is simulated.
+    From the Cramer-Rao bound (see `bound`), with the terms known and with all five looked for, which the default method
+    of `identify` reaches where the bound is below about 12 %; nothing is simulated.
 
     Parameters
     ----------
@@ -126,16 +134,22 @@ def plan(
     model = model_of(model)
     unknown = model.drifts if ramp is None else ramp
 
-    @cache
-    def errors(n: int) -> FloatArray:
-        return bound(model, n, rate, ramp=unknown).errors
-
     names = bound(model, SHORTEST, rate, ramp=unknown).names
     nothing = np.full(len(names), math.nan)
-    table = [errors(round(d * rate)) if d * rate >= SHORTEST else nothing for d in durations]
-    columns = np.array(table).reshape(len(durations), len(names)).T
-    needed = np.array([_least(errors, i, accuracy) for i in range(len(names))])
-    return RecordingPlan(model, rate, unknown, names, tuple(durations), columns, accuracy, needed / rate)
+
+    def planned(terms: str) -> tuple[FloatArray, FloatArray]:
+        """Errors at the lengths, and the lengths that are needed."""
+
+        @cache
+        def error(n: int) -> FloatArray:
+            return bound(model, n, rate, ramp=unknown if terms == "known" else None, terms=terms).errors[: len(names)]
+
+        table = [error(round(d * rate)) if d * rate >= SHORTEST else nothing for d in durations]
+        columns = np.array(table).reshape(len(durations), len(names)).T
+        return columns, np.array([_least(error, i, accuracy) for i in range(len(names))]) / rate
+
+    (errors, needed), (searched, least) = planned("known"), planned("auto")
+    return RecordingPlan(model, rate, unknown, names, tuple(durations), errors, accuracy, needed, searched, least)
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:

@@ -116,6 +116,18 @@ def test_the_length_that_is_needed_gives_the_accuracy():
         assert reached == pytest.approx(0.05, rel=2e-3) or (needed == 2.0 and reached < 0.05)
 
 
+def test_a_term_that_is_not_known_to_be_absent_costs_as_much_as_a_tiny_one():
+    noise, n = al.N(0.1, "deg/sqrt(h)"), 2000
+    tiny = al.Q(1e-6, "arcsec") + al.B(1e-6, "deg/h") + al.K(1e-6, "deg/h/sqrt(h)")
+    beside = al.bound(noise + tiny, n, 1.0, ramp=True)["N"]
+    assert al.bound(noise, n, 1.0, terms="auto")["N"] == pytest.approx(beside, rel=1e-3)
+    assert al.bound(noise, n, 1.0, terms="QBKRN")["N"] == pytest.approx(beside, rel=1e-3)
+    known = al.bound(noise, n, 1.0)["N"]
+    assert known < al.bound(noise, n, 1.0, terms="Q")["N"] < beside
+    with pytest.raises(al.UsageError, match="terms are 'known', 'auto' or symbols"):
+        al.bound(noise, n, 1.0, terms="X")
+
+
 def test_two_processes_are_told_apart_by_their_time_constants():
     model = al.parse_model("N 1 deg/sqrt(h), GM 3 deg/h 10 s, GM 3 deg/h 100 s")
     names = al.bound(model, 10_000, 10.0).names
@@ -137,8 +149,13 @@ def test_the_verb_plans_for_a_sensor():
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     at = lines.index("mems  100 Hz, no ramp")
-    assert lines[at + 1].split()[-5:] == ["24", "h", "for", "5", "%"]
-    assert lines[at + 3].split() == ["B", "7.2", "deg/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
+    assert lines[at + 2].strip() == "if it is known which terms there are"
+    assert lines[at + 3].split()[-5:] == ["24", "h", "for", "5", "%"]
+    assert lines[at + 5].split() == ["B", "7.2", "deg/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
+    assert lines[at + 8].strip() == "if all five terms are looked for, as analyze does"
+    assert lines[at + 11].split()[:6] == ["B", "7.2", "deg/h", "-", "19", "%"]
+    whole = run("--sensor", "fog", "--rate", 100).stdout  # nothing more can be there
+    assert "looked for" not in whole
 
 
 def test_the_verb_plans_from_a_first_recording(tmp_path):

@@ -50,8 +50,8 @@ EXPLAINED = {
 CURVE_ALONE = "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it."
 READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
 LIMITS = (
-    "The limits of the curve come from the exact distribution of the statistic, averaged over the noise models that the "
-    "record leaves open: a random walk that was not identified may still be there."
+    "The limits of the curve come from the exact distribution of the statistic, averaged over the noise models that "
+    "the record leaves open: a random walk that was not identified may still be there."
 )
 SHARED = (
     "Correlation of what the models leave: sample by sample, and of means over 64 stretches of the record. By chance "

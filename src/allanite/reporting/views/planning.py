@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.planning.bound import Bound, name_of
@@ -24,6 +26,8 @@ PLANNED = (
     "is called identified up to 25 %; above 40 % it is hardly seen. The default method reaches the bound where it is "
     "below about 12 %."
 )
+KNOWN = "if it is known which terms there are"
+SEARCHED = "if all five terms are looked for, as analyze does"
 CHECKED = (
     "bound: least relative standard error (Cramer-Rao); bias and spread of the coefficient, relative to the truth; "
     "coverage: share of the printed intervals that contain the truth; found: share of records in which the term is "
@@ -66,11 +70,13 @@ def _plan_about(plan: RecordingPlan) -> str:
 def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     heads = _heads("expected", "unit", *map(words.duration, plan.durations), f"for {percent(plan.accuracy)}")
     values = expected_values(plan.model)
-    rows = [
-        [name, *values.get(name, ("", "")), *map(percent, errors), _length(needed)]
-        for name, errors, needed in zip(plan.names, plan.errors.tolist(), plan.needed.tolist(), strict=True)
-    ]
-    yield Table(heads, rows)
+    kinds = [("", plan.errors, plan.needed)]
+    if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
+        kinds = [(KNOWN, plan.errors, plan.needed), (SEARCHED, plan.searched, plan.searched_needed)]
+    for title, errors, needed in kinds:
+        each = zip(plan.names, errors.tolist(), needed.tolist(), strict=True)
+        rows = [[name, *values.get(name, ("", "")), *map(percent, row), _length(least)] for name, row, least in each]
+        yield Table(heads, rows, title)
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), "relative standard errors by length of the record", DRAWN)
 
 
