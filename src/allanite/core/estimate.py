@@ -26,7 +26,8 @@ class Estimate(Value):
     value : float or None
         The estimate; None where the term was not found.
     standard_error : float or None
-        Of `value`; None where the method gives none.
+        Of `value`; None where the method gives none. Of the likelihood's never so small that the 95 % limits reach more
+        than 1.96 of it below the value.
     status : {"identified", "weak", "absent", "not observable", "not valid", "reported", "negative"}
         "identified": found, relative standard error at most 25 %; "weak": found, above; "absent": not found, see
         `upper`; "not observable": this record cannot tell, see `reason`; "not valid": the model does not explain the

@@ -21,6 +21,9 @@ from .timeconstant import Search
 
 Limits = Callable[[float], tuple[float, float]]
 
+TWO_SIDED = 1.96
+"""Standard errors from an estimate to its 95 % limits."""
+
 HIDDEN = 0.6
 """Share of half the sampling rate below which a band's end hides the noise of the angle."""
 
@@ -85,7 +88,8 @@ def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estim
         return _absent(symbol, scale, upper, limits)
     theta = float(chosen.theta[which])
     value = scale.coefficient(symbol, theta)
-    relative = standard_error(chosen, which, found.slope) / (2 * theta)
+    # what the selection leaves open counts: the lower limit is not beyond two standard errors
+    relative = max(standard_error(chosen, which, found.slope) / (2 * theta), (1 - limits(0.95)[0] / value) / TWO_SIDED)
     status = "identified" if relative <= WEAK else "weak"
     plain = Estimate(symbol, scale.signal, value, value * relative, status, upper(0.95), "whittle", limits, limits)
     return _with_constant(plain, found) if TERMS[symbol].parameters else plain
