@@ -134,12 +134,13 @@ def _regression(
     seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, found = mixture(seen, settings.symbols)
     alike = collinearity(part, seen, theta)
-    inside, effective = _inside(part, seen, theta, found.values + first)
+    inside = _inside(part, seen, theta, found.values + first)
+    effective = _effective(part, seen, theta)
     if effective < settings.least * len(part.taken):
         raise DataError(
-            f"the noise of {record.name!r} has {effective:.3g} effective samples, because most of it is slow: too few "
-            f"for {len(part.taken)} regressors, each of which wants {settings.least:g}. Name fewer, record for longer, "
-            "or accept fewer samples for each with FitSettings(least=...) (--least)"
+            f"the noise of {record.name!r} has {effective:.3g} effective samples, as a whole or where the regressors "
+            f"vary: too few for {len(part.taken)} regressors, of which each wants {settings.least:g}. Name fewer, "
+            "record for longer, or accept fewer samples for each with FitSettings(least=...) (--least)"
         )
     return Regression(
         record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
@@ -170,25 +171,40 @@ def _plain(part: Design) -> FloatArray:
     return np.asarray(np.linalg.lstsq(Z, z, rcond=None)[0])
 
 
-def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> tuple[Gain, float]:
-    """Mean squares of the fitted record, and the effective samples.
+def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
+    """Mean squares of the fitted record.
 
     Generalised least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
-    of the noise. That sum has (sum m)^2 / sum m^2 degrees of freedom, m being the spectrum of the noise: as many as
-    there are samples for white noise, two or three for a random walk.
+    of the noise.
     """
     taken = part.taken
     flat = np.flatnonzero(seen.flat)[taken]
     V = seen.directions(theta)[1][np.ix_(flat, flat)]
     S = seen.UU[:, flat][:, :, flat].sum(axis=0)
-    m = seen.expectation(theta)
-    effective = float(seen.count @ m) ** 2 / float(seen.count @ m**2)
     before = after = 0.0
     for a, b in part.stretches:
         left = part.y[a:b] - part.X[a:b][:, taken] @ values[taken]
         before += float(((part.y[a:b] - part.y[a:b].mean()) ** 2).sum())
         after += float(((left - left.mean()) ** 2).sum())
-    return Gain(before / part.count, after / part.count, float(np.trace(V @ S)) / part.count), effective
+    return Gain(before / part.count, after / part.count, float(np.trace(V @ S)) / part.count)
+
+
+def _effective(part: Design, seen: Likelihood, theta: FloatArray) -> float:
+    """Effective samples: degrees of freedom of the noise as a whole, or where the regressors vary if these are more.
+
+    The variance of the noise has (sum m)^2 / sum m^2 of them, m being its spectrum: as many as there are samples for
+    white noise, two or three for a random walk. The coefficient of a column x has the variance 1 / A, with A the sum of
+    x_k^2 / m_k. With C the covariance of ln theta that the record leaves, A has 2 / Var(ln A): of a random walk as many
+    as there are coefficients that it rules.
+    """
+    m, there = seen.expectation(theta), theta > 0
+    whole = float(seen.count @ m) ** 2 / float(seen.count @ m**2)
+    share = seen.S[:, there] * theta[there] / m[:, None]
+    C = np.linalg.pinv(seen.information(theta)[np.ix_(there, there)] * np.outer(theta[there], theta[there]))
+    flat = np.flatnonzero(seen.flat)[part.taken]
+    weight = np.einsum("kii->ik", seen.UU[:, flat][:, :, flat]) / m
+    g = weight @ share / weight.sum(axis=1, keepdims=True)
+    return max(whole, float((2 / np.einsum("ri,ij,rj->r", g, C, g)).min(initial=part.count)))
 
 
 def _model(record: Record, symbols: str, theta: FloatArray) -> Model:

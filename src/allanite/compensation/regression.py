@@ -49,7 +49,7 @@ class Regression(Correction):
     noise : Model
         Noise that is left, identified along with the coefficients: squared coefficients averaged as they were.
     effective : float
-        Effective samples: degrees of freedom of the variance of the noise.
+        Effective samples: degrees of freedom of the noise, as a whole or where the regressors vary.
     inside : Gain
         Of the record that was fitted.
     held : Gain or None
