@@ -148,7 +148,7 @@ def shared_curves(
     """Averaging factors of each record, and its curve, at the same averaging times; see `shared_factors`."""
     m = shared_factors(records, statistic, taus)
     each = zip(records, m, fits, strict=True)
-    return m, tuple(deviation(record, statistic, m=k.tolist(), noise=fit.model) for record, k, fit in each)
+    return m, tuple(deviation(record, statistic, m=k.tolist(), noise=fit) for record, k, fit in each)
 
 
 def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:

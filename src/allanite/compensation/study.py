@@ -212,7 +212,7 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
         raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
     noise, alerts = _noise(before, recipe)
     curve = partial(deviation, statistic="oadev", taus="octave")
-    curves = curve(before, noise=noise.fit.model if noise else regression.noise), curve(after, noise=regression.noise)
+    curves = curve(before, noise=noise.fit if noise else regression.noise), curve(after, noise=regression.noise)
     return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
 
 

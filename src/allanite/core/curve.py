@@ -63,8 +63,7 @@ class Curve(Value):
         demand_level(level)
         if self.law is None:
             raise UsageError(
-                "confidence needs the noise that is there: deviation(record, ..., "
-                "noise=allanite.identify(record).model)"
+                "confidence needs the noise that is there: deviation(record, ..., noise=allanite.identify(record))"
             )
         return self.law(level)
 

@@ -75,7 +75,7 @@ class Modelled(Value):
         """The measured Allan deviation."""
         if self.noise is None or not isinstance(self.record, Record):
             return None
-        return deviation(self.record, "oadev", taus="log", noise=self.noise.fit.model)
+        return deviation(self.record, "oadev", taus="log", noise=self.noise.fit)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data: the name, what the result has, and the noise that it follows from."""

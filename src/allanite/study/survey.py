@@ -57,9 +57,8 @@ class Deviations(Value):
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One curve a statistic."""
-        noise = fit.model if fit else None
         for name in self.statistic:
-            yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
+            yield deviation(record, name, taus=self.taus, m=self.m, noise=fit, threads=self.threads)
 
 
 @dataclass(frozen=True, repr=False)

@@ -41,9 +41,9 @@ def test_deviation_is_that_of_the_library(file):
     assert result.exit_code == 0, result.stderr
     found = rows(result.stdout)
     record = al.read(file)["x"]
-    model = al.identify(record).model
+    fit = al.identify(record)
     for name, part in (("adev", found[:3]), ("oadev", found[3:])):
-        curve = al.deviation(record, name, m=[1, 10, 100], noise=model).to("deg/h")
+        curve = al.deviation(record, name, m=[1, 10, 100], noise=fit).to("deg/h")
         low, high = curve.interval()
         for i, row in enumerate(part):
             assert (row["channel"], row["statistic"], row["unit"]) == ("x", name, "deg/h")
