@@ -1,0 +1,67 @@
+"""The table of limits after identification holds what is claimed of it, and a part can be made again."""
+
+from table import read
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import limits
+
+CURVES = read("limits.md")
+POINTS = CURVES.rows()
+SHORT = {
+    "theo1": "87.6 to 93 % at 0.1 and 0.2 of the record: the mean bias over the models draws the deviation down there",
+}
+"""Statistics that fall short, and why; theobr and theoh are Theo1 beyond their joint."""
+
+
+def spread(page, share):
+    """2.6 standard errors of a share, %, of the page's records: 1 of 100 cells lies beyond, on either side 1 of 200."""
+    records = int(re.search(r"--records (\d+)", page.head)[1])
+    return 260 * math.sqrt(share / 100 * (1 - share / 100) / records)
+
+
+def covered(point):
+    return float(point["averaged: 95"].split()[0]), float(point["averaged: 68"])
+
+
+def short(points):
+    """Points whose limits at 95 % hold too seldom, and at 68 %, beyond chance."""
+    wide = [p for p in points if covered(p)[0] < 93 - spread(CURVES, 93)]
+    return wide, [p for p in points if covered(p)[1] < 64 - spread(CURVES, 64)]
+
+
+def of(*statistics):
+    return [p for p in POINTS if p["statistic"] in statistics]
+
+
+def test_it_says_how_it_was_made():
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", CURVES.head)
+    assert {p["noise"] for p in POINTS} == set(limits.NOISES)
+    assert {p["statistic"] for p in POINTS} == set(limits.STATISTIC)
+
+
+def marked(statistic):
+    why = next((why for name, why in SHORT.items() if name[:4] == statistic[:4]), None)
+    return pytest.param(statistic, marks=[pytest.mark.xfail(reason=why)] if why else [])
+
+
+@pytest.mark.parametrize("statistic", [marked(name) for name in limits.STATISTIC])
+def test_averaged_limits_of_a_curve_hold(statistic):
+    assert short(of(statistic)) == ([], [])
+
+
+def test_limits_of_the_selected_model_do_not():
+    """What the averaging is for."""
+    assert min(float(p["selected: 95"].split()[0]) for p in of("totdev")) < 85
+
+
+def test_a_part_is_made_again():
+    """Places of the truth of a few records, the numbers of a whole table being shares of many."""
+    said = [limits.curves_of(("N+weak K", 256, i)) for i in range(3)]
+    assert sum(one["averaged", "oadev", 102].place[0] == 0 for one in said) >= 2
+    widths = [one["averaged", "totdev", 204].width[0] / one["selected", "totdev", 204].width[0] for one in said]
+    assert np.median(widths) > 1.2
