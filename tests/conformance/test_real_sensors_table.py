@@ -12,10 +12,6 @@ import real_sensors
 SIMULATED, RECORDED = read("real_sensors.md"), read("recordings.md")
 CELLS, CHANNELS = SIMULATED.rows(), RECORDED.rows()
 RECORDS = int(re.search(r"--records (\d+)", SIMULATED.head)[1])
-SHORT = {
-    ("FOG", "hump"): "the skirts of the hump look like quantization, which this sensor has",
-}
-"""Cells that fall short, and why."""
 
 
 def beyond_chance(share, sign):
@@ -28,11 +24,9 @@ def figures(cell):
     return {s: [float(x) for x in cell[s].split(" / ")[:2]] for s in "NBK" if "/" in cell[s]}
 
 
-def marked(cells):
-    """The cells, those that fall short marked."""
-    keys = [(cell["sensor"], cell["behind"]) for cell in cells]
-    marks = [[pytest.mark.xfail(reason=SHORT[key], strict=False)] if key in SHORT else [] for key in keys]
-    return [pytest.param(cell, marks=m, id="-".join(k)) for cell, m, k in zip(cells, marks, keys, strict=True)]
+def cells(found):
+    """Cells with their names."""
+    return [pytest.param(cell, id=f"{cell['sensor']}-{cell['behind']}") for cell in found]
 
 
 def test_they_say_how_they_were_made():
@@ -42,16 +36,17 @@ def test_they_say_how_they_were_made():
     assert [(cell["sensor"], cell["behind"]) for cell in CELLS] == wanted
 
 
-@pytest.mark.parametrize("cell", marked(CELLS))
+@pytest.mark.parametrize("cell", cells(CELLS))
 def test_limits_hold_where_a_record_is_called_explained(cell):
     for covered, _ in figures(cell).values():
         assert covered >= beyond_chance(91, -1)
 
 
-@pytest.mark.parametrize("cell", marked(CELLS))
-def test_no_N_is_off_where_a_record_is_called_explained(cell):
-    if "N" in figures(cell):
-        assert figures(cell)["N"][1] <= beyond_chance(2, 1)
+@pytest.mark.parametrize("cell", cells(CELLS))
+@pytest.mark.parametrize("symbol", "NBK")
+def test_no_coefficient_is_off_where_a_record_is_called_explained(cell, symbol):
+    if symbol in figures(cell):
+        assert figures(cell)[symbol][1] <= beyond_chance(2, 1)
 
 
 @pytest.mark.parametrize("cell", [c for c in CELLS if c["behind"] == "clean"], ids=lambda c: c["sensor"])
@@ -73,6 +68,12 @@ def test_four_of_five_channels_at_rest_are_explained_or_approximate():
     for channel in CHANNELS:
         if channel["file"].startswith("psins"):
             assert channel["grade"] == "unexplained"
+
+
+@pytest.mark.xfail(reason="75 %: six channels of a swaying vehicle and one of five distinct values are refused")
+def test_four_of_five_of_all_channels_are_explained_or_approximate():
+    good = [c for c in CHANNELS if c["grade"] in ("explained", "approximate")]
+    assert len(good) >= 0.8 * len(CHANNELS)
 
 
 def test_gyroscopes_of_both_units_are_explained_and_no_flicker_lies_above_its_curve():
