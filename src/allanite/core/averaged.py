@@ -92,7 +92,7 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
     return Averaged(Model(tuple(sizes.values())), scale, weight / weight.sum())
 
 
-def noise_choice(value: "ModelLike | Literal['auto'] | None") -> Averaged | Literal["auto"] | None:
+def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Literal["auto"] | None:
     """A choice of the noise that limits suppose: models, "auto" for what the record shows, None for no limits.
 
     A model or a term stands as it is given; of a fit all the models that it leaves open.

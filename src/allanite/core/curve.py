@@ -35,7 +35,8 @@ class Curve(Value):
     name, rate, size, history
         The record's channel, sampling rate, sample intervals (lost ones included; 0 if not known) and history.
     noise : Model, optional
-        The model supposed for the confidence limits.
+        The model supposed for the confidence limits; where that was a fit, its own model, while the limits are averaged
+        over all that it leaves open.
     law : optional
         Gives the limits; it is called when first asked.
     """
@@ -76,7 +77,8 @@ class Curve(Value):
         """Two-sided confidence limits (low, high) of the deviation under `noise`.
 
         Exact equivalent degrees of freedom of the model's mixture; where they are few, the law of its largest
-        eigenvalues instead of one chi-square, whose upper limit would be up to several times too wide.
+        eigenvalues instead of one chi-square, whose upper limit would be up to several times too wide. Of a fit the
+        laws of all models that it leaves open, averaged.
         """
         _, low, high = self._limits(level)
         return np.sqrt(self.variance * low), np.sqrt(self.variance * high)

@@ -21,8 +21,8 @@ def goodness(
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
     deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The
-    likelihood is that of the bins that were `used`, theta the model, with every term free that may be there: what a
-    selection leaves out stays in the sum. `taken` are sinusoids that were taken out before.
+    likelihood is that of the bins that were `used`, theta the model, with every term free that may be there: else what
+    a selection left out would stay in the sum. `taken` are sinusoids that were taken out before.
     """
     from scipy.special import chdtrc
 

@@ -21,9 +21,9 @@ MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": 
 """Mark of a row by the status of its term."""
 
 GOODNESS = (
-    "Power of the record over the power that the model leads one to expect, in cells of frequency, and the same in "
-    "standard deviations. A model that explains the record leaves nine cells in ten or more within the shaded band; "
-    "cells beyond three standard deviations are red."
+    "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
+    "same in standard deviations. A model that explains the record leaves nine cells in ten or more within the shaded "
+    "band; cells beyond three standard deviations are red."
 )
 RESIDUALS_CAPTION = (
     "The record over its model, in standard deviations: white, Gaussian and of one level if the model is right. Left: "
