@@ -187,9 +187,9 @@ CELLS: dict[str, Cell] = {
 
 
 def coefficients_of(job: tuple[str, int]) -> dict[str, tuple[float, ...]]:
-    """Of each true term: estimate over truth, whether its limits at 95 and 68 % hold it; of the others whether claimed.
+    """Of each true term: median over truth, whether claimed, whether its limits at 95 and 68 % hold it.
 
-    A term that is not claimed counts with the estimate 0.
+    Of the others: whether claimed.
     """
     name, i = job
     cell = CELLS[name]
@@ -200,7 +200,7 @@ def coefficients_of(job: tuple[str, int]) -> dict[str, tuple[float, ...]]:
     for e in fit:
         if e.symbol in truth and e.status != "not observable":
             inside = [low <= truth[e.symbol] <= high for low, high in map(e.interval, LEVELS)]
-            found[e.symbol] = (e.value or 0.0) / truth[e.symbol], *map(float, inside)
+            found[e.symbol] = (e.median or 0.0) / truth[e.symbol], float(e.claimed), *map(float, inside)
         elif e.symbol not in truth:
             found[e.symbol] = (float(e.claimed),)
     return found
@@ -218,9 +218,9 @@ def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
             one = np.array([found[t.symbol] for found in said if t.symbol in found])
             bound = float(least[t.symbol])
             rms = math.sqrt(np.mean((one[:, 0] - 1) ** 2))
-            rows.append((name, t.symbol, f"{100 * bound:.1f}", f"{100 * (one[:, 0] > 0).mean():.1f}",
-                         f"{100 * one[:, 1].mean():.1f}", f"{100 * one[:, 2].mean():.1f}", f"{rms / bound:.2f}",
-                         f"{max(false, default=0.0):.1f}"))  # fmt: skip
+            shares = [f"{100 * share:.1f}" for share in one[:, 1:].mean(axis=0)]
+            most = f"{max(false, default=0.0):.1f}"
+            rows.append((name, t.symbol, f"{100 * bound:.1f}", *shares, f"{rms / bound:.2f}", most))
             print(*rows[-1], flush=True)
     return rows
 
@@ -235,8 +235,8 @@ def main() -> None:
             notes = [
                 "seeds: 100 and the number of the cell, samples, number of the record",
                 f"{asked.records} records a cell; `identify` with its defaults",
-                "95, 68: % of records whose limits hold the truth; rms: over the Cramer-Rao bound with terms known, 0 "
-                "for what is not claimed; false: % of records with the term that is most often claimed falsely",
+                "95, 68: % of records whose limits hold the truth; rms: of the median, claimed or not, over the "
+                "Cramer-Rao bound with terms known; false: % of records, of the term most often claimed falsely",
             ]
             headings = ("noise", "term", "bound, %", "claimed, %", "95", "68", "rms / bound", "false, %")
             run.publish("Limits of coefficients", notes, markdown(headings, coefficient_rows(asked.records, pool)))

@@ -10,7 +10,6 @@ Twice the difference of log-likelihoods is the test. Coefficients end at zero, a
 is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,9 +23,10 @@ from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.scope import Scope
 from allanite.core.units import Signal
+from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.portion import Tuned
-from allanite.identification.likelihood.selection import DOUBT, Profiles, Subset, select, subsets
+from allanite.identification.likelihood.selection import Subset, select, subsets
 from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
 from allanite.terms import TERMS
 
@@ -80,13 +80,13 @@ class Joint(Portable):
 
     @cached_property
     def chosen(self) -> Subset:
-        """What any part may hold: the common model, with the terms that gain `DOUBT` in 2 L."""
-        return select(self.fitted, DOUBT)
+        """What any part may hold: the common model, with the terms that gain `AKAIKE` in 2 L."""
+        return select(self.fitted, AKAIKE)
 
     def limits(self, which: int, level: float) -> tuple[float, float]:
         """Limits of a common coefficient, SI."""
-        low, high = Profiles(self.fitted, select(self.fitted), self.fitted[-1]).limits(which, level)
-        return math.sqrt(low), math.sqrt(high)
+        penalty = np.full(len(self.symbols), AKAIKE)
+        return law(traces(self.fitted, which, [penalty]), penalty).limits(level)
 
     def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
         """The parts with some of the terms."""

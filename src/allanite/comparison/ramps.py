@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.identification.likelihood.selection import Profiles, select, subsets
+from allanite.identification.likelihood.selection import Profile, Subset
 from allanite.terms import TERMS
 
 from .joint import Joint
@@ -51,8 +51,8 @@ def ramp_law(joint: Joint, i: int) -> RampLaw | None:
     if not part.flat.any():
         return None
     slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
-    fitted = subsets(part)
-    thetas, weight = Profiles(fitted, select(fitted), fitted[-1]).weighted(int(np.argmax(slope)))
+    free = np.ones(part.S.shape[1], dtype=bool)
+    thetas, weight = Profile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
     found = [part.directions(theta)[:2] for theta in thetas]
     size = seen.unit_factor * seen.rate
     centre = np.array([eta[-1] for eta, _ in found]) + seen.slope

@@ -39,6 +39,9 @@ class Estimate(Value):
         Interval as `interval` gives it; None where the method has none.
     profile : level -> (low, high)
         Two-sided limits, whether the term was found or not; None where the method has none.
+    median : float or None
+        The best guess of the size, whether the term was found or not: as probably above as below, if the term is
+        there. It is no evidence that it is. None where the method has none.
     shape : tuple of float
         Values of the `parameters` of the term's row: the time constant of GM, s.
     shape_limits : level -> (low, high) of each of them
@@ -55,6 +58,7 @@ class Estimate(Value):
     method: str
     limits: Callable[[float], tuple[float, float]] | None = None
     profile: Callable[[float], tuple[float, float]] | None = None
+    median: float | None = None
     shape: tuple[float, ...] = ()
     shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
     reason: str = ""
@@ -63,7 +67,7 @@ class Estimate(Value):
         """The same, not valid: the value stays to be looked at, its limits do not."""
         return replace(
             self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None, profile=None,
-            shape_limits=None,
+            median=None, shape_limits=None,
         )  # fmt: skip
 
     @property

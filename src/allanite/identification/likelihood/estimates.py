@@ -16,7 +16,8 @@ from allanite.identification.checks.exponent import Exponent
 from allanite.terms import TERMS
 
 from .families import Found
-from .selection import Profiles, Subset, standard_error
+from .law import Law
+from .selection import Subset
 from .timeconstant import Search
 
 Limits = Callable[[float], tuple[float, float]]
@@ -61,37 +62,38 @@ class Scale:
 
 
 @dataclass(frozen=True, eq=False)
-class ProfileLimits:
-    """Limits of a noise term, in SI, from the profiles of the likelihood."""
+class LawLimits:
+    """Limits of a noise term, in SI; 0 and infinity where nothing is known."""
 
     symbol: str
-    which: int
-    profiles: Profiles
+    law: Law | None
     scale: Scale
 
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""
-        low, high = self.profiles.limits(self.which, level)
-        return self.scale.coefficient(self.symbol, low), self.scale.coefficient(self.symbol, high)
+        low, high = self.law.limits(level) if self.law else (0.0, math.inf)
+        return self.scale.coefficient_of(self.symbol, low), self.scale.coefficient_of(self.symbol, high)
 
     def upper(self, level: float) -> float:
         """One-sided upper limit."""
-        return self.scale.coefficient(self.symbol, self.profiles.upper(self.which, level))
+        return self.scale.coefficient_of(self.symbol, self.law.quantile(level) if self.law else math.inf)
 
 
 def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
     """Of a term of noise, absent unless no other term could take its place."""
-    profiles, chosen = found.profiles, found.chosen
-    profile = ProfileLimits(symbol, which, profiles, scale)
-    limits, upper = Remembered(profile), Remembered(profile.upper)
-    if not (chosen.free[which] and profiles.excludes_zero(which) and limits(0.95)[0] > 0):
-        return _absent(symbol, scale, upper, limits)
-    theta = float(chosen.theta[which])
-    value = scale.coefficient(symbol, theta)
-    # what the selection leaves open counts: the lower limit is not beyond two standard errors
-    relative = max(standard_error(chosen, which, found.slope) / (2 * theta), (1 - limits(0.95)[0] / value) / TWO_SIDED)
+    limited, valued = found.laws(which) or (None, None)
+    law = LawLimits(symbol, limited, scale)
+    limits, upper = Remembered(law), Remembered(law.upper)
+    median = scale.coefficient_of(symbol, valued.quantile(0.5)) if valued else None
+    claimed = found.chosen.free[which] and found.profile(which).excludes_zero() and limits(0.95)[0] > 0
+    if not claimed or limited is None or median is None:
+        return _absent(symbol, scale, upper, limits, median)
+    # the lower limit is not beyond two standard errors
+    relative = max(scale.coefficient_of(symbol, limited.spread) / median, (1 - limits(0.95)[0] / median) / TWO_SIDED)
     status = "identified" if relative <= WEAK else "weak"
-    plain = Estimate(symbol, scale.signal, value, value * relative, status, upper(0.95), "whittle", limits, limits)
+    plain = Estimate(
+        symbol, scale.signal, median, median * relative, status, upper(0.95), "whittle", limits, limits, median
+    )
     return _with_constant(plain, found) if TERMS[symbol].parameters else plain
 
 
@@ -118,9 +120,11 @@ def _with_constant(estimate: Estimate, found: Found) -> Estimate:
     return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)
 
 
-def _absent(symbol: str, scale: Scale, upper: Callable[[float], float], profile: Limits) -> Estimate:
+def _absent(
+    symbol: str, scale: Scale, upper: Callable[[float], float], limits: Limits, median: float | None = None
+) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
-    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", profile, profile)
+    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
 
 
 def under(law: Exponent, estimate: Estimate) -> Estimate:
@@ -134,7 +138,14 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
     normal = Normal(value, error)
     status = "identified" if error <= WEAK * value else "weak"
     return replace(
-        estimate, value=value, standard_error=error, status=status, upper=normal(0.9)[1], limits=normal, profile=normal
+        estimate,
+        value=value,
+        standard_error=error,
+        status=status,
+        upper=normal(0.9)[1],
+        limits=normal,
+        profile=normal,
+        median=value,
     )
 
 
@@ -189,12 +200,10 @@ def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
     Student's t, and holds where the noise was not seen at all.
     """
-    profiles = found.profiles
-    part = profiles.everything.likelihood
+    part = found.everything.likelihood
     if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
-    slowest = found.slowest
-    thetas, weight = profiles.weighted(slowest)
+    thetas, weight = found.profile(found.slowest).weighted()
     along = [part.directions(theta)[:2] for theta in thetas]
     size = scale.coefficient_of(symbol, 1.0)
     centre = size * (np.array([eta[-1] for eta, _ in along]) + scale.slope)
@@ -205,9 +214,9 @@ def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
     low, high = limits(0.95)
     if low <= 0 <= high:
-        return _absent(symbol, scale, upper, limits)
+        return _absent(symbol, scale, upper, limits, value)
     status = "identified" if error <= WEAK * abs(value) else "weak"
-    return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits)
+    return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits, value)
 
 
 def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:

@@ -15,8 +15,9 @@ from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
+from .law import AKAIKE, Law, law, traces
 from .portion import Portion, portion
-from .selection import PENALTY, Profiles, Subset, select, subsets
+from .selection import PENALTY, Profile, Subset, select, subsets
 from .timeconstant import SHORTEST, Search
 from .whittle import Spectrum, spectrum
 
@@ -91,20 +92,36 @@ class Found(Portable):
         """The subset in which no term is left out that could take another's place."""
         return self.fitted[-1]
 
-    @cached_property
-    def profiles(self) -> Profiles:
-        """Limits of the terms."""
-        return Profiles(self.fitted, self.chosen, self.everything)
+    def profile(self, which: int) -> Profile:
+        """Of the likelihood of one theta, nothing left out that could take its place."""
+        return Profile(self.everything, which)
 
     @property
     def slowest(self) -> int:
         """The column of the noise of the longest memory, which is known from a few coefficients only."""
         return max(range(len(self.noise)), key=lambda i: np.nan_to_num(TERMS[self.noise[i]].slope, nan=-math.inf))
 
-    @cached_property
-    def slope(self) -> FloatArray | None:
-        """How the expected power changes with the time constant, if there is one."""
-        return self.search.slope(self.chosen) if self.search and self.chosen.constants else None
+    @property
+    def akaike(self) -> FloatArray:
+        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,)."""
+        return AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
+
+    @property
+    def schwarz(self) -> FloatArray:
+        """The same, but noise of the angle must gain ln n, n the coefficients that it could dominate, shape (p,).
+
+        It is clearly there or of no weight, as n is a fixed share of all (G. Schwarz, 1978).
+        """
+        part = self.chosen.likelihood
+        share = part.S[:, : len(self.noise)] / part.expectation(self.chosen.theta)[:, None]
+        dominated = part.count @ (share / share.max(axis=0)) ** 2
+        edge = np.array([TERMS[symbol].edge for symbol in self.noise])
+        return np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
+
+    def laws(self, which: int) -> tuple[Law, Law] | None:
+        """Of a coefficient: the law of its limits and that of its value; None where no model has the term."""
+        along = traces(self.fitted, which, (self.akaike, self.schwarz))
+        return (law(along, self.akaike), law(along, self.schwarz)) if along else None
 
     @property
     def flicker(self) -> Subset | None:

@@ -22,8 +22,8 @@ def nodes(found: Found, scale: Scale, beside: tuple[Term, ...]) -> Averaged:
     That noise rules the long averaging times and is known from a few coefficients only: what was not selected may be
     there. The weights are those of its likelihood times a flat prior of its coefficient.
     """
-    thetas, weight = found.profiles.weighted(found.slowest, NODES, PRIOR)
-    constants = found.profiles.everything.constants
+    thetas, weight = found.profile(found.slowest).weighted(NODES, PRIOR)
+    constants = found.everything.constants
     each = [scale.powers(found.noise, theta, constants) for theta in thetas]
     kept = [
         (Model((*terms, *beside)), float(w)) for terms, w in zip(each, weight, strict=True) if w > LEAST * weight.max()

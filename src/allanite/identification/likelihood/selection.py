@@ -1,4 +1,4 @@
-"""Which terms are there, and how far each could be off: subsets and profiles of the likelihood."""
+"""Which terms are there: subsets of the terms, and profiles of their likelihood."""
 
 import math
 from dataclasses import dataclass
@@ -14,9 +14,6 @@ from .likelihood import Likelihood
 
 PENALTY = 4.0
 """What a term must gain in 2 L to be selected: about the 95 % point of chi-square with one degree of freedom."""
-
-DOUBT = 2.0
-"""What any term that gains it in 2 L may do: widen the limits of the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +118,30 @@ class Profile(Portable):
             return math.inf, 0.0, theta
         return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
 
+    def excludes_zero(self, level: float = 0.95) -> bool:
+        """Whether theta = 0 lies below the two-sided limits."""
+        return self.lower(quantile((1 + level) / 2) ** 2) > 0
+
+    def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
+        """All thetas along the profile, with weights of its likelihood times a prior.
+
+        The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as the
+        coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
+        """
+        roots = np.linspace(0.0, math.sqrt(self.upper(16.0)), nodes)
+        start, thetas, excess = self.subset.theta, [], []
+        for root in roots[::-1]:
+            value, _, start = self.at(root**2, start)
+            if value == math.inf:  # no other term makes noise
+                break
+            thetas.append(start)
+            excess.append(value)
+        density = roots**prior
+        if prior < 1:  # what lies within half a step of 0
+            density[0] = (roots[1] / 2) ** (prior + 1) / (prior + 1) / roots[1]
+        weight = density[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
+        return thetas, weight / weight.sum()
+
     def _solve(self, drop: float, outside: float, guess: float) -> float:
         """Newton on the root of the excess, which is nearly straight in theta, kept within a bracket."""
         start, wanted, inside = self.subset.theta, math.sqrt(drop), self.best
@@ -133,74 +154,6 @@ class Profile(Portable):
             step = guess + (wanted - root) * 2 * root / slope if slope else math.inf
             guess = step if min(inside, outside) < step < max(inside, outside) else (inside + outside) / 2
         return guess
-
-
-@dataclass(frozen=True, eq=False)
-class Profiles(Portable):
-    """Limits of each theta that hold whichever of the other terms are there.
-
-    The profile of 2 L + sum of `doubt`, over every subset that has the term. Limits that trust the selection cover too
-    seldom where it overlooks a weak term; limits that let every term in are 1.4 times too wide where there is none.
-    What the record would have seen clearly must therefore gain something before it widens another's limits, and what
-    it could hardly have seen nothing: a term that could dominate n_j coefficients must gain ln n_j, at most `DOUBT`.
-    """
-
-    fitted: list[Subset]
-    chosen: Subset
-    everything: Subset
-    """The subset in which no term is left out that could take another's place."""
-
-    @cached_property
-    def doubt(self) -> FloatArray:
-        """What each term must gain in 2 L before it widens the limits of others, shape (p,)."""
-        likelihood = self.chosen.likelihood
-        m = likelihood.expectation(self.chosen.theta)
-        share = likelihood.S / m[:, None]
-        dominated = likelihood.count @ (share / share.max(axis=0)) ** 2
-        return np.asarray(np.clip(np.log(dominated), 0.0, DOUBT), dtype=np.float64)
-
-    def limits(self, which: int, level: float) -> tuple[float, float]:
-        """Two-sided limits of theta; the lower one is 0 where theta = 0 is within; 0 and inf where nothing is known."""
-        within = self._within(which, quantile((1 + level) / 2) ** 2)
-        low = min((p.lower(drop) for p, drop in within), default=0.0)
-        return low, max((p.upper(drop) for p, drop in within), default=math.inf)
-
-    def upper(self, which: int, level: float = 0.95) -> float:
-        """One-sided upper limit of theta; the estimate itself for levels up to 0.5."""
-        within = self._within(which, max(0.0, quantile(level)) ** 2)
-        return max((p.upper(drop) for p, drop in within), default=math.inf)
-
-    def excludes_zero(self, which: int, level: float = 0.95) -> bool:
-        """Whether theta = 0 lies below the limits even if every other term is let in without doubt."""
-        return Profile(self.everything, which).lower(quantile((1 + level) / 2) ** 2) > 0
-
-    def weighted(self, which: int, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
-        """All thetas along the profile of one, with weights of its likelihood times a prior.
-
-        Every term is free; the nodes are evenly spaced in the coefficient from 0 to where nothing is left.
-        The prior's density goes as the coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
-        """
-        profile = Profile(self.everything, which)
-        roots = np.linspace(0.0, math.sqrt(profile.upper(16.0)), nodes)
-        start, thetas, excess = self.everything.theta, [], []
-        for root in roots[::-1]:
-            value, _, start = profile.at(root**2, start)
-            if value == math.inf:  # no other term makes noise
-                break
-            thetas.append(start)
-            excess.append(value)
-        density = roots**prior
-        if prior < 1:  # what lies within half a step of 0
-            density[0] = (roots[1] / 2) ** (prior + 1) / (prior + 1) / roots[1]
-        weight = density[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
-        return thetas, weight / weight.sum()
-
-    def _within(self, which: int, drop: float) -> list[tuple[Profile, float]]:
-        """Subsets whose minimum lies within `drop` of the best one's, and what each has left of it."""
-        having = [subset for subset in self.fitted if subset.free[which]]
-        best = min((subset.score(self.doubt) for subset in having), default=math.inf)
-        left = [(subset, drop - (subset.score(self.doubt) - best)) for subset in having]
-        return [(Profile(subset, which), rest) for subset, rest in left if rest >= 0]
 
 
 def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) -> float:

@@ -111,12 +111,6 @@ class Search(Portable):
         """The term, and what is never left out."""
         return self.must | self.part.must
 
-    def slope(self, subset: Subset) -> FloatArray:
-        """Change of the expected power with ln T, shape (bins,)."""
-        (T,) = subset.constants
-        up, down = self.column(1.01 * T), self.column(T / 1.01)
-        return np.asarray(subset.theta[-1] * (up - down) / (2 * math.log(1.01)))
-
     def limits(self, best: Subset, drop: float) -> tuple[float, float]:
         """Time constants at which 2 L has risen by `drop`, the others following; at most those of the search."""
         from scipy.optimize import brentq

@@ -1,0 +1,138 @@
+"""What a record tells of one coefficient, averaged over the models that it leaves open.
+
+A term that was not selected is not zero, and one that was is not certain. Each subset of the terms that holds the
+coefficient c has its profile of the likelihood, 2 L_s(c) with the other terms following; the law of c is
+
+    p(c) ~ sum_s exp(-(2 L_s(c) + sum of the penalties of the other terms of s) / 2),   c >= 0,
+
+flat in the coefficient. A penalty of 2 for each term is that of H. Akaike (1974, eq. 8), whose weights exp(-AIC / 2)
+K. P. Burnham and D. R. Anderson (2002, section 2.9) average over; it gives limits that hold where a weak term hides.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.plain import Portable
+
+from .selection import Profile, Subset, standard_error
+
+AKAIKE = 2.0
+"""Penalty of a term in 2 L."""
+
+LEAST = 1e-4
+"""Weight of a subset, over that of the heaviest, below which it is left out."""
+
+REACH = 25.0
+"""Excess of 2 L at which a profile ends."""
+
+GROWTH = 1.15
+"""Of the steps along a profile, of which the first is half a standard error."""
+
+STEPS = 200
+"""Along a profile to either side, at most."""
+
+POINTS = 1001
+"""Of the coefficient at which a law is tabulated."""
+
+FAR = 9.0
+"""Standard deviations: beyond the end of a profile."""
+
+
+@dataclass(frozen=True, eq=False)
+class Law(Portable):
+    """The law of the root of a theta.
+
+    Attributes
+    ----------
+    root, below : arrays, shape (points,)
+        Values, and the probability of less.
+    zero : float
+        Confidence, one-sided, with which the likelihood leaves zero: that of zero or less.
+    """
+
+    root: FloatArray
+    below: FloatArray
+    zero: float
+
+    def quantile(self, p: float) -> float:
+        """The value below which the root lies with probability p."""
+        return float(np.interp(p, self.below, self.root))
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Two-sided limits; the lower one is 0 where the likelihood does not exclude it."""
+        tail = (1 - level) / 2
+        return 0.0 if self.zero >= tail else self.quantile(tail), self.quantile(1 - tail)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation."""
+        middle, weight = (self.root[1:] + self.root[:-1]) / 2, np.diff(self.below)
+        return math.sqrt(float(weight @ (middle - weight @ middle) ** 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Trace(Portable):
+    """The profile of one subset: signed root of the excess of 2 L at values of the root of theta, rising."""
+
+    subset: Subset
+    root: FloatArray
+    deviate: FloatArray
+
+    def at(self, root: FloatArray) -> FloatArray:
+        """Signed roots of the excess in between."""
+        return np.interp(root, self.root, self.deviate, left=-FAR, right=FAR)
+
+
+def traced(subset: Subset, which: int) -> Trace:
+    """Walk along a profile to either side of its minimum, each step from where the other terms went before."""
+    profile = Profile(subset, which)
+    best = math.sqrt(profile.best)
+    # where theta is a standard error greater
+    first = (math.hypot(best, math.sqrt(standard_error(subset, which))) - best) / 2
+    sides = []
+    for sign in (-1.0, 1.0):
+        at, step, theta, side = best, first, subset.theta, []
+        for _ in range(STEPS):
+            if at <= 0 and sign < 0:
+                break
+            at, step = max(at + sign * step, 0.0), step * GROWTH
+            excess, _, theta = profile.at(at**2, theta)
+            side.append((at, sign * min(math.sqrt(max(excess, 0.0)), FAR)))
+            if excess > REACH:
+                break
+        sides.append(side)
+    root, deviate = zip(*reversed(sides[0]), (best, 0.0), *sides[1], strict=True)
+    return Trace(subset, np.array(root), np.array(deviate))
+
+
+def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]) -> list[Trace]:
+    """Profiles of the subsets that hold a term and have weight under any of the penalties."""
+    having = [subset for subset in fitted if subset.free[which]]
+    heavy = np.zeros(len(having), dtype=bool)
+    for penalty in penalties:
+        score = np.array([subset.score(penalty) for subset in having])
+        heavy |= score < score.min(initial=math.inf) - 2 * math.log(LEAST)
+    return [traced(subset, which) for subset, there in zip(having, heavy, strict=True) if there]
+
+
+def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
+    """The law of a coefficient under the penalties of the terms, shape (p,)."""
+    from scipy.special import ndtr
+
+    # time constants and cut-offs that were tried share the weight of their set of terms
+    kinds = [(trace.subset.free.tobytes(), len(trace.subset.constants)) for trace in along]
+    score = [
+        trace.subset.score(penalty) + 2 * math.log(kinds.count(kind)) for trace, kind in zip(along, kinds, strict=True)
+    ]
+    weight = np.exp(-0.5 * (np.array(score) - min(score)))
+    weight /= weight.sum()
+    low, high = min(trace.root[0] for trace in along), max(trace.root[-1] for trace in along)
+    root = np.linspace(low, high, POINTS)
+    density = weight @ [np.exp(-0.5 * trace.at(root) ** 2) for trace in along]
+    below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
+    zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]
+    return Law(root, below / below[-1], float(zero))
