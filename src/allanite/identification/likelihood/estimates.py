@@ -108,7 +108,8 @@ class ConstantLimits:
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
         """Two-sided limits."""
         # with every other term free: one that was not selected could make another time constant possible
-        low, high = self.search.limits(self.search.refined(self.constant), quantile((1 + level) / 2) ** 2)
+        every = self.search.refined(self.constant, np.ones_like(self.search.may))
+        low, high = self.search.limits(every, quantile((1 + level) / 2) ** 2)
         return ((low / self.rate, high / self.rate),)
 
 

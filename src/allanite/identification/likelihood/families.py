@@ -66,8 +66,13 @@ class Found(Portable):
     @cached_property
     def fitted(self) -> list[Subset]:
         """Subsets that take part in the limits, the last one with every term that could take another's place."""
-        around = self.search.around(self.markov) if self.search and self.markov and self.counts else []
-        return [*(self.elsewhere(self) if self.elsewhere else []), *self.every, *around] or [self.chosen]
+        elsewhere = self.elsewhere(self) if self.elsewhere else []
+        if self.search is None or self.markov is None:
+            return [*elsewhere, *self.every] or [self.chosen]
+        if self.counts:
+            return [*elsewhere, *self.every, *self.search.around(self.markov)]
+        explains = _explains(self.markov, self.part)
+        return [*elsewhere, *(self.search.around(self.markov) if explains else []), *self.every]
 
     @cached_property
     def full(self) -> Subset:
@@ -110,13 +115,17 @@ class Found(Portable):
     def schwarz(self) -> FloatArray:
         """The same, but noise of the angle must gain ln n, n the coefficients that it could dominate, shape (p,).
 
-        It is clearly there or of no weight, as n is a fixed share of all (G. Schwarz, 1978).
+        It is clearly there or of no weight, as n is a fixed share of all (G. Schwarz, 1978). A Gauss-Markov term that
+        nobody asked for must have its `EVIDENCE`.
         """
         part = self.chosen.likelihood
         share = part.S[:, : len(self.noise)] / part.expectation(self.chosen.theta)[:, None]
         dominated = part.count @ (share / share.max(axis=0)) ** 2
         edge = np.array([TERMS[symbol].edge for symbol in self.noise])
-        return np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
+        found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
+        if self.search is not None and not self.search.asked:
+            found[-1] = EVIDENCE
+        return found
 
     def laws(self, which: int) -> tuple[Law, Law] | None:
         """Of a coefficient: the law of its limits and that of its value; None where no model has the term."""
@@ -190,7 +199,12 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
         return False
-    return goodness(part.seen, markov.likelihood, markov.theta, part.used).p >= EXPLAINED
+    return _explains(markov, part)
+
+
+def _explains(subset: Subset, part: Portion) -> bool:
+    """Whether a model explains what is read."""
+    return goodness(part.seen, subset.likelihood, subset.theta, part.used).p >= EXPLAINED
 
 
 def _with_markov(part: Portion, *, asked: bool) -> Found:
@@ -200,7 +214,9 @@ def _with_markov(part: Portion, *, asked: bool) -> Found:
     search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
     every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
-    markov = search.best(penalty, math.inf if asked or plain is None else plain.score(penalty))
+    # what Akaike's criterion would take has a part in the limits
+    beat = math.inf if asked or plain is None else plain.score(penalty) + EVIDENCE - 2 * AKAIKE
+    markov = search.best(penalty, beat)
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
     if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
         best = plain

@@ -18,13 +18,13 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.plain import Portable
 
-from .selection import Profile, Subset, standard_error
+from .selection import Subset, standard_error
 
 AKAIKE = 2.0
 """Penalty of a term in 2 L."""
 
-LEAST = 1e-4
-"""Weight of a subset, over that of the heaviest, below which it is left out."""
+HELD = 0.995
+"""Share of all weight that the subsets have which are looked at: the heaviest."""
 
 REACH = 25.0
 """Excess of 2 L at which a profile ends."""
@@ -89,8 +89,7 @@ class Trace(Portable):
 
 def traced(subset: Subset, which: int) -> Trace:
     """Walk along a profile to either side of its minimum, each step from where the other terms went before."""
-    profile = Profile(subset, which)
-    best = math.sqrt(profile.best)
+    best = math.sqrt(float(subset.theta[which]))
     # where theta is a standard error greater
     first = (math.hypot(best, math.sqrt(standard_error(subset, which))) - best) / 2
     sides = []
@@ -100,7 +99,8 @@ def traced(subset: Subset, which: int) -> Trace:
             if at <= 0 and sign < 0:
                 break
             at, step = max(at + sign * step, 0.0), step * GROWTH
-            excess, _, theta = profile.at(at**2, theta)
+            theta, least = subset.likelihood.minimise(subset.free, theta, (which, at**2))
+            excess = 2 * (least - subset.value)
             side.append((at, sign * min(math.sqrt(max(excess, 0.0)), FAR)))
             if excess > REACH:
                 break
@@ -114,22 +114,25 @@ def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]
     having = [subset for subset in fitted if subset.free[which]]
     heavy = np.zeros(len(having), dtype=bool)
     for penalty in penalties:
-        score = np.array([subset.score(penalty) for subset in having])
-        heavy |= score < score.min(initial=math.inf) - 2 * math.log(LEAST)
+        weight = _weights(having, penalty)
+        order = np.argsort(-weight)
+        heavy[order[: np.searchsorted(np.cumsum(weight[order]), HELD) + 1]] = True
     return [traced(subset, which) for subset, there in zip(having, heavy, strict=True) if there]
+
+
+def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
+    """Of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
+    kinds = [(subset.free.tobytes(), len(subset.constants)) for subset in fitted]
+    score = np.array([subset.score(penalty) for subset in fitted])
+    weight = np.exp(-0.5 * (score - score.min(initial=math.inf))) / [kinds.count(kind) for kind in kinds]
+    return np.asarray(weight / weight.sum())
 
 
 def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
     """The law of a coefficient under the penalties of the terms, shape (p,)."""
     from scipy.special import ndtr
 
-    # time constants and cut-offs that were tried share the weight of their set of terms
-    kinds = [(trace.subset.free.tobytes(), len(trace.subset.constants)) for trace in along]
-    score = [
-        trace.subset.score(penalty) + 2 * math.log(kinds.count(kind)) for trace, kind in zip(along, kinds, strict=True)
-    ]
-    weight = np.exp(-0.5 * (np.array(score) - min(score)))
-    weight /= weight.sum()
+    weight = _weights([trace.subset for trace in along], penalty)
     low, high = min(trace.root[0] for trace in along), max(trace.root[-1] for trace in along)
     root = np.linspace(low, high, POINTS)
     density = weight @ [np.exp(-0.5 * trace.at(root) ** 2) for trace in along]

@@ -127,12 +127,15 @@ class Search(Portable):
         return ends[0], ends[1]
 
     def around(self, best: Subset) -> list[Subset]:
-        """Subsets with the term at the time constants that the likelihood leaves open; the best one's come last."""
+        """Subsets with the term at the time constants that the likelihood leaves open; the best one's come last.
+
+        Any other term may be beside it: what was not selected is not zero.
+        """
         (T,) = best.constants
         low, high = self.limits(best, OPEN)
         open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
         each = ((self.at(float(k)), (float(k),)) for k in open_)
-        return [s for part, k in each for s in subsets(part, must=self.always, may=self.may, constants=k)]
+        return [s for part, k in each for s in subsets(part, must=self.always, constants=k)]
 
     def pair(self) -> Subset:
         """The best with two such terms and no flicker."""
