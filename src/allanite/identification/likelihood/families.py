@@ -18,11 +18,14 @@ from allanite.terms import TERMS
 from .law import AKAIKE, Law, law, traces
 from .portion import Portion, portion
 from .selection import PENALTY, Profile, Subset, select, subsets
-from .timeconstant import SHORTEST, Search
+from .timeconstant import CLOSE, SHORTEST, Search
 from .whittle import Spectrum, spectrum
 
 SLOW = 30.0
 """Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
+
+DISTINGUISHABLE = 2.0
+"""Difference of the Akaike criterion below which two models describe a record equally well."""
 
 EVIDENCE = 12.0
 """What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for the doubt
@@ -128,9 +131,15 @@ class Found(Portable):
         return found
 
     def laws(self, which: int) -> tuple[Law, Law] | None:
-        """Of a coefficient: the law of its limits and that of its value; None where no model has the term."""
+        """Of a coefficient: the law of its limits and that of its value; None where no model has the term.
+
+        Whether the limits hold zero is a matter of evidence, as the value is.
+        """
         along = traces(self.fitted, which, (self.akaike, self.schwarz))
-        return (law(along, self.akaike), law(along, self.schwarz)) if along else None
+        if not along:
+            return None
+        wide, sharp = law(along, self.akaike), law(along, self.schwarz)
+        return replace(wide, zero=sharp.zero), sharp
 
     @property
     def flicker(self) -> Subset | None:
@@ -202,6 +211,10 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     return _explains(markov, part)
 
 
+def _least_aic(every: Sequence[Subset]) -> float:
+    return min((subset.aic for subset in every), default=math.inf)
+
+
 def _explains(subset: Subset, part: Portion) -> bool:
     """Whether a model explains what is read."""
     return goodness(part.seen, subset.likelihood, subset.theta, part.used).p >= EXPLAINED
@@ -214,9 +227,9 @@ def _with_markov(part: Portion, *, asked: bool) -> Found:
     search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
     every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
-    # what Akaike's criterion would take has a part in the limits
-    beat = math.inf if asked or plain is None else plain.score(penalty) + EVIDENCE - 2 * AKAIKE
-    markov = search.best(penalty, beat)
+    markov = search.best(penalty) if asked or search.coarse.aic - CLOSE < _least_aic(every) else None
+    if markov and not asked and markov.aic > _least_aic(every) - DISTINGUISHABLE:
+        markov = None
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
     if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
         best = plain

@@ -18,13 +18,10 @@ from allanite.terms import TERMS
 
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
-from .families import Found, look
+from .families import DISTINGUISHABLE, Found, look
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
-
-DISTINGUISHABLE = 2.0
-"""Difference of the Akaike criterion below which two models describe a record equally well."""
 
 
 def whittle(

@@ -18,18 +18,18 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.plain import Portable
 
-from .selection import Subset, standard_error
+from .selection import Subset
 
 AKAIKE = 2.0
 """Penalty of a term in 2 L."""
 
-HELD = 0.995
+HELD = 0.98
 """Share of all weight that the subsets have which are looked at: the heaviest."""
 
-REACH = 25.0
+REACH = 16.0
 """Excess of 2 L at which a profile ends."""
 
-GROWTH = 1.15
+GROWTH = 1.2
 """Of the steps along a profile, of which the first is half a standard error."""
 
 STEPS = 200
@@ -90,8 +90,9 @@ class Trace(Portable):
 def traced(subset: Subset, which: int) -> Trace:
     """Walk along a profile to either side of its minimum, each step from where the other terms went before."""
     best = math.sqrt(float(subset.theta[which]))
-    # where theta is a standard error greater
-    first = (math.hypot(best, math.sqrt(standard_error(subset, which))) - best) / 2
+    # where theta is a standard error greater, the other terms known
+    error = 1 / math.sqrt(subset.likelihood.information(subset.theta)[which, which])
+    first = (math.hypot(best, math.sqrt(error)) - best) / 2
     sides = []
     for sign in (-1.0, 1.0):
         at, step, theta, side = best, first, subset.theta, []

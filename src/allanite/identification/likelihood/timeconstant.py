@@ -91,11 +91,8 @@ class Search(Portable):
         )  # fmt: skip
         return self.least(math.exp(float(best.x)), free)
 
-    def best(self, penalty: FloatArray, beat: float = math.inf) -> Subset | None:
-        """The best subset with the term; None if none can have a score below `beat`."""
-        # at least one other term is there
-        if 2 * self.coarse.value + float(penalty[-1]) > beat + CLOSE:
-            return None
+    def best(self, penalty: FloatArray) -> Subset | None:
+        """The best subset with the term; None if it is not in it."""
         fine = self.refined(self.coarse.constants[0])
         first = select(subsets(fine.likelihood, must=self.always, may=self.may, constants=fine.constants), penalty)
         found = self.refined(fine.constants[0], first.free)
