@@ -120,7 +120,8 @@ class Fit(Value):
     `lines` are sinusoids that were taken out first; they stand in the model. `alternatives` are other families of terms
     for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
     ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
-    the record best: a term of it may still be called absent, where others could take its place (then `notes` say so).
+    the record best, all terms together: a coefficient of it is not quite the estimate, which is averaged over several
+    models, and a term of it may still be called absent, where others could take its place (then `notes` say so).
     `scope` says which frequencies were read and behind which filter.
     `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's. `checked` is the grade
     of what the model leaves of the record, where that was looked at.

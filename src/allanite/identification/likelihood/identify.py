@@ -1,7 +1,6 @@
 """Identification by likelihood: which terms a record holds, how large they are, and how sure that is."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 
 from allanite.core.errors import DataError
@@ -93,9 +92,9 @@ def whittle(
 
 def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
     """What describes the record best: the selected noise terms, claimed or not, and the ramp if it is claimed."""
-    sizes = {s: e.value for s, e in estimates.items() if e.value is not None and e.status != "not valid"}
-    terms = [replace(t, value=sizes.get(t.symbol, t.value)) for t in scale.terms(found.noise, found.chosen)]
-    return Model((*terms, *(Term(s, v, scale.signal) for s, v in sizes.items() if s not in found.noise)))
+    terms = scale.terms(found.noise, found.chosen)
+    ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
+    return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
 
 
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
