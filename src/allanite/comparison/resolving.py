@@ -27,7 +27,7 @@ def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, 
     ----------
     changes : sequence of Change
     common : sequence of Term
-        The noise of both records; a term that is not in it is supposed half as large as its limit.
+        The noise of both records; of a term that is not in it the best guess counts, or half its limit.
     rate : float
         Sampling rate, Hz.
     size : int
@@ -42,11 +42,11 @@ def _needed(change: Change, common: Sequence[Term], rate: float, size: int) -> f
     """Length of each record, s; None where no length of a practical kind does it, or nothing is known of the term."""
     terms = [t for t in common if t.symbol == change.symbol]
     if not terms:
-        limits = [e.upper for e in (change.before, change.after) if e.upper]
-        if not limits or any(t.row.waveform is not None for t in terms):
+        sizes = [e.median or e.upper / 2 for e in (change.before, change.after) if e.upper]
+        if not sizes or any(t.row.waveform is not None for t in terms):
             return None
         shape = next((e.shape for e in (change.before, change.after) if e.shape), ())
-        terms = [Term(change.symbol, min(limits) / 2, change.signal, shape)]
+        terms = [Term(change.symbol, min(sizes), change.signal, shape)]
     model = Model((*(t for t in common if t.symbol != change.symbol), *terms))
     if not any(t.row.waveform is None for t in model):
         return None
