@@ -170,7 +170,7 @@ def pattern_of(i: int) -> list[str]:
         except AllaniteError:  # no window is left
             continue
         low, high = curve.interval()
-        if not (np.isfinite(low) & np.isfinite(high) & (0 < low) & (low < high) & np.isfinite(curve.edf)).all():
+        if not (np.isfinite(low) & np.isfinite(high) & (low > 0) & (low < high) & np.isfinite(curve.edf)).all():
             wrong.append(name)
     return wrong
 
@@ -192,13 +192,17 @@ def main() -> None:
             body = [f"{sum(map(bool, said))} of {asked.records} patterns with limits that are no numbers"]
             run.publish("Limits in any pattern of gaps", ["seeds: 1000 and the number of the record"], body)
         elif asked.what == "coefficients":
-            notes += ["refused: % not observable, or the record refused; claimed, 95: % of the others, and whose limits "
-                      "hold the truth; rms: of those claimed, %; explained: % of records with p of 1 % or more"]  # fmt: skip
+            notes += [
+                "refused: % not observable, or the record refused; claimed, 95: % of the others, and whose limits hold "
+                "the truth; rms: of those claimed, %; explained: % of records with p of 1 % or more"
+            ]
             headings = ("sensor", "lost", "term", "refused", "claimed", "95", "rms, %", "explained")
             run.publish("Coefficients with gaps", notes, markdown(headings, coefficient_rows(cells, pool)))
         else:
-            notes += ["there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - "
-                      "below); ratio: median upper over lower limit; rms: root mean square of value over truth"]  # fmt: skip
+            notes += [
+                "there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - below); "
+                "ratio: median upper over lower limit; rms: root mean square of value over truth"
+            ]
             headings = ("sensor", "lost", "statistic", "tau / T", "there", "95", "ratio", "rms")
             run.publish("Curves with gaps", notes, markdown(headings, curve_rows(cells, pool)))
 

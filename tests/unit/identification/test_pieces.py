@@ -52,8 +52,9 @@ def high(L):
 
 UPPER = blocks(lambda L: sines(L) @ less_rate(L))
 LOWER = blocks(lambda L: np.eye(L) - sines(L)[:, high(L)] @ (sines(L) @ less_rate(L))[high(L)])
-BIN = np.concatenate([np.where(high(L), np.searchsorted(EDGES, np.arange(1, L + 1) * SIZE / (L + 1) + 1e-9, "right") - 1, -1)
-                      for L in LENGTHS])  # fmt: skip
+BIN = np.concatenate(
+    [np.where(high(L), np.searchsorted(EDGES, np.arange(1, L + 1) * SIZE / (L + 1), "right") - 1, -1) for L in LENGTHS]
+)
 
 
 @pytest.mark.parametrize("L", [1, 2, 7, 150])
@@ -63,27 +64,36 @@ def test_weights_of_the_rate_are_those_of_generalised_least_squares(L):
     assert v == pytest.approx(w @ (np.eye(L) + RATIO * angle(L)) @ w)
 
 
+WEIGHT = np.concatenate([1 / (1 + RATIO * np.diag(sines(L) @ angle(L) @ sines(L))) for L in LENGTHS])
+
+
+def assert_means(found, values):
+    """Weighted means over the bins above the split."""
+    filled = [b for b in range(HOW.low, EDGES.size - 1) if (b == BIN).any()]
+    literal = [np.average(values[b == BIN], weights=WEIGHT[b == BIN]) for b in filled]
+    np.testing.assert_allclose(found[filled], literal, rtol=1e-8)
+
+
 def test_the_parts_are_those_of_the_matrices():
     y = np.random.default_rng(1).standard_normal(SIZE)
-    low, kept, power, peak = apart(y, GAPS, HOW)
+    low, kept, power, _ = apart(y, GAPS, HOW)
     assert kept.all()
     np.testing.assert_allclose(low, LOWER @ y, atol=1e-12)
-    squares = (UPPER @ y) ** 2
-    for b in range(HOW.low, EDGES.size - 1):
-        if (BIN == b).any():
-            assert power[b] == pytest.approx(squares[BIN == b].mean())
-            assert peak[b] == pytest.approx(squares[BIN == b].max())
+    assert_means(power, (UPPER @ y) ** 2)
+
+
+def test_what_the_bins_tell():
+    """The power of each over its expectation under the ratio is a chi-square with so many degrees of freedom."""
+    share = np.diag(UPPER @ blocks(lambda L: np.eye(L) + RATIO * angle(L)) @ UPPER.T) * WEIGHT
+    literal = [share[b == BIN].sum() for b in range(HOW.low, EDGES.size - 1)]
+    np.testing.assert_allclose(HOW.told[HOW.low :], literal, atol=1e-9)
 
 
 @pytest.mark.parametrize("symbol", "QNBK")
 def test_expectations_above_the_split_are_exact(symbol):
     row = TERMS[symbol]
     C = blocks(lambda L: toeplitz(second_difference(row, L) / 2))
-    variance = np.diag(UPPER @ C @ UPPER.T)
-    found = HOW.upper(row, np.full(EDGES.size - 1, np.nan))
-    for b in range(HOW.low, EDGES.size - 1):
-        if (BIN == b).any():
-            assert found[b] == pytest.approx(variance[BIN == b].mean(), rel=1e-8)
+    assert_means(HOW.upper(row, np.full(EDGES.size - 1, np.nan)), np.diag(UPPER @ C @ UPPER.T))
 
 
 @pytest.mark.parametrize("symbol", "QN")
@@ -96,14 +106,12 @@ def test_expectations_below_it_are_exact_on_average_over_phases(symbol):
     np.testing.assert_allclose(HOW.row(TERMS[symbol], GAPS, k), expected, rtol=0.02)
 
 
-def test_the_parts_know_next_to_nothing_of_each_other_under_the_ratio_supposed():
-    """What they share is the rate of each piece."""
+def test_the_parts_share_one_combination_of_each_piece():
+    """That which its rate takes from the others: the sum of all squared canonical correlations says so."""
     C = blocks(lambda L: np.eye(L) + RATIO * angle(L))
-    both = np.concatenate((UPPER[BIN >= 0], LOWER))
-    covariance = both @ C @ both.T
-    size = np.sqrt(np.maximum(np.diag(covariance), 1e-6))  # of single readings nothing is left above
-    correlation = (covariance / np.outer(size, size))[: (BIN >= 0).sum(), (BIN >= 0).sum() :]
-    assert (correlation**2).sum() < 0.01 * SIZE
+    parts = UPPER[BIN >= 0], LOWER
+    upper, lower = (np.linalg.pinv(A @ C @ A.T, rcond=1e-8, hermitian=True) @ A @ C for A in parts)
+    assert np.trace(upper @ LOWER.T @ lower @ parts[0].T) < LENGTHS.size
 
 
 def lossy(model, seed, share, size=2**14):

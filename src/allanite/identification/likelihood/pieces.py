@@ -9,8 +9,8 @@ far above N where rho is large. Therefore
     d = S'(y - c)                                                       its sine transform,
 
 above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
-record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is the little that
-c takes from each d, and no reading is counted twice. The ratio only shapes the weights: whatever it is, the
+record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is one combination
+of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights: whatever it is, the
 expectations of both parts are exact (below omega_c on average over where the joints lie).
 """
 
@@ -40,6 +40,9 @@ HIGHEST = 0.5
 
 WHITE = -0.5
 """Slope of white noise of the rate."""
+
+CLEAR = 0.5
+"""Share of a coefficient that the rate of its piece must leave, for it to be called a peak."""
 
 LENGTHS = 24
 """Lengths of pieces, at most, for which expectations of slow noise are worked out."""
@@ -100,18 +103,29 @@ class Pieces(Portable):
         return total[1:]
 
     @cached_property
-    def count(self) -> FloatArray:
-        """Coefficients of the sine transforms in the bins, shape (bins,)."""
-        return self.pooled([np.ones(int(L)) for L in self.length])
+    def weight(self) -> list[FloatArray]:
+        """Of each coefficient in its bin, for each length: one over its variance under the ratio, but for c."""
+        return [1 / (1 + self.ratio * angle_power(int(L))) for L in self.length]
+
+    def mean(self, each: list[FloatArray], nothing: FloatArray) -> FloatArray:
+        """Weighted means over the bins, shape (bins,); `nothing` where no coefficient lies."""
+        sums = self.pooled([w * x for w, x in zip(self.weight, each, strict=True)])
+        return np.divide(sums, self._weights, out=nothing.copy(), where=self._weights > 0)
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        return self.pooled(self.weight)
+
+    @cached_property
+    def shares(self) -> list[FloatArray]:
+        """What the rate of the piece leaves of each coefficient, for each length."""
+        both = ((rate_weights(int(L), self.ratio)[1], _sine(np.ones(int(L)))) for L in self.length)
+        return [1 - u**2 * v * w for (v, u), w in zip(both, self.weight, strict=True)]
 
     @cached_property
     def told(self) -> FloatArray:
-        """The same, less what the rate of each piece takes, shape (bins,)."""
-        return self.pooled([self._told(int(L)) for L in self.length])
-
-    def _told(self, L: int) -> FloatArray:
-        _, v = rate_weights(L, self.ratio)
-        return np.asarray(1 - _sine(np.ones(L)) ** 2 * v / (1 + self.ratio * angle_power(L)))
+        """Coefficients of the sine transforms in the bins, less what the rates of the pieces take, shape (bins,)."""
+        return self.pooled(self.shares)
 
     def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients of the lower part under a term, on average over where the joints lie."""
@@ -127,8 +141,7 @@ class Pieces(Portable):
         What is neither white noise of the rate nor of the angle is little here: a few lengths stand for all.
         """
         some = self if term.edge or term.slope == WHITE else self._some
-        sums = some.pooled([some._variances(term, int(L)) for L in some.length])
-        return np.divide(sums, some.count, out=mean.copy(), where=some.count > 0)
+        return some.mean([some._variances(term, int(L)) for L in some.length], mean)
 
     @cached_property
     def _some(self) -> "Pieces":
@@ -197,29 +210,35 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
     low = int(np.searchsorted(edges, split / np.pi * size))
     how = Pieces(length, times, ratio, least, float(edges[low] * np.pi / size), edges)
     # no bin of the upper part is empty: one that would be is part of its neighbour
-    filled = low + np.flatnonzero(how.count[low:])
+    filled = low + np.flatnonzero(how.told[low:])
     return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
 
 
 def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
-    """The joined record below the split; which readings it has; power and largest square of the bins above."""
+    """The joined record below the split; which readings it has; power of the bins above, and their peaks.
+
+    A peak stands out over what the coefficient has under the ratio.
+    """
     from scipy.fft import dst
 
     starts = np.concatenate(([0], gaps.at))
     lengths = np.diff(np.append(starts, gaps.size))
     low, kept = np.empty_like(y), np.repeat(lengths >= how.least, lengths)
     squares, peak = [], np.zeros(how.edges.size)
-    for L, bins in zip(how.length.tolist(), how.bins, strict=True):
+    for L, bins, weight, share in zip(how.length.tolist(), how.bins, how.weight, how.shares, strict=True):
         where = starts[lengths == L][:, None] + np.arange(L)
         each = y[where]
         each = each - (each @ rate_weights(L, how.ratio)[0])[:, None]
         d = dst(each, type=1, norm="ortho")
         squares.append((d**2).mean(axis=0))
-        np.maximum.at(peak, bins + 1, (d**2).max(axis=0))
+        np.maximum.at(
+            peak, bins + 1, np.where(share > CLEAR, weight / np.maximum(share, CLEAR), 0.0) * (d**2).max(axis=0)
+        )
         d[:, bins < 0] = 0.0
         low[where] = y[where] - dst(d, type=1, norm="ortho")
-    power = np.divide(how.pooled(squares), how.count, out=np.zeros(how.count.size), where=how.count > 0)
-    return low[kept], kept, power, peak[1:]
+    nothing = np.zeros(how.edges.size - 1)
+    level = how.mean([share / weight for share, weight in zip(how.shares, how.weight, strict=True)], nothing)
+    return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
 
 
 def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
