@@ -200,8 +200,8 @@ def main() -> None:
             run.publish("Coefficients with gaps", notes, markdown(headings, coefficient_rows(cells, pool)))
         else:
             notes += [
-                "there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - below); "
-                "ratio: median upper over lower limit; rms: root mean square of value over truth"
+                "there: % of records with the point; 95: % of them whose limits hold the truth (+ truth above, - below)"
+                "; ratio: median upper over lower limit; rms: root mean square of value over truth"
             ]
             headings = ("sensor", "lost", "statistic", "tau / T", "there", "95", "ratio", "rms")
             run.publish("Curves with gaps", notes, markdown(headings, curve_rows(cells, pool)))

@@ -10,8 +10,8 @@ far above N where rho is large. Therefore
 
 above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
 record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is one combination
-of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights: whatever it is, the
-expectations of both parts are exact (below omega_c on average over where the joints lie).
+of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights:
+whatever it is, the expectations of both parts are exact (below omega_c on average over where the joints lie).
 """
 
 from collections.abc import Callable
