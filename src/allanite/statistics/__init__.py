@@ -14,14 +14,14 @@ from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, demand_bias
+from allanite.statistics.confidence.bias import correction, demand_bias, mean_factors
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
-from allanite.statistics.confidence.sparse import sparse, sparse_law
+from allanite.statistics.confidence.sparse import at_nodes, between, sparse, sparse_law
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 
-from .estimator import Angle, estimate
+from .estimator import Angle, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
@@ -42,6 +42,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     m: Sequence[int] | None = None,
     noise: ModelLike | Literal["auto"] | None = "auto",
     bias: Literal["exact", "published", "model", "plain"] | None = None,
+    gaps: Literal["means", "complete"] = "means",
     join: float = 0.2,
     divisor: int = 30,
     threads: int = 1,
@@ -51,7 +52,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     Parameters
     ----------
     record : Record
-        NaN marks lost samples: windows that touch one are dropped, and `Curve.count` says how many are left.
+        NaN marks lost samples; `Curve.count` says how many windows are left.
     statistic : str
         A name in `STATISTICS`.
     taus : {"octave", "decade", "log", "all"} or sequence of float
@@ -69,6 +70,12 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         either case. "exact" divides the variance by its exact expectation over that of the
         statistic it estimates (totdev: oadev, mtotdev: mdev, theo1: oadev ...), "published" by the published factor;
         for theobr and theoh "model" puts the exact ratio in the place of their own. `Curve.factor` has the factor.
+    gaps : {"means", "complete"}
+        What a window with lost readings counts for. "means" of adev, oadev, hdev, ohdev and haar: where a tenth of the
+        windows or more have lost some, all count in which a reading is left in each part, with the means of what is
+        left and weights by their counts, so that white noise of the rate is met at every tau; what that means to other
+        noise is divided out under the noise supposed, and is in the limits. A reading between two lost ones does not
+        count. "complete", and every other statistic: nothing.
     join : float
         Share of the record up to which theoh is the overlapped Allan deviation.
     divisor : {30, 6}
@@ -95,6 +102,10 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
     Notes
     -----
+    With gaps and means the variance is sum h^2 d^2 / (m sum h), where d is the difference of a window's means and 1/h
+    the sum of b^2 / count over its parts, b = (-1, 1) or (1, -2, 1); it is that of complete windows where nothing is
+    lost. Its degrees of freedom are those of the same windows, where the readings are.
+
     Of more than 300 averaging times the confidence limits (and factors of bias) are worked out at 130, evenly in the
     logarithm and closer at the end, and interpolated between them, to 2 % at most. Neighbours in ``taus="all"`` are
     all but the same number: it is for looking at (a vibration, an interval that a data sheet names), not for fitting.
@@ -109,6 +120,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     """
     row = statistic_named(statistic)
     demand_bias(bias, row)
+    if gaps not in ("means", "complete"):
+        raise UsageError(f"of windows with gaps 'means' count or the 'complete' ones alone, not {gaps!r}")
     supposed = noise_choice(noise)
     if bias is None and row.parts and isinstance(supposed, Averaged):
         bias = "model"
@@ -121,15 +134,21 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
-    variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+    found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+    variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
-    points = Points(row, factors, angle.runs, record.size, record.rate, join, scattered=bias != "model")
+    places = angle.places if gaps == "means" else ()
+    points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
     each = np.ones((1, factors.size))
     if bias is not None:
         each = _corrections(points, bias, supposed, angle, record.signal)
         wanted = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
         variance, factor, each = variance * wanted / factor, wanted, each / wanted
+    elif supposed is not None and len(places) > 1 and row.differences:
+        each = _for_means(points, supposed, angle, record.signal)
+        factor = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
+        variance, each = variance * factor, each / factor
     return Curve(
         statistic=row.name,
         m=factors,
@@ -179,11 +198,25 @@ def _corrections(points: Points, bias: str, noise: Averaged | str | None, angle:
         return np.array([sparse(points, partial(correction, bias=bias, models=[m], alpha=None)) for m in under])
 
     def automatically(few: Points) -> FloatArray:
-        laws = power_laws(few, angle)
-        models = [Model((unit_term(law.symbol, signal),)) for law in laws]
-        return correction(few, bias, models, [law.alpha for law in laws])
+        models, alpha = _by_power_law(few, angle, signal)
+        return correction(few, bias, models, alpha)
 
     return sparse(points, automatically)[None]
+
+
+def _by_power_law(points: Points, angle: Angle, signal: Signal) -> tuple[list[Model], list[int]]:
+    """Unit models of the power laws found at the points, and their exponents."""
+    laws = power_laws(points, angle)
+    return [Model((unit_term(law.symbol, signal),)) for law in laws], [law.alpha for law in laws]
+
+
+def _for_means(points: Points, noise: Averaged | str, angle: Angle, signal: Signal) -> FloatArray:
+    """What a variance from means of what is there is multiplied with under each model, shape (models, points)."""
+    if not isinstance(noise, Averaged):
+        return sparse(points, lambda few: mean_factors(few, _by_power_law(few, angle, signal)[0])[0])[None]
+    at = at_nodes(points)
+    found = mean_factors(at, [noise.terms], noise.scale)
+    return np.array([between(points, values) for values in found])
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
