@@ -43,7 +43,7 @@ def takes_means(row: Statistic, m: int, places: Places, size: int) -> bool:
     if len(places) < 2 or not row.differences or row.summed:
         return False
     at = np.array([m])
-    complete = sum(int(row.count(n, at)[0]) for _, n in places)
+    complete = int(row.count(np.array([n for _, n in places]), at).sum())
     return complete < COMPLETE * int(row.count(size, at)[0])
 
 
