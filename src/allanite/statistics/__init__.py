@@ -30,6 +30,9 @@ from .table import STATISTICS as STATISTICS
 from .table import Points
 from .table import statistic_named as statistic_named
 
+HIDDEN = 0.1
+"""Variance without gaps over that of means of what is there, below which the latter tells nothing of the former."""
+
 PATIENCE = 60.0
 """Seconds from which on a job is long enough to be warned of."""
 
@@ -148,7 +151,10 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     elif supposed is not None and len(places) > 1 and row.differences:
         each = _for_means(points, supposed, angle, record.signal)
         factor = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
-        variance, each = variance * factor, each / factor
+        told = _told(factor, row, factors, named=m is None and isinstance(taus, str))
+        variance, each, count = (variance * factor)[told], (each / factor)[:, told], count[told]
+        factors, factor = factors[told], factor[told]
+        points = points._replace(m=factors)
     return Curve(
         statistic=row.name,
         m=factors,
@@ -226,3 +232,16 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
         return whole
     largest = f"; the largest with one is {m[whole].max()}" if whole.any() else ""
     raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
+
+
+def _told(factor: FloatArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
+    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window."""
+    told = factor >= HIDDEN
+    if named or told.all():
+        return told
+    first = int(np.flatnonzero(~told)[0])
+    raise DataError(
+        f"where readings were lost the angle is open, and noise of the angle makes {row.name} {1 / factor[first]:.3g} "
+        f"times that of the record without gaps at averaging factor {m[first]}: it tells nothing there; take shorter "
+        "times, or a record of the angle"
+    )

@@ -103,6 +103,20 @@ def test_limits_hold_where_no_window_is_complete():
     assert (np.mean(inside, axis=0) > 0.95 - 3 * 0.028).all()
 
 
+def test_what_the_joints_hide_is_refused():
+    model, rng = al.sensor("rlg"), np.random.default_rng(1)
+    record = al.simulate(model, 4096, 100.0, rng=rng)
+    values = np.array(record.values)
+    values[rng.random(4096) < 0.1] = np.nan
+    torn = al.Record(values, 100.0, record.unit, kind="rate")
+    curve = al.deviation(torn, noise=model)
+    assert curve.m[-1] < 1000
+    assert (curve.factor >= 0.1).all()
+    assert np.isfinite(curve.interval()).all()
+    with pytest.raises(al.DataError, match="at averaging factor 256: it tells nothing there"):
+        al.deviation(torn, m=[1, 256], noise=model)
+
+
 def test_a_whole_record_is_not_touched():
     record = al.simulate(al.sensor("mems"), 3000, 1.0, rng=np.random.default_rng(1))
     one, two = (al.deviation(record, noise=al.sensor("mems"), gaps=gaps) for gaps in ("means", "complete"))
