@@ -5,7 +5,8 @@ import pytest
 from scipy.linalg import toeplitz
 
 import allanite as al
-from allanite.identification.likelihood.pieces import Pieces, apart, rate_weights
+from allanite.identification.likelihood.pieces import Pieces, apart
+from allanite.identification.likelihood.sines import rate_weights
 from allanite.identification.likelihood.whittle import column, spectrum
 from allanite.prepare.gaps import Gaps
 from allanite.statistics.moments.gls import second_difference

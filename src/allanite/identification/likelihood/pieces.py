@@ -27,6 +27,7 @@ from allanite.statistics.moments.gls import second_difference
 from allanite.terms import NoiseTerm
 
 from .likelihood import Likelihood
+from .sines import angle_power, low_powers, rate_weights, sine, sine_variances, toeplitz
 
 WEIGHT = 0.1
 """Power that the joints add to the low coefficients of the joined record, over that of white noise, from which the
@@ -119,7 +120,7 @@ class Pieces(Portable):
     @cached_property
     def shares(self) -> list[FloatArray]:
         """What the rate of the piece leaves of each coefficient, for each length."""
-        both = ((rate_weights(int(L), self.ratio)[1], _sine(np.ones(int(L)))) for L in self.length)
+        both = ((rate_weights(int(L), self.ratio)[1], sine(np.ones(int(L)))) for L in self.length)
         return [1 - u**2 * v * w for (v, u), w in zip(both, self.weight, strict=True)]
 
     @cached_property
@@ -157,14 +158,14 @@ class Pieces(Portable):
     def _variances(self, term: NoiseTerm, L: int) -> FloatArray:
         """Of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
         w, _ = rate_weights(L, self.ratio)
-        u = _sine(np.ones(L))
+        u = sine(np.ones(L))
         if term.edge or term.slope == WHITE:  # C is T or 1: S'CS is diagonal
             diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
-            Cw = diagonal * _sine(w)
-            return np.asarray(diagonal - 2 * u * Cw + u**2 * float(_sine(w) @ Cw))
+            Cw = diagonal * sine(w)
+            return np.asarray(diagonal - 2 * u * Cw + u**2 * float(sine(w) @ Cw))
         c = second_difference(term, L) / 2
-        Cw = _toeplitz(c, w)
-        return np.asarray(_sine_variances(c) - 2 * u * _sine(Cw) + u**2 * float(w @ Cw))
+        Cw = toeplitz(c, w)
+        return np.asarray(sine_variances(c) - 2 * u * sine(Cw) + u**2 * float(w @ Cw))
 
     @cached_property
     def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -241,69 +242,13 @@ def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray
     return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
 
 
-def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
-    """Weights w of the rate of L readings by generalised least squares, and its variance over that of one reading's N.
-
-    (I + rho T) x = 1 has the solution 1 - cosh(a (i - c)) / cosh(a c), c = (L + 1) / 2 and 2 cosh(a) = 2 + 1 / rho.
-    """
-    i = np.arange(1.0, L + 1)
-    c = (L + 1) / 2
-    a = 2 * np.arcsinh(0.5 / np.sqrt(ratio))
-    x = 1 - np.exp(-a * np.minimum(i, L + 1 - i)) * (1 + np.exp(-2 * a * np.abs(i - c))) / (1 + np.exp(-2 * a * c))
-    return np.asarray(x / x.sum()), float(1 / x.sum())
-
-
-def angle_power(L: int) -> FloatArray:
-    """Variance of the coefficients of the sine transform under noise of the angle, the eigenvalues of T."""
-    return np.asarray(4 * np.sin(np.pi / (2 * (L + 1)) * np.arange(1, L + 1)) ** 2)
-
-
-def low_powers(L: int, ratio: float, split: float, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Power at frequencies of what a piece gives the joined record below the split, under white noise and under T."""
-    w, _ = rate_weights(L, ratio)
-    wave = np.exp(1j * np.outer(omega, np.arange(L)))
-    coefficients = _sine(wave)
-    coefficients[:, np.pi / (L + 1) * np.arange(1, L + 1) >= split] = 0.0
-    r = _sine(coefficients)
-    q = r + np.outer((wave - r).sum(axis=1), w)
-    step = np.diff(np.pad(q, ((0, 0), (1, 1))), axis=1)
-    return (np.abs(q) ** 2).sum(axis=1), (np.abs(step) ** 2).sum(axis=1)
-
-
-def _sine(x: FloatArray) -> FloatArray:
-    """The orthonormal DST-I of the last axis, its own inverse."""
-    from scipy.fft import dst
-
-    return np.asarray(dst(x, type=1, norm="ortho"))
-
-
-def _sine_variances(c: FloatArray) -> FloatArray:
-    """Diagonal of S'CS of the Toeplitz matrix with the first row c.
-
-    Sum over lags h of both signs of c(h) ((L - h) cos(omega h) + sin(omega (h + 1)) / sin(omega)) / (L + 1).
-    """
-    from scipy.fft import dct, dst
-
-    L = c.size
-    cosines = dct(np.append(c * (L - np.arange(L)), [0.0, 0.0]), type=1)[1:-1]
-    sines = dst(c, type=1) / np.sin(np.pi / (L + 1) * np.arange(1, L + 1))
-    return np.asarray((cosines + sines - c[0]) / (L + 1))
-
-
-def _toeplitz(c: FloatArray, v: FloatArray) -> FloatArray:
-    """Product of the symmetric Toeplitz matrix with first row c with v."""
-    from scipy.signal import fftconvolve
-
-    return np.asarray(fftconvolve(np.concatenate((c[:0:-1], c)), v)[v.size - 1 : 2 * v.size - 1])
-
-
 def _ratio(y: FloatArray, lengths: IntArray) -> float:
     """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise."""
     starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
     at, squares = [], []
     for L in np.unique(lengths[lengths > 1]).tolist():
         here = starts[lengths == L]
-        d = _sine(y[here[:, None] + np.arange(L)])[:, 1::2]
+        d = sine(y[here[:, None] + np.arange(L)])[:, 1::2]
         at.append(np.tile(np.arange(2, L + 1, 2) / (L + 1), here.size))
         squares.append((d**2).ravel())
     x, power = np.concatenate(at), np.concatenate(squares)
