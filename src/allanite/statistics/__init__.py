@@ -30,8 +30,11 @@ from .table import STATISTICS as STATISTICS
 from .table import Points
 from .table import statistic_named as statistic_named
 
-HIDDEN = 0.1
-"""Variance without gaps over that of means of what is there, below which the latter tells nothing of the former."""
+HIDDEN = 0.03
+"""Variance without gaps over that of means of what is there, below which the latter tells nothing of the former.
+
+Under any of the models that a fit leaves open.
+"""
 
 PATIENCE = 60.0
 """Seconds from which on a job is long enough to be warned of."""
@@ -151,7 +154,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     elif supposed is not None and len(places) > 1 and row.differences:
         each = _for_means(points, supposed, angle, record.signal)
         factor = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
-        told = _told(factor, row, factors, named=m is None and isinstance(taus, str))
+        told = _told(each.min(axis=0), row, factors, named=m is None and isinstance(taus, str))
         variance, each, count = (variance * factor)[told], (each / factor)[:, told], count[told]
         factors, factor = factors[told], factor[told]
         points = points._replace(m=factors)

@@ -21,16 +21,10 @@ from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 
+from .bins import SINGLE, edges_of
 from .decay import decay_coefficients
 from .likelihood import Likelihood
 from .pieces import Pieces, apart, pieces
-
-SINGLE = 64
-"""Coefficients below and at this index stand in bins of their own."""
-
-PER_OCTAVE = 16
-"""Bins per octave above."""
-
 
 BLOCKS = 4096
 """Blocks of readings in which a warm-up with gaps is taken."""
@@ -142,7 +136,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
 
     y, gaps, left = joined(record)
     slope = _less_slope(y, left) if detrend else 0.0
-    how, above = pieces(y, gaps, _edges), None
+    how, above = pieces(y, gaps, edges_of), None
     if how is not None and left is not None:
         y, kept, *above = apart(y, gaps, how)
         left = left[kept]
@@ -155,7 +149,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     del left
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
-    edges = _edges(n) if how is None else how.edges
+    edges = edges_of(n) if how is None else how.edges
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
@@ -263,17 +257,6 @@ def _less_slope(y: FloatArray, left: IntArray | None) -> float:
     else:
         y -= slope * (left - left.mean())
     return slope
-
-
-def _edges(n: int) -> IntArray:
-    """Bounds of the bins, from 1 to n."""
-    single = np.arange(1, min(SINGLE, n - 1) + 2)
-    if n - 1 <= SINGLE:
-        return single
-    octaves = np.log2((n - 1) / SINGLE)
-    above = SINGLE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    inner = np.unique(np.rint(above).astype(np.int64)) + 1
-    return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
 
 
 def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
