@@ -80,8 +80,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         What a window with lost readings counts for. "means" of adev, oadev, hdev, ohdev and haar: where a tenth of the
         windows or more have lost some, all count in which a reading is left in each part, with the means of what is
         left and weights by their counts, so that white noise of the rate is met at every tau; what that means to other
-        noise is divided out under the noise supposed, and is in the limits. A reading between two lost ones does not
-        count. "complete", and every other statistic: nothing.
+        noise is divided out under the noise supposed, and is in the limits; where quantization at the joints makes more
+        than 30 times the variance, a point is refused, or left out of a named grid. A reading between two lost ones
+        does not count. "complete", and every other statistic: nothing.
     join : float
         Share of the record up to which theoh is the overlapped Allan deviation.
     divisor : {30, 6}
