@@ -99,9 +99,9 @@ def test_windows_that_touch_a_gap_are_dropped(name, seed, lost, n):
             variance, count = windowed(y, m, name)
         except UndefinedError:
             with pytest.raises(al.DataError, match=r"no complete window|no two neighbouring"):
-                al.deviation(record_of(y), name, m=[m])
+                al.deviation(record_of(y), name, m=[m], gaps="complete")
         else:
-            curve = al.deviation(record_of(y), name, m=[m])
+            curve = al.deviation(record_of(y), name, m=[m], gaps="complete")
             assert curve.count[0] == count
             assert curve.variance[0] == pytest.approx(variance, rel=1e-9)
 
@@ -121,7 +121,7 @@ def test_gaps_leave_a_named_grid_shorter_or_are_refused(name):
         with pytest.raises(al.DataError, match="no meaning in one with gaps"):
             al.deviation(record_of(y), name)
         return
-    curve = al.deviation(record_of(y), name)
+    curve = al.deviation(record_of(y), name, gaps="complete")
     assert np.all(np.isfinite(curve.variance))
     assert curve.m[-1] <= whole.m[-1]
     assert np.all(curve.count < whole.count[: curve.m.size])

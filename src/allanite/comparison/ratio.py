@@ -127,9 +127,10 @@ def ratio_law(
         The noise of each.
     """
     row = statistic_named(statistic)
+    angles = [integrated(record, row.order) for record in records]
     points = [
-        Points(row, factors, integrated(record, row.order).runs, record.size, record.rate, 0.2)
-        for record, factors in zip(records, m, strict=True)
+        Points(row, factors, angle.runs, record.size, record.rate, 0.2, places=angle.places)
+        for record, angle, factors in zip(records, angles, m, strict=True)
     ]
     edf_a, first = mixtures(points[0], [models[0]])
     twins = models[0] == models[1] and _of(points[0]) == _of(points[1])
@@ -139,7 +140,7 @@ def ratio_law(
 
 def _of(points: Points) -> tuple[object, ...]:
     """What the law depends on beside the model."""
-    return points.m.tolist(), list(points.runs), points.size, points.rate
+    return points.m.tolist(), list(points.places), points.size, points.rate
 
 
 def shared_curves(

@@ -199,7 +199,7 @@ def _source(source: Record | Curve, name: str, statistic: str | None) -> Record 
         able = f" (those that read {wanted}: {', '.join(others)})" if others else ""
         raise UsageError(f"method {name!r} reads {', '.join(row.allowed)}, not {wanted}{able}")
     if isinstance(source, Record):
-        return deviation(source, wanted, taus=row.taus)
+        return deviation(source, wanted, taus=row.taus, gaps="complete")
     if wanted != source.statistic:
         raise UsageError(f"the curve is one of {source.statistic}, not of {wanted}")
     return source

@@ -28,8 +28,8 @@ BLOCK = 1024
 LEAST_SHARE = 0.005
 """Share of the rate's noise in that of a step below which it is not known."""
 
-SHORTEST_RUN = 4.0
-"""Readings between two joints that must be left on average."""
+NEIGHBOURS = 0.1
+"""Share of the readings that are left which must have the next one too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +84,16 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         steps = np.diff(values) if record.kind == "angle" else values - record.constant
         return np.asarray(steps, dtype=np.float64), whole(steps.size), None
     there = np.flatnonzero(np.isfinite(values))
-    jumps = np.diff(there)
     if record.kind == "angle":
-        return _stepped(values[there], there[:-1], jumps)
+        return _stepped(values[there], there[:-1], np.diff(there))
+    return np.asarray(values[there] - record.constant, dtype=np.float64), gaps_between(there), there
+
+
+def gaps_between(left: IntArray) -> Gaps:
+    """The gaps between readings of a rate that are left, by their places."""
+    jumps = np.diff(left)
     at = np.flatnonzero(jumps > 1) + 1
-    gaps = Gaps(there.size, at, jumps[at - 1] - 1, np.zeros(at.size, dtype=np.bool_))
-    return np.asarray(values[there] - record.constant, dtype=np.float64), gaps, there
+    return Gaps(left.size, at, jumps[at - 1] - 1, np.zeros(at.size, dtype=np.bool_))
 
 
 def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[FloatArray, Gaps, IntArray | None]:
@@ -171,9 +175,10 @@ def refusal(record: Record) -> str:
             "less than a tenth is left, too little to tell slow noise; choose a window (--from, --until)",
         ),
         (
-            left < SHORTEST_RUN * pieces,
-            f"pieces of {left / pieces:.2g} readings cannot tell noise of the rate from noise of the angle; choose a "
-            "window (--from, --until); where only every so many readings one was kept, give the rate of those",
+            left - pieces < NEIGHBOURS * left,
+            f"of {left} that are left {left - pieces} have the next one too: single readings cannot tell noise of the "
+            "rate from noise of the angle; choose a window (--from, --until); where only every so many readings one "
+            "was kept, give the rate of those",
         ),
     )
     return next((f"{lost}; {reason}" for holds, reason in reasons if holds), "")

@@ -14,14 +14,14 @@ from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, demand_bias
+from allanite.statistics.confidence.bias import correction, demand_bias, mean_factors
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
-from allanite.statistics.confidence.sparse import sparse, sparse_law
+from allanite.statistics.confidence.sparse import at_nodes, between, sparse, sparse_law
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 
-from .estimator import Angle, estimate
+from .estimator import Angle, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
@@ -29,6 +29,12 @@ from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
 from .table import STATISTICS as STATISTICS
 from .table import Points
 from .table import statistic_named as statistic_named
+
+HIDDEN = 0.03
+"""Variance without gaps over that of means of what is there, below which the latter tells nothing of the former.
+
+Under any of the models that a fit leaves open.
+"""
 
 PATIENCE = 60.0
 """Seconds from which on a job is long enough to be warned of."""
@@ -42,6 +48,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     m: Sequence[int] | None = None,
     noise: ModelLike | Literal["auto"] | None = "auto",
     bias: Literal["exact", "published", "model", "plain"] | None = None,
+    gaps: Literal["means", "complete"] = "means",
     join: float = 0.2,
     divisor: int = 30,
     threads: int = 1,
@@ -51,7 +58,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     Parameters
     ----------
     record : Record
-        NaN marks lost samples: windows that touch one are dropped, and `Curve.count` says how many are left.
+        NaN marks lost samples; `Curve.count` says how many windows are left.
     statistic : str
         A name in `STATISTICS`.
     taus : {"octave", "decade", "log", "all"} or sequence of float
@@ -69,6 +76,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         either case. "exact" divides the variance by its exact expectation over that of the
         statistic it estimates (totdev: oadev, mtotdev: mdev, theo1: oadev ...), "published" by the published factor;
         for theobr and theoh "model" puts the exact ratio in the place of their own. `Curve.factor` has the factor.
+    gaps : {"means", "complete"}
+        What a window with lost readings counts for. "means" of adev, oadev, hdev, ohdev and haar: where a tenth of the
+        windows or more have lost some, all count in which a reading is left in each part, with the means of what is
+        left and weights by their counts, so that white noise of the rate is met at every tau; what that means to other
+        noise is divided out under the noise supposed, and is in the limits; where quantization at the joints makes more
+        than 30 times the variance, a point is refused, or left out of a named grid. A reading between two lost ones
+        does not count. "complete", and every other statistic: nothing.
     join : float
         Share of the record up to which theoh is the overlapped Allan deviation.
     divisor : {30, 6}
@@ -95,6 +109,10 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
     Notes
     -----
+    With gaps and means the variance is sum h^2 d^2 / (m sum h), where d is the difference of a window's means and 1/h
+    the sum of b^2 / count over its parts, b = (-1, 1) or (1, -2, 1); it is that of complete windows where nothing is
+    lost. Its degrees of freedom are those of the same windows, where the readings are.
+
     Of more than 300 averaging times the confidence limits (and factors of bias) are worked out at 130, evenly in the
     logarithm and closer at the end, and interpolated between them, to 2 % at most. Neighbours in ``taus="all"`` are
     all but the same number: it is for looking at (a vibration, an interval that a data sheet names), not for fitting.
@@ -109,6 +127,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     """
     row = statistic_named(statistic)
     demand_bias(bias, row)
+    if gaps not in ("means", "complete"):
+        raise UsageError(f"of windows with gaps 'means' count or the 'complete' ones alone, not {gaps!r}")
     supposed = noise_choice(noise)
     if bias is None and row.parts and isinstance(supposed, Averaged):
         bias = "model"
@@ -121,15 +141,24 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
-    variance, count, factor = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+    found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+    variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
     whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
-    points = Points(row, factors, angle.runs, record.size, record.rate, join, scattered=bias != "model")
+    places = angle.places if gaps == "means" else ()
+    points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
     each = np.ones((1, factors.size))
     if bias is not None:
         each = _corrections(points, bias, supposed, angle, record.signal)
         wanted = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
         variance, factor, each = variance * wanted / factor, wanted, each / wanted
+    elif supposed is not None and len(places) > 1 and row.differences:
+        each = _for_means(points, supposed, angle, record.signal)
+        factor = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
+        told = _told(each.min(axis=0), row, factors, named=m is None and isinstance(taus, str))
+        variance, each, count = (variance * factor)[told], (each / factor)[:, told], count[told]
+        factors, factor = factors[told], factor[told]
+        points = points._replace(m=factors)
     return Curve(
         statistic=row.name,
         m=factors,
@@ -179,11 +208,25 @@ def _corrections(points: Points, bias: str, noise: Averaged | str | None, angle:
         return np.array([sparse(points, partial(correction, bias=bias, models=[m], alpha=None)) for m in under])
 
     def automatically(few: Points) -> FloatArray:
-        laws = power_laws(few, angle)
-        models = [Model((unit_term(law.symbol, signal),)) for law in laws]
-        return correction(few, bias, models, [law.alpha for law in laws])
+        models, alpha = _by_power_law(few, angle, signal)
+        return correction(few, bias, models, alpha)
 
     return sparse(points, automatically)[None]
+
+
+def _by_power_law(points: Points, angle: Angle, signal: Signal) -> tuple[list[Model], list[int]]:
+    """Unit models of the power laws found at the points, and their exponents."""
+    laws = power_laws(points, angle)
+    return [Model((unit_term(law.symbol, signal),)) for law in laws], [law.alpha for law in laws]
+
+
+def _for_means(points: Points, noise: Averaged | str, angle: Angle, signal: Signal) -> FloatArray:
+    """What a variance from means of what is there is multiplied with under each model, shape (models, points)."""
+    if not isinstance(noise, Averaged):
+        return sparse(points, lambda few: mean_factors(few, _by_power_law(few, angle, signal)[0])[0])[None]
+    at = at_nodes(points)
+    found = mean_factors(at, [noise.terms], noise.scale)
+    return np.array([between(points, values) for values in found])
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
@@ -193,3 +236,16 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
         return whole
     largest = f"; the largest with one is {m[whole].max()}" if whole.any() else ""
     raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
+
+
+def _told(factor: FloatArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
+    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window."""
+    told = factor >= HIDDEN
+    if named or told.all():
+        return told
+    first = int(np.flatnonzero(~told)[0])
+    raise DataError(
+        f"where readings were lost the angle is open, and noise of the angle makes {row.name} {1 / factor[first]:.3g} "
+        f"times that of the record without gaps at averaging factor {m[first]}: it tells nothing there; take shorter "
+        "times, or a record of the angle"
+    )

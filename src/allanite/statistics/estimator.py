@@ -8,6 +8,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
 
 from .grids import part_of
+from .moments.means import takes_means, there, variance_of
 from .row import FloatArray, IntArray, Statistic
 
 
@@ -32,6 +33,11 @@ class Angle(NamedTuple):
     def runs(self) -> list[tuple[int, int]]:
         """(samples, 1) of every piece."""
         return [(piece.x.size - 1, 1) for piece in self.pieces]
+
+    @property
+    def places(self) -> list[tuple[int, int]]:
+        """(first sample, samples) of every piece."""
+        return [(piece.start, piece.x.size - 1) for piece in self.pieces]
 
 
 def integrated(record: Record, order: int) -> Angle:
@@ -119,6 +125,22 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
         mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
     variance = mean / (row.norm(m) * np.asarray(m, dtype=np.float64) ** 2)
     return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count, np.ones(m.size))
+
+
+def with_means(row: Statistic, angle: Angle, m: IntArray, plain: Estimate) -> Estimate:
+    """The estimate with means of what is there, where few windows are complete; see `moments.means`."""
+    places = angle.places
+    taken = [i for i, k in enumerate(m.tolist()) if takes_means(row, k, places, angle.size)]
+    if not taken:
+        return plain
+    x, variance, number = np.zeros(angle.size + 1), plain.variance.copy(), plain.number.copy()
+    for start, points in angle.pieces:
+        x[start + 1 : start + points.size] = np.diff(points)
+    np.cumsum(x, out=x)
+    where = there(places, angle.size)
+    for i in taken:
+        variance[i], number[i] = variance_of(row, int(m[i]), where, x)
+    return Estimate(variance, number, plain.factor)
 
 
 def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[FloatArray, IntArray]:

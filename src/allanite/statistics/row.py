@@ -184,7 +184,7 @@ class Statistic:
         most = (n - fixed) // per if per else n - 1
         return max(0, most - most % self.step)
 
-    def count(self, n: int, m: IntArray) -> IntArray:
+    def count(self, n: int | IntArray, m: IntArray) -> IntArray:
         """Number of windows in n intervals, shape of m; 0 where none fits."""
         per, fixed = self.span
         room = n - (per * m + fixed)

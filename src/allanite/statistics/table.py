@@ -7,6 +7,7 @@ from allanite.core.errors import UsageError
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
 from .extremes import MTIE, TIERMS
+from .moments.means import Places
 from .parabolic import PDEV
 from .row import IntArray, Statistic
 from .theo import THEO1, THEOBR, THEOH
@@ -31,7 +32,8 @@ def statistic_named(name: str) -> Statistic:
 class Points(NamedTuple):
     """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
 
-    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed.
+    `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
+    where the runs lie, if windows with lost readings count too.
     """
 
     row: Statistic
@@ -41,6 +43,7 @@ class Points(NamedTuple):
     rate: float
     join: float
     scattered: bool = True
+    places: Places = ()
 
     @classmethod
     def of(cls, name: str, *rest: Any) -> "Points":

@@ -238,7 +238,10 @@ def test_gaps_hardly_move_the_coefficients(sensor, count, length):
 REFUSED = {
     "most are lost": (lambda y: y[150:].fill(np.nan), "4850 of 5000 readings are lost; 150 are left"),
     "nearly all": (lambda y: y[300:].fill(np.nan), "less than a tenth is left"),
-    "every third": (lambda y: np.put(y, np.arange(0, 5000, 3), np.nan), "pieces of 2 readings"),
+    "every second": (
+        lambda y: np.put(y, np.arange(0, 5000, 2), np.nan),
+        "of 2500 that are left 0 have the next one too",
+    ),
     "infinite": (lambda y: y[7:9].fill(np.inf), "2 of 5000 readings are infinite, the first at sample 7"),
 }
 

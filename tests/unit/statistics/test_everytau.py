@@ -89,9 +89,9 @@ def test_groups_follow_each_other_to_the_end(n, summed):
 def test_a_record_with_gaps(name):
     y = rate("random walk")
     y[[3000, 3001, 12_000]] = np.nan
-    curve = al.deviation(record_of(y), name, taus="all")
+    curve = al.deviation(record_of(y), name, taus="all", gaps="complete")
     some = np.unique(np.geomspace(1, curve.m.size, 30).astype(int)) - 1
-    few = al.deviation(record_of(y), name, m=curve.m[some])
+    few = al.deviation(record_of(y), name, m=curve.m[some], gaps="complete")
     np.testing.assert_allclose(curve.variance[some], few.variance, rtol=1e-9)
     np.testing.assert_array_equal(curve.count[some], few.count)
 

@@ -33,7 +33,7 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     symbols : sequence of str
         Keys of `TERMS`.
     """
-    curves = [deviation(record, name) for name in PAIR]
+    curves = [deviation(record, name, gaps="complete") for name in PAIR]
     signal = signal_of(curves[0], 1)
     early_ones = [early(curve, 0.25) for curve in curves]
     m = [curve.m[which].tolist() for curve, which in zip(curves, early_ones, strict=True)]

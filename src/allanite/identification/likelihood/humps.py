@@ -6,8 +6,8 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 
+from .bins import PER_OCTAVE
 from .families import Found
-from .whittle import PER_OCTAVE
 
 SURROUNDINGS = 16
 """Quiet bins on either side of one that say what its power should be: an octave."""

@@ -147,8 +147,9 @@ class Likelihood(Portable):
         m = self.S @ theta
         _, V, _ = self.directions(theta)
         X = self.S / m[:, None]
-        A = ((X / m[:, None]).T @ self.UU.reshape(m.size, -1)).reshape(-1, *V.shape)
-        loss = self.UU.reshape(m.size, -1) @ V.ravel() / m
+        UU = self.UU.reshape(m.size, V.size)
+        A = ((X / m[:, None]).T @ UU).reshape(X.shape[1], *V.shape)
+        loss = UU @ V.ravel() / m
         return np.asarray((X.T * (0.5 * self.count - loss)) @ X + 0.5 * np.einsum("pij,jk,qkl,li->pq", A, V, A, V))
 
     def minimise(

@@ -17,21 +17,20 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.plain import Portable
 from allanite.core.record import Record
-from allanite.prepare.gaps import Gaps, joined
+from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 
+from .bins import SINGLE, edges_of
+from .decay import decay_coefficients
 from .likelihood import Likelihood
-
-SINGLE = 64
-"""Coefficients below and at this index stand in bins of their own."""
-
-PER_OCTAVE = 16
-"""Bins per octave above."""
-
+from .pieces import Pieces, apart, pieces
 
 BLOCKS = 4096
 """Blocks of readings in which a warm-up with gaps is taken."""
+
+LOWEST = 8
+"""Coefficients that tell of what wanders, which is the same in all pieces, and of a ramp."""
 
 FEWEST = 24
 """Bins that a fit needs."""
@@ -65,6 +64,8 @@ class Spectrum(Portable):
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
         With gaps, times of readings that are left, in the middles of equal blocks of them, in samples; empty without.
+    pieces : Pieces, optional
+        How the pieces between gaps are read, where the joined record holds the low frequencies only.
     """
 
     size: int
@@ -81,6 +82,7 @@ class Spectrum(Portable):
     gaps: Gaps
     unit_factor: float
     times: FloatArray
+    pieces: Pieces | None = None
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
@@ -97,6 +99,16 @@ class Spectrum(Portable):
     def known(self) -> dict[tuple[str, tuple[float, ...]], FloatArray]:
         """Columns that were made before, by symbol and shape."""
         return {}
+
+    @cached_property
+    def told(self) -> FloatArray:
+        """Coefficients of each bin that tell something of their own, shape (bins,)."""
+        count = self.count.astype(np.float64)
+        if self.pieces is not None:
+            low = self.pieces.low
+            count[LOWEST:low] *= self.pieces.even
+            count[low:] = self.pieces.told[low:]
+        return count
 
     def within(self, band: tuple[float, float]) -> BoolArray:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
@@ -123,8 +135,13 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     from allanite.kernels.binned import binned
 
     y, gaps, left = joined(record)
-    n = y.size
     slope = _less_slope(y, left) if detrend else 0.0
+    how, above = pieces(y, gaps, edges_of), None
+    if how is not None and left is not None:
+        y, kept, *above = apart(y, gaps, how)
+        left = left[kept]
+        gaps = gaps_between(left)
+    n = y.size
     ramp = _transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     blocks = min(n, BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
@@ -132,12 +149,15 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     del left
     c = dct(y, norm="ortho", overwrite_x=True)
     del y
-    edges = _edges(n)
+    edges = edges_of(n) if how is None else how.edges
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(f"{record.name!r} never changes: there is no noise to identify")
+    if how is not None and above:
+        for values, better in zip((power, peak), above, strict=True):
+            values[how.low :] = better[how.low :]
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
-    return Spectrum(n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times)
+    return Spectrum(n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how)
 
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
@@ -146,14 +166,15 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     with_ramp = len(noise) < len(symbols)
     UU, Uc = _directions(spectrum, with_ramp)
     edge = np.array([TERMS[symbol].edge for symbol in noise])
+    ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
         S=np.column_stack([table_column(symbol, spectrum) for symbol in noise]),
         power=spectrum.power,
-        count=spectrum.count.astype(np.float64),
+        count=spectrum.told,
         UU=UU,
         Uc=Uc,
-        W=np.vstack((2 * edge, 2 * edge, 0 * edge))[: UU.shape[1]],
-        flat=np.array([False, False, True])[: UU.shape[1]],
+        W=np.outer(np.arange(UU.shape[1]) < ends, 2 * edge),
+        flat=np.arange(UU.shape[1]) >= ends,
     )
 
 
@@ -179,19 +200,21 @@ def _directions(spectrum: Spectrum, with_ramp: bool, tau: float | None = None) -
     centre = spectrum.first + (spectrum.count - 1) / 2
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
     a = np.sqrt(2 / spectrum.size) * np.cos(np.pi / (2 * spectrum.size) * centre)
-    pairs = [(a, 0 * a), (0 * a, a)]
+    pairs = [(a, 0 * a), (0 * a, a)] if spectrum.pieces is None else []
     if tau is not None:
         pairs.append(_warm_up(spectrum, tau, centre))
     if with_ramp:
         pairs.append(_in_bins(spectrum, spectrum.ramp))
-    D = np.stack([np.stack(pair) for pair in pairs])  # shape (directions, 2, bins)
-    count, sums = np.stack((spectrum.count - odd, odd)), np.stack((spectrum.even, spectrum.odd))
+    D = np.array(pairs).reshape(-1, 2, centre.size)  # shape (directions, 2, bins)
+    trust = spectrum.told / spectrum.count
+    count, sums = trust * np.stack((spectrum.count - odd, odd)), trust * np.stack((spectrum.even, spectrum.odd))
     return np.einsum("ipb,jpb,pb->bij", D, D, count), np.einsum("ipb,pb->bi", D, sums)
 
 
 def _in_bins(spectrum: Spectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The lowest coefficients of a direction in the bins, those of even and those of odd index."""
     d = np.zeros(spectrum.first.size)
+    lowest = lowest[: spectrum.pieces.low] if spectrum.pieces else lowest
     d[: lowest.size] = lowest
     return d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
 
@@ -203,21 +226,6 @@ def _warm_up(spectrum: Spectrum, tau: float, centre: FloatArray) -> tuple[FloatA
     left = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(centre, spectrum.size, tau)
     return smooth * (1 - left), smooth * (1 + left)
-
-
-def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
-    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, but for a factor 1 - (-1)^k exp(-n / tau).
-
-    Examples
-    --------
-    >>> from scipy.fft import dct
-    >>> literal = dct(np.exp(-np.arange(50) / 8), norm="ortho")
-    >>> k = np.arange(1.0, 50)
-    >>> bool(np.allclose(literal[1:], decay_coefficients(k, 50, 8.0) * (1 - (-1) ** k * np.exp(-50 / 8))))
-    True
-    """
-    half, lost = (0.5 * math.pi / n) * k, -math.expm1(-1 / tau)
-    return np.asarray(math.sqrt(2 / n) * np.cos(half) * lost / (lost**2 + 4 * (1 - lost) * np.sin(half) ** 2))
 
 
 def _blocked(values: FloatArray, n: int) -> FloatArray:
@@ -251,21 +259,15 @@ def _less_slope(y: FloatArray, left: IntArray | None) -> float:
     return slope
 
 
-def _edges(n: int) -> IntArray:
-    """Bounds of the bins, from 1 to n."""
-    single = np.arange(1, min(SINGLE, n - 1) + 2)
-    if n - 1 <= SINGLE:
-        return single
-    octaves = np.log2((n - 1) / SINGLE)
-    above = SINGLE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    inner = np.unique(np.rint(above).astype(np.int64)) + 1
-    return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
-
-
 def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
-    return np.asarray(np.add.reduceat(weights * spectrum.gaps.row(row, nodes), starts) / spectrum.count)
+    how = spectrum.pieces
+    each = spectrum.gaps.row(row, nodes) if how is None else how.row(row, spectrum.gaps, nodes)
+    mean = np.add.reduceat(weights * each, starts) / spectrum.count
+    if how is not None:
+        mean[how.low :] = how.upper(row, mean)[how.low :]
+    return np.asarray(mean)
 
 
 def table_column(symbol: str, spectrum: Spectrum, shape: tuple[float, ...] = ()) -> FloatArray:

@@ -7,7 +7,9 @@ import numpy as np
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
 from allanite.statistics.grids import part_of
-from allanite.statistics.moments.moments import by_term
+from allanite.statistics.moments.lagsums import responses
+from allanite.statistics.moments.means import mean_moments, takes_means
+from allanite.statistics.moments.moments import by_term, noise_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, Points
 
@@ -42,6 +44,23 @@ def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequen
     made = part_of(row, m, size, points.join)
     parts = [row.parts[i] if row.parts else row for i in made]
     return np.array([_exact(part, int(k), model, points) for part, k, model in zip(parts, m, each, strict=True)])
+
+
+def mean_factors(points: Points, models: Sequence[Model], scale: FloatArray | None = None) -> FloatArray:
+    """Expectation of the plain statistic over that from means of what is there, shape (k, points).
+
+    Under a model for all points or one for each, with its terms' powers times each `scale`, shape (k, t).
+    """
+    each = models if len(models) == len(points.m) else list(models) * len(points.m)
+    factor = np.ones((1 if scale is None else len(scale), len(points.m)))
+    for i, (m, whole) in enumerate(zip(points.m.tolist(), each, strict=True)):
+        if takes_means(points.row, m, points.places, points.size):
+            model = noise_of(whole) if scale is None else whole
+            power = np.array([[t.power(points.rate) for t in model]]) * (1.0 if scale is None else scale)
+            terms = [t.sampled(points.rate) for t in model]
+            found = mean_moments(points.row, m, points.places, points.size).expectation(terms)
+            factor[:, i] = (power @ responses(points.row, terms, m)) / (power @ found)
+    return factor
 
 
 def _exact(row: Statistic, m: int, model: Model, points: Points) -> float:

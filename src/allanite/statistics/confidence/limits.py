@@ -21,6 +21,7 @@ from allanite.core.units import Signal
 from allanite.statistics.estimator import Angle
 from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.compact import white_level
+from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.statistics.table import Points
@@ -88,7 +89,8 @@ class Local:
     """What the law of a point takes from the terms of a model, whatever their sizes.
 
     `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
-    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,).
+    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is there where windows with lost
+    readings count.
     """
 
     row: Statistic
@@ -100,6 +102,7 @@ class Local:
     E: FloatArray
     r: FloatArray
     kept: FloatArray
+    means: MeanMoments | None = None
 
     def laws(self, scale: FloatArray) -> list[tuple[float, Mixture]]:
         """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
@@ -115,7 +118,7 @@ class Local:
         """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they fit no EDF."""
         rows = [t.sampled(self.rate) for t in self.model]
         fixed = np.array([term.waveform is not None for term in rows])
-        sharp = is_sharp(self.row, self.count)
+        sharp = self.means is None and is_sharp(self.row, self.count)
         white = np.array([sharp and white_level(term) > 0 for term in rows])
         smooth = ~(fixed | white)
         power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
@@ -123,7 +126,7 @@ class Local:
         if not held.any():
             return [None] * len(share)
         terms = [row for row, there in zip(rows, smooth, strict=True) if there]
-        forms = matrices(self.row, terms, self.m, self.count, self.size)
+        forms = self.means.forms(terms) if self.means else matrices(self.row, terms, self.m, self.count, self.size)
         found = iter(spectra(forms, power[held], LEADING))
         kinds = Kinds(smooth, white, fixed)
         return [
@@ -143,12 +146,26 @@ class Kinds(NamedTuple):
 def at_point(points: Points, i: int, model: Model) -> Local:
     """What a model's terms mean at a point."""
     row, m, size = points.row, int(points.m[i]), points.size
+    if takes_means(row, m, points.places, size):
+        return _of_means(points, m, model)
     part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
     runs = grouped(points.runs, part, m)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
     hybrid = row.parts and part is row.parts[-1] and points.scattered
     kept = np.array([row.kept(term.row.slope, m / size) if hybrid else 1.0 for term in model])
     return Local(part, model, m, count, size, points.rate, *moments(part, model, m, runs, points.rate), kept)
+
+
+def _of_means(points: Points, m: int, model: Model) -> Local:
+    """The same where windows with lost readings count."""
+    row, rate = points.row, points.rate
+    found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
+    E = found.expectation(terms)
+    power = np.array([term.power(rate) for term in model])
+    count = found.windows.start.size
+    return Local(
+        row, model, m, count, points.size, rate, E * power, found.relative(terms, E), np.ones(len(terms)), found
+    )
 
 
 def _single(edf: float) -> Mixture:

@@ -27,18 +27,18 @@ class SparseLaw:
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
         edf, low, high = self.few(level)
-        inverse, low, high = (_between(self.points, values) for values in (1 / edf, low, high))
+        inverse, low, high = (between(self.points, values) for values in (1 / edf, low, high))
         return 1 / inverse, low, high
 
 
 def sparse_law(points: Points, law: Callable[[Points], Law]) -> Law:
     """A law of many points, from that of a few."""
-    return law(points) if points.m.size <= MOST else SparseLaw(points, law(_at_nodes(points)))
+    return law(points) if points.m.size <= MOST else SparseLaw(points, law(at_nodes(points)))
 
 
 def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArray:
     """A function of many points, from its values at a few."""
-    return function(points) if points.m.size <= MOST else _between(points, function(_at_nodes(points)))
+    return function(points) if points.m.size <= MOST else between(points, function(at_nodes(points)))
 
 
 def _nodes(points: Points) -> list[tuple[IntArray, IntArray]]:
@@ -56,11 +56,12 @@ def _few(m: IntArray, places: IntArray) -> IntArray:
     return np.asarray(places[np.unique(kept)])
 
 
-def _at_nodes(points: Points) -> Points:
+def at_nodes(points: Points) -> Points:
+    """The points that are worked out."""
     return points._replace(m=points.m[np.concatenate([few for few, _ in _nodes(points)])])
 
 
-def _between(points: Points, values: FloatArray) -> FloatArray:
+def between(points: Points, values: FloatArray) -> FloatArray:
     """Values at the nodes, in their order, at all points: linear in the logarithm of m."""
     result, at, logarithm = np.empty(points.m.size), 0, np.log(points.m)
     for few, part in _nodes(points):

@@ -42,11 +42,12 @@ def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
     total = np.zeros(n)
     for t in terms:
         if t.row.waveform is None:
-            total += t.power(rate) * _second_difference(t.sampled(rate), n) / 2
+            total += t.power(rate) * second_difference(t.sampled(rate), n) / 2
     return total
 
 
-def _second_difference(row: NoiseTerm, n: int) -> FloatArray:
+def second_difference(row: NoiseTerm, n: int) -> FloatArray:
+    """D(h+1) - 2 D(h) + D(h-1) at lags h from 0 to n - 1 samples."""
     near = np.arange(min(n, FAR) + 1, dtype=np.float64)
     D = row.structure(near)
     first = np.concatenate(([2 * D[1]], D[2:] - 2 * D[1:-1] + D[:-2]))

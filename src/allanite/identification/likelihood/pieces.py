@@ -1,0 +1,265 @@
+r"""A rate with gaps in which noise of the angle is strong: short averaging times are read from each piece by itself.
+
+A rate y of L readings without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
+N^2, which the sine transform (DST-I) diagonalises: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
+what is left the angle is open, and the low coefficients of the joined record get the noise of 2 angles for each joint,
+far above N where rho is large. Therefore
+
+    c = w'y,  w = (I + rho T)^-1 1 / v',  v' = 1'(I + rho T)^-1 1     the rate of a piece, by generalised least squares,
+    d = S'(y - c)                                                       its sine transform,
+
+above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
+record whose pieces are c and the d below omega_c alone. Under N and Q what both parts have in common is one combination
+of the d of each piece, which c takes from them; no reading is counted twice. The ratio only shapes the weights:
+whatever it is, the expectations of both parts are exact (below omega_c on average over where the joints lie).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.plain import Portable
+from allanite.prepare.gaps import Gaps
+from allanite.statistics.moments.gls import second_difference
+from allanite.terms import NoiseTerm
+
+from .likelihood import Likelihood
+from .sines import angle_power, low_powers, rate_weights, sine, sine_variances, toeplitz
+
+WEIGHT = 0.1
+"""Power that the joints add to the low coefficients of the joined record, over that of white noise, from which the
+pieces are read by themselves."""
+
+SPLIT = 0.5
+"""Frequency between the parts, over that at which white noise of the rate and of the angle are alike."""
+
+HIGHEST = 0.5
+"""The same, over half the sampling rate, at most."""
+
+WHITE = -0.5
+"""Slope of white noise of the rate."""
+
+CLEAR = 0.5
+"""Share of a coefficient that the rate of its piece must leave, for it to be called a peak."""
+
+LENGTHS = 24
+"""Lengths of pieces, at most, for which expectations of slow noise are worked out."""
+
+GRID = 24
+"""Frequencies, evenly in the logarithm and again evenly, at which the lower part's response is worked out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces(Portable):
+    """How a record in pieces is read.
+
+    Attributes
+    ----------
+    length, times : arrays, shape (l,)
+        The lengths that pieces have, and how many have each.
+    ratio : float
+        Q^2 / N^2, angles in units of the sample interval, that the weights suppose.
+    least : int
+        Pieces that are shorter take no part below `split`: they would add noise only.
+    split : float
+        Frequency between the parts, radians a sample.
+    edges : int array
+        Bounds of the bins, in coefficients of the joined record.
+    """
+
+    length: IntArray
+    times: IntArray | FloatArray
+    ratio: float
+    least: int
+    split: float
+    edges: IntArray
+
+    @property
+    def size(self) -> int:
+        """Readings that are joined."""
+        return int((self.length * self.times)[self.length >= self.least].sum())
+
+    @property
+    def low(self) -> int:
+        """Bins of the lower part."""
+        return int(np.searchsorted(self.edges, self.split / np.pi * self.size - 0.5))
+
+    @cached_property
+    def bins(self) -> list[IntArray]:
+        """The bin of each coefficient of the sine transform, for each length; -1 for those of the lower part."""
+        return [np.asarray(self._bins(int(L))) for L in self.length]
+
+    def _bins(self, L: int) -> IntArray:
+        at = np.searchsorted(self.edges, np.arange(1, L + 1) * (self.size / (L + 1)), side="right") - 1
+        return np.where(at < self.low, -1, np.minimum(at, self.edges.size - 2))
+
+    def pooled(self, each: list[FloatArray]) -> FloatArray:
+        """Sums over the bins of what every piece of a length has at its coefficients, shape (bins,)."""
+        total = np.zeros(self.edges.size)
+        for bins, values, times in zip(self.bins, each, self.times, strict=True):
+            total += times * np.bincount(bins + 1, values, total.size)
+        return total[1:]
+
+    @cached_property
+    def weight(self) -> list[FloatArray]:
+        """Of each coefficient in its bin, for each length: one over its variance under the ratio, but for c."""
+        return [1 / (1 + self.ratio * angle_power(int(L))) for L in self.length]
+
+    def mean(self, each: list[FloatArray], nothing: FloatArray) -> FloatArray:
+        """Weighted means over the bins, shape (bins,); `nothing` where no coefficient lies."""
+        sums = self.pooled([w * x for w, x in zip(self.weight, each, strict=True)])
+        return np.divide(sums, self._weights, out=nothing.copy(), where=self._weights > 0)
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        return self.pooled(self.weight)
+
+    @cached_property
+    def shares(self) -> list[FloatArray]:
+        """What the rate of the piece leaves of each coefficient, for each length."""
+        both = ((rate_weights(int(L), self.ratio)[1], sine(np.ones(int(L)))) for L in self.length)
+        return [1 - u**2 * v * w for (v, u), w in zip(both, self.weight, strict=True)]
+
+    @cached_property
+    def told(self) -> FloatArray:
+        """Coefficients of the sine transforms in the bins, less what the rates of the pieces take, shape (bins,)."""
+        return self.pooled(self.shares)
+
+    def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
+        """Variance of the k-th coefficients of the lower part under a term, on average over where the joints lie."""
+        omega, white, angle = self._lower
+        at = np.pi / self.size * k
+        if term.edge:
+            return np.asarray(term.edge * np.interp(at, omega, angle))
+        return np.asarray(gaps.row(term, k) * np.interp(at, omega, white))
+
+    def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
+        """Mean variance under a term in the bins, shape (bins,); that which is given where no coefficient lies.
+
+        What is neither white noise of the rate nor of the angle is little here: a few lengths stand for all.
+        """
+        some = self if term.edge or term.slope == WHITE else self._some
+        return some.mean([some._variances(term, int(L)) for L in some.length], mean)
+
+    @cached_property
+    def _some(self) -> "Pieces":
+        """The same with few different lengths, each for its neighbours and for as many readings as they."""
+        if self.length.size <= LENGTHS:
+            return self
+        readings = self.length * self.times
+        group = (np.cumsum(readings) - readings) * LENGTHS // readings.sum()
+        first = np.unique(group, return_index=True)[1]
+        middle = self.length[(first + np.append(first[1:], group.size) - 1) // 2]
+        return replace(self, length=middle, times=np.add.reduceat(readings, first) / middle)
+
+    def _variances(self, term: NoiseTerm, L: int) -> FloatArray:
+        """Of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
+        w, _ = rate_weights(L, self.ratio)
+        u = sine(np.ones(L))
+        if term.edge or term.slope == WHITE:  # C is T or 1: S'CS is diagonal
+            diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
+            Cw = diagonal * sine(w)
+            return np.asarray(diagonal - 2 * u * Cw + u**2 * float(sine(w) @ Cw))
+        c = second_difference(term, L) / 2
+        Cw = toeplitz(c, w)
+        return np.asarray(sine_variances(c) - 2 * u * sine(Cw) + u**2 * float(w @ Cw))
+
+    @cached_property
+    def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequencies, and the power of the lower part there under white noise of the rate and of the angle."""
+        omega = np.unique(
+            np.append(np.geomspace(np.pi / self.size, self.split, GRID), np.linspace(0, self.split, GRID))
+        )
+        kept = self.length >= self.least
+        powers = np.zeros((2, omega.size))
+        for L, times in zip(self.length[kept].tolist(), self.times[kept].tolist(), strict=True):
+            powers += times * np.array(low_powers(L, self.ratio, self.split, omega))
+        return omega, powers[0] / self.size, powers[1] / self.size
+
+    @cached_property
+    def even(self) -> float:
+        """Share of the lower part's coefficients that count: less than 1 where the pieces are not equally noisy."""
+        kept = self.length >= self.least
+        lengths = self.length[kept].tolist()
+        both = np.array([low_powers(L, self.ratio, self.split, np.zeros(1)) for L in lengths])[:, :, 0]
+        level, weight = (both[:, 0] + self.ratio * both[:, 1]) / lengths, lengths * self.times[kept]
+        return float((weight @ level) ** 2 / (weight.sum() * (weight @ level**2)))
+
+
+REACH = 2.0
+"""Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
+
+
+def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pieces | None:
+    """How to read a joined rate; None where the joints do not matter beside white noise of the rate."""
+    if not gaps.at.size or gaps.shut.any():
+        return None
+    lengths = np.diff(np.concatenate(([0], gaps.at, [gaps.size])))
+    length, times = np.unique(lengths, return_counts=True)
+    ratio = _ratio(y, lengths)
+    if ratio * 2 * gaps.at.size / gaps.size < WEIGHT:
+        return None
+    split = min(SPLIT / np.sqrt(ratio), HIGHEST * np.pi)
+    level = [float(a[0] + ratio * b[0]) for a, b in (low_powers(int(L), ratio, split, np.zeros(1)) for L in length)]
+    noise, used = np.cumsum((times * level)[::-1])[::-1], np.cumsum((times * length)[::-1])[::-1]
+    least = int(length[np.argmin(noise / used.astype(np.float64) ** 2)])
+    size = int(used[np.searchsorted(length, least)])
+    edges = edges_of(size)
+    low = int(np.searchsorted(edges, split / np.pi * size))
+    how = Pieces(length, times, ratio, least, float(edges[low] * np.pi / size), edges)
+    # no bin of the upper part is empty: one that would be is part of its neighbour
+    filled = low + np.flatnonzero(how.told[low:])
+    return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
+
+
+def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+    """The joined record below the split; which readings it has; power of the bins above, and their peaks.
+
+    A peak stands out over what the coefficient has under the ratio.
+    """
+    from scipy.fft import dst
+
+    starts = np.concatenate(([0], gaps.at))
+    lengths = np.diff(np.append(starts, gaps.size))
+    low, kept = np.empty_like(y), np.repeat(lengths >= how.least, lengths)
+    squares, peak = [], np.zeros(how.edges.size)
+    for L, bins, weight, share in zip(how.length.tolist(), how.bins, how.weight, how.shares, strict=True):
+        where = starts[lengths == L][:, None] + np.arange(L)
+        each = y[where]
+        each = each - (each @ rate_weights(L, how.ratio)[0])[:, None]
+        d = dst(each, type=1, norm="ortho")
+        squares.append((d**2).mean(axis=0))
+        np.maximum.at(
+            peak, bins + 1, np.where(share > CLEAR, weight / np.maximum(share, CLEAR), 0.0) * (d**2).max(axis=0)
+        )
+        d[:, bins < 0] = 0.0
+        low[where] = y[where] - dst(d, type=1, norm="ortho")
+    nothing = np.zeros(how.edges.size - 1)
+    level = how.mean([share / weight for share, weight in zip(how.shares, how.weight, strict=True)], nothing)
+    return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
+
+
+def _ratio(y: FloatArray, lengths: IntArray) -> float:
+    """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise."""
+    starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
+    at, squares = [], []
+    for L in np.unique(lengths[lengths > 1]).tolist():
+        here = starts[lengths == L]
+        d = sine(y[here[:, None] + np.arange(L)])[:, 1::2]
+        at.append(np.tile(np.arange(2, L + 1, 2) / (L + 1), here.size))
+        squares.append((d**2).ravel())
+    x, power = np.concatenate(at), np.concatenate(squares)
+    octave = np.unique(np.floor(-8 * np.log2(x)), return_inverse=True)[1].ravel()
+    count = np.bincount(octave).astype(np.float64)
+    angle = np.bincount(octave, 4 * np.sin(np.pi / 2 * x) ** 2) / count
+    S = np.column_stack((angle, np.ones(count.size), np.bincount(octave, 1 / x**2) / count))
+    none = np.zeros((count.size, 0))
+    part = Likelihood(
+        S, np.bincount(octave, power) / count, count, none[:, :, None], none, np.zeros((0, 3)), np.zeros(0, bool)
+    )
+    theta, _ = part.minimise(np.ones(3, dtype=bool))
+    most = (REACH * float(lengths @ lengths) / float(lengths.sum())) ** 2
+    return float(theta[0] / theta[1]) if theta[0] < most * theta[1] else most

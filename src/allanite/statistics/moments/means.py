@@ -1,0 +1,260 @@
+r"""Differences of means of the readings that are there: curves of records with gaps beyond the complete windows.
+
+A window of m at sample i has 2 (Allan) or 3 (Hadamard) parts of m samples with c_p readings each, at least one. With
+b = (-1, 1) or (1, -2, 1) and the means y_p of the readings
+
+    delta_i = sum_p b_p y_p,    1/h_i = sum_p b_p^2 / c_p,    V = sum_i h_i^2 delta_i^2 / (m sum_i h_i)
+
+Under white noise of the rate delta_i has the variance N^2 / h_i, so that V is N^2 / m whatever is lost; where nothing
+is, it is the plain statistic: pairs of means weighted by their counts, the weighted least squares estimate of N^2. On
+other ways to deal with lost readings: P. Sesia and P. Tavella, Metrologia 45 (2008) S134.
+
+Expectation and covariance of the delta_i follow from where the readings are: exactly for noise of the angle and white
+noise of the rate; for slow noise each part is taken in four quarters, each weighted by its readings.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, IntArray, Statistic, binomials
+from allanite.terms import NoiseTerm
+
+Places = Sequence[tuple[int, int]]
+"""(first sample, samples) of each stretch without gaps of a record."""
+
+COMPLETE = 0.9
+"""Share of the windows that must be complete for the others to be left out."""
+
+QUARTERS = 4
+"""Parts of a mean that are told apart for slow noise, and windows that start within m."""
+
+REFERENCES = 64
+"""Windows whose covariances with all others stand for those of all."""
+
+ENOUGH = 24
+"""Windows, at least, that a long averaging time is given."""
+
+
+def takes_means(row: Statistic, m: int, places: Places, size: int) -> bool:
+    """Whether windows with lost readings count too: where so many are lost that the complete ones are few."""
+    if len(places) < 2 or not row.differences or row.summed:
+        return False
+    at = np.array([m])
+    complete = int(row.count(np.array([n for _, n in places]), at).sum())
+    return complete < COMPLETE * int(row.count(size, at)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class There:
+    """Where readings are: how many before each sample, shape (size + 1,), and how many of them have the next one."""
+
+    readings: IntArray
+    neighbours: IntArray
+
+    @property
+    def size(self) -> int:
+        """Samples, lost ones included."""
+        return self.readings.size - 1
+
+    def between(self, begin: IntArray, end: IntArray) -> IntArray:
+        """Readings in begin .. end - 1; 0 where end is not beyond begin."""
+        return np.asarray(self.readings[np.maximum(begin, end)] - self.readings[begin])
+
+    def steps(self, begin: IntArray, end: IntArray) -> IntArray:
+        """Readings there that have the next one too."""
+        begin = np.clip(begin, 0, self.size)
+        return np.asarray(self.neighbours[np.maximum(begin, end)] - self.neighbours[begin])
+
+
+def there(places: Places, size: int) -> There:
+    """Where readings are."""
+    one, next_too = np.zeros(size + 1, np.int64), np.zeros(size + 1, np.int64)
+    for start, n in places:
+        one[start + 1 : start + n + 1] = 1
+        next_too[start + 1 : start + n] = 1
+    return There(np.cumsum(one), np.cumsum(next_too))
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Windows of a row at m that have a reading in each part.
+
+    `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
+    """
+
+    row: Statistic
+    m: int
+    there: There
+    start: IntArray
+    count: IntArray
+
+    @property
+    def signs(self) -> FloatArray:
+        """What each part is multiplied with, b."""
+        return binomials(self.row.differences - 1)
+
+    @cached_property
+    def h(self) -> FloatArray:
+        """Readings that a window is worth, shape (w,)."""
+        return np.asarray(1 / (self.signs**2 / self.count).sum(axis=1))
+
+    @property
+    def weight(self) -> FloatArray:
+        """Of each delta^2 in the variance, shape (w,)."""
+        norm = float(self.row.norm(np.array([self.m]))[0]) / float((self.signs**2).sum())
+        return np.asarray(self.h**2 / (self.m * self.h.sum() * norm))
+
+    def of(self, which: IntArray) -> "Windows":
+        """Some of them."""
+        return Windows(self.row, self.m, self.there, self.start[which], self.count[which])
+
+    @property
+    def edges(self) -> IntArray:
+        """Begin of each part and end of the last, shape (w, parts + 1)."""
+        return self.start[:, None] + self.m * np.arange(self.signs.size + 1)
+
+    @cached_property
+    def points(self) -> tuple[FloatArray, FloatArray]:
+        """Delta as a weighted sum of points of the angle: their times, and their weights, shape (w, points) each."""
+        parts, quarters = self.signs.size, min(QUARTERS, self.m)
+        inner = np.rint(np.arange(parts * quarters + 1) * (self.m / quarters)).astype(np.int64)
+        time = self.start[:, None] + inner
+        held = self.there.between(time[:, :-1], time[:, 1:]) / np.diff(inner)
+        rate = held * np.repeat(self.signs / self.count, quarters, axis=1)
+        return time.astype(np.float64), -np.diff(np.pad(rate, ((0, 0), (1, 1))), axis=1)
+
+    def variances(self, term: NoiseTerm) -> FloatArray:
+        """Of the delta under a term of coefficient 1, unit sample interval, shape (w,)."""
+        if term.edge:
+            step = self.signs / self.count
+            own = np.einsum("wp,wp->w", step**2, 2.0 * (self.count - self._inner))
+            between = sum(step[:, p] * step[:, p + 1] * self._across[:, p] for p in range(self._across.shape[1]))
+            return np.asarray(term.edge * (own - 2 * between))
+        if term.slope == WHITE:
+            return np.asarray(1 / self.h)
+        time, v = self.points
+        D = term.structure(np.abs(time[:, :, None] - time[:, None, :]))
+        return np.asarray(-0.5 * np.einsum("wi,wij,wj->w", v, D, v))
+
+    @property
+    def _inner(self) -> IntArray:
+        """Readings of each part that have the next one in it."""
+        return self.there.steps(self.edges[:, :-1], self.edges[:, 1:] - 1)
+
+    @property
+    def _across(self) -> IntArray:
+        """Whether a part's last sample and the next part's first are both there."""
+        border = self.edges[:, 1:-1]
+        return self.there.steps(border - 1, border)
+
+    def covariances(self, term: NoiseTerm, near: "Windows") -> FloatArray:
+        """Of each delta with those of its own row of `near`, windows w x l, shape (w, l)."""
+        w, one = self.start.size, near.signs / near.count
+        other = one.reshape(w, -1, self.signs.size)
+        if not term.edge and term.slope != WHITE:
+            time, v = self.points
+            times, others = (x.reshape(w, -1, time.shape[1]) for x in near.points)
+            total = np.zeros(times.shape[:2])
+            for k in range(time.shape[1]):
+                D = term.structure(np.abs(times - time[:, None, k, None]))
+                total -= 0.5 * v[:, k, None] * np.einsum("wlj,wlj->wl", others, D)
+            return total
+        mine, begin, end = self.signs / self.count, self.edges[:, None, :-1], self.edges[:, None, 1:]
+        theirs = near.edges.reshape(w, -1, self.signs.size + 1)
+        total = np.zeros(other.shape[:2])
+        for p in range(self.signs.size):
+            a, b, c, d = begin[..., p, None], end[..., p, None], theirs[..., :-1], theirs[..., 1:]
+            both = self.there.between(np.maximum(a, c), np.minimum(b, d))
+            if term.edge:
+                both = 2 * both - self.there.steps(np.maximum(a, c - 1), np.minimum(b, d - 1))
+                both -= self.there.steps(np.maximum(c, a - 1), np.minimum(d, b - 1))
+            total += (term.edge or 1.0) * mine[:, p, None] * np.einsum("wlq,wlq->wl", other, both)
+        return total
+
+
+WHITE = -0.5
+"""Slope of white noise of the rate."""
+
+
+def windows_of(row: Statistic, m: int, there: There, stride: int) -> Windows:
+    """Windows that start every so many samples and have a reading in each part."""
+    start = np.arange(0, there.size - row.differences * m + 1, stride)
+    edges = there.readings[start[:, None] + m * np.arange(row.differences + 1)]
+    count = np.diff(edges, axis=1)
+    full = (count > 0).all(axis=1)
+    return Windows(row, m, there, start[full], count[full])
+
+
+def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[float, int]:
+    """V and the number of windows, from sums x of the readings before each sample, shape (size + 1,)."""
+    found = windows_of(row, m, there, 1 if row.overlapped else m)
+    if not found.start.size:
+        return np.nan, 0
+    means = np.diff(x[found.edges], axis=1) / found.count
+    return float(found.weight @ (means @ found.signs) ** 2), found.start.size
+
+
+@dataclass(frozen=True, eq=False)
+class MeanMoments:
+    """Moments of V under terms: windows that start every quarter of m, or less, stand for all.
+
+    Attributes
+    ----------
+    windows : Windows
+    """
+
+    windows: Windows
+
+    def expectation(self, terms: Sequence[NoiseTerm]) -> FloatArray:
+        """Expected variance of each term, unit sample interval, shape (t,)."""
+        some = self.windows.of(_spread(self.windows.start.size, 8 * REFERENCES))
+        return np.array([some.weight @ some.variances(term) for term in terms])
+
+    def relative(self, terms: Sequence[NoiseTerm], E: FloatArray) -> FloatArray:
+        """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
+        every, at = self.windows, _spread(self.windows.start.size, REFERENCES)
+        first, lags = every.of(at), self._reach
+        index = at[:, None] + lags
+        inside = (index >= 0) & (index < every.start.size)
+        near = every.of(np.where(inside, index, at[:, None]).ravel())
+        weight = every.weight[np.where(inside, index, 0)] * inside
+        C = np.array([first.covariances(term, near) for term in terms])
+        share = first.weight * (every.weight.sum() / first.weight.sum() if at.size else 1.0)
+        T = np.einsum("iwl,jwl,wl,w->ij", C, C, weight, share, optimize=True)
+        fixed = np.array([term.waveform is not None for term in terms])
+        T[np.outer(fixed, fixed)] = 0.0
+        scale = np.outer(E, E)
+        return np.asarray(np.divide(T, scale, out=np.zeros_like(T), where=scale != 0))
+
+    @property
+    def _reach(self) -> IntArray:
+        """Lags, in windows, at which windows may have to do with each other."""
+        if self.windows.start.size <= REFERENCES:
+            return np.arange(1 - self.windows.start.size, self.windows.start.size)
+        stride = int(np.diff(self.windows.start).min())
+        most = 2 * self.windows.row.differences * self.windows.m // stride
+        return np.arange(-most, most + 1)
+
+    def forms(self, terms: Sequence[NoiseTerm]) -> FloatArray:
+        """The quadratic form of V under each term, of few windows spread over the record, shape (t, w, w)."""
+        some = self.windows.of(_spread(self.windows.start.size, REFERENCES))
+        w = some.start.size
+        near = some.of(np.tile(np.arange(w), w))
+        root = np.sqrt(some.weight)
+        return np.array([some.covariances(term, near) * np.outer(root, root) for term in terms])
+
+
+def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
+    """Moments of the variance at m from means of the readings there."""
+    most = int(row.count(size, np.array([m]))[0])
+    stride = max(1, min(m // QUARTERS, most // ENOUGH)) if row.overlapped else m
+    return MeanMoments(windows_of(row, m, there(places, size), stride))
+
+
+def _spread(count: int, most: int) -> IntArray:
+    """Places of at most so many of a number, evenly."""
+    k = min(count, most)
+    return np.asarray(np.floor((np.arange(k) + 0.5) * count / max(k, 1)), dtype=np.int64)

@@ -1,0 +1,156 @@
+"""A rate with gaps under strong noise of the angle: the pieces against dense matrices, and against simulated truth."""
+
+import numpy as np
+import pytest
+from scipy.linalg import toeplitz
+
+import allanite as al
+from allanite.identification.likelihood.pieces import Pieces, apart
+from allanite.identification.likelihood.sines import rate_weights
+from allanite.identification.likelihood.whittle import column, spectrum
+from allanite.prepare.gaps import Gaps
+from allanite.statistics.moments.gls import second_difference
+from allanite.terms import TERMS
+
+SIZE, RATIO, SPLIT = 400, 40.0, 0.08
+AT = np.array([3, 4, 40, 90, 91, 200, 350])
+GAPS = Gaps(SIZE, AT, np.ones_like(AT), np.zeros(AT.size, dtype=bool))
+STARTS = np.concatenate(([0], AT))
+LENGTHS = np.diff(np.append(STARTS, SIZE))
+EDGES = np.concatenate((np.arange(1, 20), np.arange(20, SIZE, 20), [SIZE]))
+HOW = Pieces(*np.unique(LENGTHS, return_counts=True), RATIO, 1, SPLIT, EDGES)
+
+
+def sines(L):
+    k = np.arange(1, L + 1)
+    return np.sqrt(2 / (L + 1)) * np.sin(np.pi * np.outer(k, k) / (L + 1))
+
+
+def blocks(one):
+    """A matrix of the whole record from those of its pieces."""
+    whole = np.zeros((SIZE, SIZE))
+    for start, L in zip(STARTS, LENGTHS, strict=True):
+        whole[start : start + L, start : start + L] = one(int(L))
+    return whole
+
+
+def angle(L):
+    return 2 * np.eye(L) - np.eye(L, k=1) - np.eye(L, k=-1)
+
+
+def weights(L):
+    x = np.linalg.solve(np.eye(L) + RATIO * angle(L), np.ones(L))
+    return x / x.sum()
+
+
+def less_rate(L):
+    return np.eye(L) - np.outer(np.ones(L), weights(L))
+
+
+def high(L):
+    return np.pi * np.arange(1, L + 1) / (L + 1) >= EDGES[HOW.low] * np.pi / SIZE - 1e-12
+
+
+UPPER = blocks(lambda L: sines(L) @ less_rate(L))
+LOWER = blocks(lambda L: np.eye(L) - sines(L)[:, high(L)] @ (sines(L) @ less_rate(L))[high(L)])
+BIN = np.concatenate(
+    [np.where(high(L), np.searchsorted(EDGES, np.arange(1, L + 1) * SIZE / (L + 1), "right") - 1, -1) for L in LENGTHS]
+)
+
+
+@pytest.mark.parametrize("L", [1, 2, 7, 150])
+def test_weights_of_the_rate_are_those_of_generalised_least_squares(L):
+    w, v = rate_weights(L, RATIO)
+    np.testing.assert_allclose(w, weights(L), rtol=1e-10)
+    assert v == pytest.approx(w @ (np.eye(L) + RATIO * angle(L)) @ w)
+
+
+WEIGHT = np.concatenate([1 / (1 + RATIO * np.diag(sines(L) @ angle(L) @ sines(L))) for L in LENGTHS])
+
+
+def assert_means(found, values):
+    """Weighted means over the bins above the split."""
+    filled = [b for b in range(HOW.low, EDGES.size - 1) if (b == BIN).any()]
+    literal = [np.average(values[b == BIN], weights=WEIGHT[b == BIN]) for b in filled]
+    np.testing.assert_allclose(found[filled], literal, rtol=1e-8)
+
+
+def test_the_parts_are_those_of_the_matrices():
+    y = np.random.default_rng(1).standard_normal(SIZE)
+    low, kept, power, _ = apart(y, GAPS, HOW)
+    assert kept.all()
+    np.testing.assert_allclose(low, LOWER @ y, atol=1e-12)
+    assert_means(power, (UPPER @ y) ** 2)
+
+
+def test_what_the_bins_tell():
+    """The power of each over its expectation under the ratio is a chi-square with so many degrees of freedom."""
+    share = np.diag(UPPER @ blocks(lambda L: np.eye(L) + RATIO * angle(L)) @ UPPER.T) * WEIGHT
+    literal = [share[b == BIN].sum() for b in range(HOW.low, EDGES.size - 1)]
+    np.testing.assert_allclose(HOW.told[HOW.low :], literal, atol=1e-9)
+
+
+@pytest.mark.parametrize("symbol", "QNBK")
+def test_expectations_above_the_split_are_exact(symbol):
+    row = TERMS[symbol]
+    C = blocks(lambda L: toeplitz(second_difference(row, L) / 2))
+    assert_means(HOW.upper(row, np.full(EDGES.size - 1, np.nan)), np.diag(UPPER @ C @ UPPER.T))
+
+
+@pytest.mark.parametrize("symbol", "QN")
+def test_expectations_below_it_are_exact_on_average_over_phases(symbol):
+    C = blocks(angle if symbol == "Q" else np.eye)
+    k = np.arange(1.0, HOW.low + 1)
+    waves = np.exp(1j * np.pi / SIZE * np.outer(k, np.arange(SIZE)))
+    each = [waves[:, start : start + L] @ LOWER[start : start + L] for start, L in zip(STARTS, LENGTHS, strict=True)]
+    expected = sum(np.einsum("ki,ij,kj->k", one, C, one.conj()).real for one in each) / SIZE
+    np.testing.assert_allclose(HOW.row(TERMS[symbol], GAPS, k), expected, rtol=0.02)
+
+
+def test_the_parts_share_one_combination_of_each_piece():
+    """That which its rate takes from the others: the sum of all squared canonical correlations says so."""
+    C = blocks(lambda L: np.eye(L) + RATIO * angle(L))
+    parts = UPPER[BIN >= 0], LOWER
+    upper, lower = (np.linalg.pinv(A @ C @ A.T, rcond=1e-8, hermitian=True) @ A @ C for A in parts)
+    assert np.trace(upper @ LOWER.T @ lower @ parts[0].T) < LENGTHS.size
+
+
+def lossy(model, seed, share, size=2**14):
+    rng = np.random.default_rng(seed)
+    record = al.simulate(model, size, 100.0, rng=rng)
+    values = np.array(record.values, dtype=np.float64)
+    values[rng.random(size) < share] = np.nan
+    return al.Record(values, 100.0, record.unit, kind="rate")
+
+
+def test_without_gaps_or_noise_of_the_angle_the_joined_record_is_read():
+    assert spectrum(lossy(al.sensor("rlg"), 1, 0.0), detrend=True).pieces is None
+    assert spectrum(lossy(al.sensor("mems"), 1, 0.1), detrend=True).pieces is None
+    assert spectrum(lossy(al.sensor("rlg"), 1, 0.01), detrend=True).pieces is not None
+
+
+def test_the_spectrum_is_that_expected():
+    model, total, told = al.parse_model("Q 0.5 arcsec, N 0.18 arcsec/sqrt(s)"), 0.0, 0.0
+    for seed in range(8):
+        record = lossy(model, seed, 0.02)
+        seen = spectrum(record, detrend=False)
+        power = sum(t.power(100.0) / record.rate_factor**2 * column(t.sampled(100.0), seen) for t in model)
+        octave = np.floor(np.log2(seen.first / seen.size)).astype(int) + 14
+        total = total + np.bincount(octave, (seen.power / power - 1) * seen.told, 14)
+        told = told + np.bincount(octave, seen.told, 14)
+    deviate = (total / np.sqrt(2 * told))[told > 30]
+    assert deviate.size > 7
+    assert np.abs(deviate).max() < 3.3
+
+
+def test_small_noise_of_the_rate_is_told_between_gaps():
+    """Of 1 % lost at random: N to a tenth, and its limits hold the truth."""
+    inside = 0
+    for seed in range(6):
+        estimate = al.identify(lossy(al.sensor("rlg"), seed, 0.01, 2**15), lines=False)["N"]
+        assert estimate.claimed
+        low, high = estimate.interval()
+        truth = al.sensor("rlg")["N"].value
+        inside += low <= truth <= high
+        assert abs(estimate.value / truth - 1) < 0.3
+    assert inside >= 5

@@ -1,0 +1,134 @@
+"""Curves of records with gaps from means of what is there: against dense matrices, and in any pattern."""
+
+import numpy as np
+import pytest
+from scipy.linalg import toeplitz
+
+import allanite as al
+from allanite.statistics.estimator import integrated
+from allanite.statistics.moments.gls import second_difference
+from allanite.statistics.moments.means import mean_moments, takes_means
+from allanite.terms import TERMS
+from gaps import pattern_of
+
+SIZE = 300
+SYMBOLS = "QNBK"
+PARTS = {2: [-1, 1], 3: [1, -2, 1]}
+CASES = [("oadev", 7), ("oadev", 30), ("oadev", 110), ("haar", 30), ("ohdev", 40), ("adev", 25), ("hdev", 20)]
+
+
+def lossy():
+    rng = np.random.default_rng(0)
+    y = rng.standard_normal(SIZE)
+    y[rng.random(SIZE) < 0.1] = np.nan
+    y[100:130] = np.nan
+    return al.Record(y, 1.0, "rad/s", kind="rate")
+
+
+def literal(name, m):
+    """The quadratic form of the variance in the readings, by its definition, and the number of windows."""
+    row, record = al.STATISTICS[name], lossy()
+    places = integrated(record, 2).places
+    there = np.zeros(SIZE, dtype=bool)
+    for start, n in places:
+        there[start : start + n] = True
+    signs, rows, worth = PARTS[row.differences], [], []
+    for i in range(0, SIZE - len(signs) * m + 1, 1 if row.overlapped else m):
+        at = [i + p * m + np.flatnonzero(there[i + p * m : i + (p + 1) * m]) for p in range(len(signs))]
+        if all(one.size for one in at):
+            rows.append(np.zeros(SIZE))
+            for one, sign in zip(at, signs, strict=True):
+                rows[-1][one] = sign / one.size
+            worth.append(1 / sum(sign**2 / one.size for one, sign in zip(at, signs, strict=True)))
+    R, h = np.array(rows), np.array(worth)
+    norm = row.norm(np.array([m]))[0] / np.square(signs).sum()
+    return (R.T * h**2) @ R / (m * h.sum() * norm), h.size, places
+
+
+@pytest.mark.parametrize(("name", "m"), CASES)
+def test_the_variance_is_that_of_its_definition(name, m):
+    A, count, _ = literal(name, m)
+    record = lossy()
+    y = np.nan_to_num(np.asarray(record.values))
+    curve = al.deviation(record, name, m=[m], noise=None)
+    assert curve.count[0] == count
+    assert curve.variance[0] == pytest.approx(y @ A @ y, rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "m"), CASES)
+def test_moments_are_those_of_dense_matrices(name, m):
+    A, _, places = literal(name, m)
+    row, terms = al.STATISTICS[name], [TERMS[s] for s in SYMBOLS]
+    assert takes_means(row, m, places, SIZE)
+    products = [A @ toeplitz(second_difference(term, SIZE) / 2) for term in terms]
+    E = np.array([np.trace(one) for one in products])
+    T = np.array([[np.sum(one * other.T) for other in products] for one in products])
+    found = mean_moments(row, m, places, SIZE)
+    expectation = found.expectation(terms)
+    np.testing.assert_allclose(expectation[1], E[1], rtol=1e-12)
+    np.testing.assert_allclose(expectation, E, rtol=0.04)
+    r = found.relative(terms, expectation)
+    np.testing.assert_allclose(r[1:, 1:], (T / np.outer(E, E))[1:, 1:], rtol=0.05)
+    # of windows that start every quarter of m, those under noise of the angle know less of each other than of all
+    assert (T / np.outer(E, E))[0, 0] * 0.95 < r[0, 0] < 1.6 * (T / np.outer(E, E))[0, 0]
+
+
+def test_white_noise_is_met_at_every_tau():
+    model, ratio = al.Model((al.N(1, "deg/sqrt(h)"),)), []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        record = al.simulate(model, 1500, 1.0, rng=rng)
+        values = np.array(record.values)
+        values[rng.random(1500) < 0.3] = np.nan
+        curve = al.deviation(al.Record(values, 1.0, record.unit, kind="rate"), noise=None, m=[1, 4, 16, 64, 256])
+        ratio.append(curve.variance / al.expected(model, "oadev", curve.tau))
+    error = np.std(ratio, axis=0) / np.sqrt(len(ratio))
+    assert np.all(np.abs(np.mean(ratio, axis=0) - 1) < 3.3 * error)
+
+
+def test_limits_hold_where_no_window_is_complete():
+    model, inside = al.N(1, "deg/sqrt(h)") + al.K(60, "deg/h/sqrt(h)"), []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        record = al.simulate(model, 2048, 1.0, rng=rng)
+        values = np.array(record.values)
+        values[rng.random(2048) < 0.02] = np.nan
+        lossy = al.Record(values, 1.0, record.unit, kind="rate")
+        curve = al.deviation(lossy, m=[205, 410, 819], noise=model)
+        low, high = curve.interval()
+        truth = np.sqrt(al.expected(model, "oadev", curve.tau))
+        inside.append((low < truth) & (truth < high))
+    with pytest.raises(al.DataError, match="no complete window"):
+        al.deviation(lossy, m=[819], gaps="complete")
+    assert (np.mean(inside, axis=0) > 0.95 - 3 * 0.028).all()
+
+
+def test_what_the_joints_hide_is_refused():
+    model, rng = al.sensor("rlg"), np.random.default_rng(1)
+    record = al.simulate(model, 4096, 100.0, rng=rng)
+    values = np.array(record.values)
+    values[rng.random(4096) < 0.1] = np.nan
+    torn = al.Record(values, 100.0, record.unit, kind="rate")
+    curve = al.deviation(torn, noise=model)
+    assert curve.m[-1] < 1024
+    assert (curve.factor >= 0.03).all()
+    assert np.isfinite(curve.interval()).all()
+    with pytest.raises(al.DataError, match="at averaging factor 1024: it tells nothing there"):
+        al.deviation(torn, m=[1, 1024], noise=model)
+
+
+def test_a_whole_record_is_not_touched():
+    record = al.simulate(al.sensor("mems"), 3000, 1.0, rng=np.random.default_rng(1))
+    one, two = (al.deviation(record, noise=al.sensor("mems"), gaps=gaps) for gaps in ("means", "complete"))
+    np.testing.assert_array_equal(one.variance, two.variance)
+    np.testing.assert_array_equal(one.interval(), two.interval())
+
+
+def test_another_word_is_refused():
+    with pytest.raises(al.UsageError, match="'means' count or the 'complete' ones"):
+        al.deviation(lossy(), gaps="all")
+
+
+def test_limits_are_numbers_in_any_pattern():
+    """40 of the patterns of benchmarks/gaps.py, which tries 2000."""
+    assert [i for i in range(40) if pattern_of(i)] == []
