@@ -15,7 +15,7 @@ from allanite.core.model import Model, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, demand_bias
+from allanite.statistics.confidence.bias import correction, corrections, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Later, Supposing, supposed
@@ -144,8 +144,7 @@ def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None
     if noise is None:
         raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record), or noise='auto'")
     if isinstance(noise, Averaged):
-        under = [model for model, _ in noise]
-        return np.array([sparse(seen.points, partial(correction, bias=bias, models=[m], alpha=None)) for m in under])
+        return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
 
     def automatically(few: Points) -> FloatArray:
         laws = power_laws(few, seen.angle)

@@ -83,9 +83,10 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
     Notes
     -----
-    Of more than 300 averaging times the confidence limits (and factors of bias) are worked out at 130, evenly in the
-    logarithm and closer at the end, and interpolated between them, to 2 % at most. Neighbours in ``taus="all"`` are
-    all but the same number: it is for looking at (a vibration, an interval that a data sheet names), not for fitting.
+    Of many averaging times the confidence limits (and factors of bias) are worked out at a few dozen, closer where few
+    windows are left, and interpolated between them, to 1 % at most; in a record with gaps, and where windows do not
+    overlap, at 130 of more than 300 times, to 2 %. Neighbours in ``taus="all"`` are all but the same number: it is for
+    looking at (a vibration, an interval that a data sheet names), not for fitting.
 
     Of oadev, ohdev, mdev and their relatives every tau takes O(n log^2 n), and so does every run between gaps.
 

@@ -9,8 +9,9 @@ import allanite as al
 from allanite.core.averaged import averaged
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.chisquares import Mixture, quantiles, table
-from allanite.statistics.confidence.eigenvalues import spectra
+from allanite.statistics.confidence.eigenvalues import matrices, spectra
 from allanite.statistics.confidence.limits import mixtures
+from allanite.statistics.confidence.sparse import sparse_law
 from allanite.statistics.table import Points
 
 QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
@@ -122,3 +123,42 @@ def test_a_hybrid_takes_its_bias_from_a_model_that_is_given():
         given.variance, al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="model").variance
     )
     assert given.variance[1] != plain.variance[1]
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "totdev", "theo1", "pdev"])
+def test_limits_between_the_nodes_of_a_curve_are_those_at_the_points(statistic):
+    at = points(statistic)._replace(m=np.unique(np.geomspace(2, 338, 60).astype(np.int64) // 2 * 2))
+    noise = averaged(MODELS, WEIGHTS)
+
+    def law(few):
+        return AveragedLaw(few, noise, np.ones((len(noise), few.m.size)))
+
+    sparse, exact = sparse_law(at, law), law(at)
+    assert sparse.few.points.m.size < 0.9 * at.m.size
+    for level in (0.68, 0.95, 0.997):
+        for found, wanted in zip(sparse(level)[1:], exact(level)[1:], strict=True):
+            np.testing.assert_allclose(np.sqrt(found), np.sqrt(wanted), rtol=0.01)
+
+
+def test_limits_of_every_averaging_time_are_those_at_the_points():
+    record = simulated(QUIET, 700)
+    whole = al.deviation(record, "totdev", taus="all", noise=QUIET)
+    some = np.array([0, 40, 111, 112, 113, 200, 345, 500, 601, 650, 690, 697])
+    few = al.deviation(record, "totdev", m=whole.m[some].tolist(), noise=QUIET)
+    for found, wanted in zip(whole.interval(), few.interval(), strict=True):
+        np.testing.assert_allclose(found[some], wanted, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)]
+)
+def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
+    row = al.STATISTICS[statistic]
+    count = int(row.count(1024, np.array([m]))[0])
+    forms = matrices(row, [term.sampled(1.0) for term in MODELS[1]], m, count, 1024)
+    size = np.trace(forms, axis1=1, axis2=2)
+    powers = np.array([[1 - k - b, b, k] for b in (0.0, 0.2) for k in (0.0, 0.05, 0.4)]) / size
+    for found, power in zip(spectra(forms, powers, 3), powers, strict=True):
+        values = np.linalg.eigvalsh(np.tensordot(power, forms, axes=1))[::-1]
+        np.testing.assert_allclose(found.leading, values[:3], atol=0.003)
+        assert found.squares == pytest.approx(values @ values)
