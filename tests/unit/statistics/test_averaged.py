@@ -7,7 +7,7 @@ from scipy.special import ndtr
 
 import allanite as al
 from allanite.core.averaged import averaged
-from allanite.statistics.confidence.averaged import AveragedLaw
+from allanite.statistics.confidence.averaged import TOGETHER, AveragedLaw
 from allanite.statistics.confidence.chisquares import Mixture, quantiles, table
 from allanite.statistics.confidence.eigenvalues import matrices, spectra
 from allanite.statistics.confidence.limits import mixtures
@@ -31,18 +31,14 @@ def points(statistic):
 @pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
 def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
     at = points(statistic)
-    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
-    law = AveragedLaw(at, averaged(MODELS, WEIGHTS), factors)
+    law = AveragedLaw(at, averaged(MODELS, WEIGHTS), np.ones((3, 4)))
     laws = [mixtures(at, [model])[1] for model in MODELS]
     p = ndtr(np.linspace(-5, 5, 61))
     logs = np.log([[quantiles(one, float(q)) for q in p] for one in laws])  # shape (models, probabilities, points)
 
     def below(y, i):
         """Probability that ln(T / V) < y, from each law's quantiles."""
-        each = [
-            1 - np.interp(np.log(f[i]) - y, v[:, i], p, left=0, right=1) for f, v in zip(factors, logs, strict=True)
-        ]
-        return float(np.dot(WEIGHTS, each))
+        return float(np.dot(WEIGHTS, [1 - np.interp(-y, v[:, i], p, left=0, right=1) for v in logs]))
 
     for level in (0.68, 0.95):
         edf, low, high = law(level)
@@ -54,6 +50,23 @@ def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
             np.testing.assert_allclose(np.log([low[i], high[i]]), wanted, atol=0.02)
         each = np.array([mixtures(at, [model])[0] for model in MODELS])
         np.testing.assert_allclose(edf, 1 / (np.array(WEIGHTS) @ (1 / each)), rtol=1e-9)
+
+
+def test_a_bias_that_is_not_known_widens_the_limits_with_the_scatter():
+    at, noise = points("theo1"), averaged(MODELS, WEIGHTS)
+    plain = AveragedLaw(at, noise, np.ones((3, 4)))
+    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
+    law = AveragedLaw(at, noise, factors)
+    low, middle, high = (np.log(law.quantile(p)) for p in (0.025, 0.5, 0.975))
+    scatter = [np.log(plain.quantile(p)) for p in (0.025, 0.5, 0.975)]
+    # half of the weight below, and a quarter: the first model has half, and its middle lies there
+    quarter, half = np.log(factors[0]), np.log(factors[0]) + 0.625 * np.log(factors[1] / factors[0])
+    np.testing.assert_allclose(middle, scatter[1] + half, rtol=1e-9)
+    a, b = scatter[0] - scatter[1], quarter - half
+    np.testing.assert_allclose(middle - low, np.sqrt(a**2 + b**2 + 2 * TOGETHER * a * b), rtol=1e-9)
+    assert (high - low > scatter[2] - scatter[0]).all()
+    one = AveragedLaw(at, noise, np.full((3, 4), 1.7))
+    np.testing.assert_allclose(one.quantile(0.975), 1.7 * plain.quantile(0.975), rtol=1e-9)
 
 
 @pytest.mark.parametrize("statistic", ["oadev", "mdev", "totdev", "theo1"])
