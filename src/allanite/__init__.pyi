@@ -75,7 +75,6 @@ from .simulation.ring_laser import simulate_ring_laser as simulate_ring_laser
 from .statespace import StateSpace as StateSpace
 from .statespace import state_space as state_space
 from .statistics import STATISTICS as STATISTICS
-from .statistics import deviation as deviation
 from .statistics import expected as expected
 from .statistics.dynamic import dynamic as dynamic
 from .statistics.readings import readings as readings
@@ -86,5 +85,6 @@ from .statistics.stability import averaging_stability as averaging_stability
 from .statistics.stability import minimum as minimum
 from .study.analysis import Study as Study
 from .study.analysis import analyze as analyze
+from .study.curves import deviation as deviation
 from .study.recipe import Recipe as Recipe
 from .terms import TERMS as TERMS

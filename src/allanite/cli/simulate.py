@@ -28,6 +28,7 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     "simulated channels",
     "seed",
     "simulated unit",
+    click.option("--rounding", is_flag=True, help="Make Q by rounding the angle to steps of Q sqrt(12)."),
     click.option("--constant", metavar="RATE", help="A bias or the earth's rate, as '10 deg/h'."),
     click.option("--low-pass", metavar="HZ", help="A first-order filter; '20 Hz 4' has order 4."),
     click.option("--noise-step", metavar="FACTOR", help="The second half has this times the noise."),
@@ -81,7 +82,7 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
     for i in range(count):
         name = NAMES[model.signal.name] + ("xyz"[i] if count <= 3 else str(i + 1))
         tell(f"simulating {name}", 0.8 * i / count)
-        record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit)
+        record = simulated(model, n, choices["rate"], rng=rng, name=name, unit=unit, rounding=choices["rounding"])
         for option, fault in FAULTS.items():
             if choices[option] is not None:
                 record = fault(record, choices[option], rng, choices)

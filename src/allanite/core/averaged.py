@@ -101,7 +101,7 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
         return value
     if isinstance(value, str):
         raise UsageError(
-            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'auto' or None, not {value!r}; "
+            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not {value!r}; "
             "parse_model makes a model of a text"
         )
     found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -36,10 +36,14 @@ class Curve(Value):
         The record's channel, sampling rate, sample intervals (lost ones included; 0 if not known) and history.
     noise : Model, optional
         The model supposed for the confidence limits; where that was a fit, its own model, while the limits are averaged
-        over all that it leaves open.
+        over all that it leaves open. None where the noise was identified only for the limits.
     law : optional
         Gives the limits; it is called when first asked.
+    supposes : optional
+        Gives what the limits suppose; see `supposed`.
     """
+
+    _keys: ClassVar = {"supposes": "supposed"}
 
     statistic: str
     m: IntArray
@@ -54,6 +58,12 @@ class Curve(Value):
     history: tuple[str, ...] = ()
     noise: Model | None = None
     law: Law | None = None
+    supposes: Callable[[], str] | None = None
+
+    @property
+    def supposed(self) -> str:
+        """The noise that the limits suppose, in words; empty where there are no limits."""
+        return self.supposes() if self.supposes else ""
 
     @property
     def deviation(self) -> FloatArray:

@@ -147,14 +147,16 @@ def _read_union(data: Any, args: tuple[Any, ...]) -> Any:
     return read(data, fitting[0] if fitting else members[0])
 
 
-def _write_call(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
-    """Limits are stored as numbers, at one level; what takes no level, as what it gives."""
+def _write_call(value: Any, args: tuple[Any, ...], level: float) -> Any:
+    """Limits are stored as numbers, at one level; what takes no level, as what it gives, and a text as it is."""
     if args[0]:
         return {"level": level, "values": write(value(level), args[1], level)}
-    return {"values": write(value(), args[1], level)}
+    return value() if args[1] is str else {"values": write(value(), args[1], level)}
 
 
 def _read_call(data: Any, args: tuple[Any, ...]) -> Any:
+    if isinstance(data, str):
+        return Stored(data)
     also = _read_call(data["also"], args) if "also" in data else None
     return Stored(read(data["values"], args[1]), data.get("level"), also)
 

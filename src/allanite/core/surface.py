@@ -1,7 +1,8 @@
 """Surface: a statistic over time and averaging time."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -39,7 +40,11 @@ class Surface(Value):
         The model supposed for the confidence limits.
     law : optional
         Gives the limits of a window without lost samples; it is called when first asked.
+    supposes : optional
+        Gives what the limits suppose; see `Curve.supposed`.
     """
+
+    _keys: ClassVar = {"supposes": "supposed"}
 
     statistic: str
     time: FloatArray
@@ -56,6 +61,7 @@ class Surface(Value):
     history: tuple[str, ...] = ()
     noise: Model | None = None
     law: Law | None = None
+    supposes: Callable[[], str] | None = None
 
     @property
     def deviation(self) -> FloatArray:
@@ -81,6 +87,7 @@ class Surface(Value):
             history=(*self.history, f"window of {self.window:g} s at {self.time[i]:g} s"),
             noise=self.noise,
             law=self.law if there.all() else None,
+            supposes=self.supposes if there.all() else None,
         )
 
     def to(self, unit: str) -> "Surface":

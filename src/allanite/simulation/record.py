@@ -1,5 +1,6 @@
 """The one road back: from a model to a record, and from deviations to the noise of a readout."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -11,7 +12,14 @@ from allanite.statistics.row import FloatArray
 
 
 def simulate(
-    model: ModelLike, n: int, rate: float, *, rng: "np.random.Generator", name: str = "", unit: str | None = None
+    model: ModelLike,
+    n: int,
+    rate: float,
+    *,
+    rng: "np.random.Generator",
+    name: str = "",
+    unit: str | None = None,
+    rounding: bool = False,
 ) -> Record:
     """A Gaussian record of a model, exact at every averaging time.
 
@@ -32,11 +40,22 @@ def simulate(
         Name of the channel.
     unit : str, optional
         Of the rates; SI if left out.
+    rounding : bool
+        Makes quantization noise (Q) as a readout does: the angle of the other terms, from a random start, is rounded to
+        whole steps of ``Q sqrt(12)`` at each sample, and the rates are its differences. The error of each angle is then
+        uniform over a step, with the standard deviation Q, and white where the angle moves by about half a step or
+        more from sample to sample; an angle that moves less makes patterns that no term describes. Without, Q is
+        Gaussian. The mean of a rounded record is zero but for a step over its duration.
 
     Returns
     -------
     Record
         Mean rate over each interval. `allanite.faults` puts in what else happens to it.
+
+    Raises
+    ------
+    UsageError
+        Fewer than 2 samples, an impossible rate, or a model without quantization noise that is to be rounded.
 
     References
     ----------
@@ -54,8 +73,11 @@ def simulate(
         raise UsageError(f"a record has at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
+    rounded = next((t for t in model if t.row.alpha == 2 and t.value), None) if rounding else None
+    if rounding and rounded is None:
+        raise UsageError(f"rounding makes quantization noise, and there is none in {model}: add Q to the model")
     y = np.zeros(n)
-    parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value]
+    parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value and t is not rounded]
     if parts:
 
         def covariance(lags: FloatArray) -> FloatArray:
@@ -68,11 +90,20 @@ def simulate(
         if wave is not None:
             y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
-    record = Record(y, rate, unit or model.signal.unit, name=name, history=(f"simulated: {model}",))
+    if rounded is not None:
+        y = _rounded(y, rounded.value * math.sqrt(12) * rate, rng)
+    said = f"simulated: {model}" + (f", {rounded.symbol} by rounding" if rounded is not None else "")
+    record = Record(y, rate, unit or model.signal.unit, name=name, history=(said,))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is no unit of rates of a sensor with {model}")
     y /= record.factor
     return record
+
+
+def _rounded(y: FloatArray, step: float, rng: "np.random.Generator") -> FloatArray:
+    """Differences of the running sum of y, from a random start, in whole steps."""
+    angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
+    return np.asarray(np.diff(np.rint(angle)) * step)
 
 
 def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:

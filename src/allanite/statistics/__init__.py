@@ -3,20 +3,22 @@
 import warnings
 from collections.abc import Sequence
 from functools import partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from allanite.core.averaged import Averaged, noise_choice
+from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.limits import Remembered
+from allanite.core.model import Model, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, demand_bias, mean_factors
+from allanite.statistics.confidence.bias import correction, corrections, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
-from allanite.statistics.confidence.sparse import at_nodes, between, sparse, sparse_law
+from allanite.statistics.confidence.sparse import sparse, sparse_law
+from allanite.statistics.confidence.supposed import Later, Supposing, supposed
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
@@ -46,78 +48,16 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     *,
     taus: str | Sequence[float] = "octave",
     m: Sequence[int] | None = None,
-    noise: ModelLike | Literal["auto"] | None = "auto",
+    noise: Supposing | None = "auto",
     bias: Literal["exact", "published", "model", "plain"] | None = None,
     gaps: Literal["means", "complete"] = "means",
     join: float = 0.2,
     divisor: int = 30,
     threads: int = 1,
 ) -> Curve:
-    """A statistic of a record, for many averaging times at once.
+    """A statistic of a record, for many averaging times at once: `allanite.deviation` without identification.
 
-    Parameters
-    ----------
-    record : Record
-        NaN marks lost samples; `Curve.count` says how many windows are left.
-    statistic : str
-        A name in `STATISTICS`.
-    taus : {"octave", "decade", "log", "all"} or sequence of float
-        Averaging times: 1, 2, 4, 8 ... samples; 1, 2, 4, 10, 20, 40 ...; about 100, spaced evenly in the logarithm;
-        every one; or seconds. The named grids reach to the statistic's largest averaging factor.
-    m : sequence of int, optional
-        Averaging factors instead of times; of theoh, those of oadev up to the joint and of Theo1 beyond.
-    noise : Model, Term, Fit or "auto", optional
-        The noise supposed for the confidence limits and for a bias: a fit as ``identify(record)``, over whose models
-        they are averaged, a model that is known, or "auto" for the power law that is found at each tau; None for no
-        limits.
-    bias : {"exact", "published", "model", "plain"}, optional
-        None for the plain definition, but of theobr and theoh "model" where a model is given as the noise: their own
-        bias ratio supposes one kind of noise, and is 2 to 4 times too low in mixtures. "plain" is the definition in
-        either case. "exact" divides the variance by its exact expectation over that of the
-        statistic it estimates (totdev: oadev, mtotdev: mdev, theo1: oadev ...), "published" by the published factor;
-        for theobr and theoh "model" puts the exact ratio in the place of their own. `Curve.factor` has the factor.
-    gaps : {"means", "complete"}
-        What a window with lost readings counts for. "means" of adev, oadev, hdev, ohdev and haar: where a tenth of the
-        windows or more have lost some, all count in which a reading is left in each part, with the means of what is
-        left and weights by their counts, so that white noise of the rate is met at every tau; what that means to other
-        noise is divided out under the noise supposed, and is in the limits; where quantization at the joints makes more
-        than 30 times the variance, a point is refused, or left out of a named grid. A reading between two lost ones
-        does not count. "complete", and every other statistic: nothing.
-    join : float
-        Share of the record up to which theoh is the overlapped Allan deviation.
-    divisor : {30, 6}
-        Of the record's length, for the number of ratios that make the bias ratio of theobr and theoh; 6 as Stable32.
-    threads : int
-        How many to use at most; the numbers are the same but for the last digit.
-
-    Returns
-    -------
-    Curve
-        SI. A constant is removed before integrating, so that a bias costs no digits.
-
-    Warns
-    -----
-    LongJobWarning
-        It takes more than a minute.
-
-    Raises
-    ------
-    DataError
-        No window is complete, or the record is too short for what is asked.
-    UsageError
-        An unknown statistic or grid; a time that is not a multiple of what the statistic needs, or too long.
-
-    Notes
-    -----
-    With gaps and means the variance is sum h^2 d^2 / (m sum h), where d is the difference of a window's means and 1/h
-    the sum of b^2 / count over its parts, b = (-1, 1) or (1, -2, 1); it is that of complete windows where nothing is
-    lost. Its degrees of freedom are those of the same windows, where the readings are.
-
-    Of more than 300 averaging times the confidence limits (and factors of bias) are worked out at 130, evenly in the
-    logarithm and closer at the end, and interpolated between them, to 2 % at most. Neighbours in ``taus="all"`` are
-    all but the same number: it is for looking at (a vibration, an interval that a data sheet names), not for fitting.
-
-    Of oadev, ohdev, mdev and their relatives every tau takes O(n log^2 n), and so does every run between gaps.
+    Limits suppose `noise`; a function that gives it is called when limits, or a correction of a bias, need it.
 
     Examples
     --------
@@ -129,9 +69,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     demand_bias(bias, row)
     if gaps not in ("means", "complete"):
         raise UsageError(f"of windows with gaps 'means' count or the 'complete' ones alone, not {gaps!r}")
-    supposed = noise_choice(noise)
-    if bias is None and row.parts and isinstance(supposed, Averaged):
-        bias = "model"
+    suppose = None if noise is None else Remembered(noise if callable(noise) else partial(supposed, noise))
+    if suppose and not callable(noise) and isinstance(suppose().noise, Averaged) and row.parts:
+        bias = bias or "model"
     bias = None if bias == "plain" else bias
     if not 0 < join < 1:
         raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
@@ -147,18 +87,18 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
     places = angle.places if gaps == "means" else ()
     points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
-    each = np.ones((1, factors.size))
-    if bias is not None:
-        each = _corrections(points, bias, supposed, angle, record.signal)
-        wanted = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
-        variance, factor, each = variance * wanted / factor, wanted, each / wanted
-    elif supposed is not None and len(places) > 1 and row.differences:
-        each = _for_means(points, supposed, angle, record.signal)
-        factor = supposed.weight @ each if isinstance(supposed, Averaged) else each[0]
-        told = _told(each.min(axis=0), row, factors, named=m is None and isinstance(taus, str))
-        variance, each, count = (variance * factor)[told], (each / factor)[:, told], count[told]
-        factors, factor = factors[told], factor[told]
-        points = points._replace(m=factors)
+    seen = Seen(points, factor, None, angle, record.signal)
+    if bias is not None or (suppose and len(places) > 1 and row.differences):
+        supposing = suppose().noise if suppose else None
+        each = _corrections(seen, bias or "means", supposing)
+        wanted = supposing.weight @ each if isinstance(supposing, Averaged) else each[0]
+        variance, factor = variance * wanted / factor, wanted
+        told = _told(each, row, factors, named=m is None and isinstance(taus, str)) if bias is None else slice(None)
+        factors, variance, count, factor = factors[told], variance[told], count[told], factor[told]
+        seen = Seen(points._replace(m=factors), factor, each[:, told], angle, record.signal)
+    # a maximum has no law, and the angle's own error only under white noise
+    under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
+    law = Later(suppose, under) if suppose and row.order > 1 else None
     return Curve(
         statistic=row.name,
         m=factors,
@@ -171,8 +111,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=model_of(noise) if noise is not None and noise != "auto" else None,
-        law=_law(points, supposed, each, angle, record.signal),
+        noise=None if noise is None or noise == "auto" or callable(noise) else model_of(noise),
+        law=law,
+        supposes=law.words if law else None,
     )
 
 
@@ -187,46 +128,46 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
         )
 
 
-def _law(points: Points, noise: Averaged | str | None, bias: FloatArray, angle: Angle, signal: Signal) -> Law | None:
-    """The confidence law, where there is one: a maximum has none, and the angle's own error only under white noise."""
-    if noise is None or points.row.order < 2:
-        return None
+class Seen(NamedTuple):
+    """Points of a curve and what their plain variance was multiplied with, under `each` model where there is a bias."""
+
+    points: Points
+    factor: FloatArray
+    each: FloatArray | None
+    angle: Angle
+    signal: Signal
+
+
+def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
+    """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
+    points, each = seen.points, seen.each
     if not isinstance(noise, Averaged):
-        return sparse_law(points, lambda few: AutomaticLaw(few, angle, signal))
-    if len(noise) == 1:
+        return sparse_law(points, lambda few: AutomaticLaw(few, seen.angle, seen.signal))
+    if each is None and corrected:
+        points, each = points._replace(scattered=False), _corrections(seen, "model", noise)
+    bias = np.ones((len(noise), points.m.size)) if each is None else each / seen.factor
+    if len(noise) == 1 and np.allclose(bias, 1):
         return sparse_law(points, lambda few: ModelLaw(few, (noise.terms,)))
     place = {int(m): i for i, m in enumerate(points.m)}
     return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
 
 
-def _corrections(points: Points, bias: str, noise: Averaged | str | None, angle: Angle, signal: Signal) -> FloatArray:
-    """What the plain variance is multiplied with under each model, shape (models, points)."""
+def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
+    """What the plain variance is multiplied with under each model, or the power laws, shape (models, points).
+
+    With the bias "means" for means of what is there instead of complete windows.
+    """
     if noise is None:
         raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record), or noise='auto'")
     if isinstance(noise, Averaged):
-        under = [model for model, _ in noise]
-        return np.array([sparse(points, partial(correction, bias=bias, models=[m], alpha=None)) for m in under])
+        return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
 
     def automatically(few: Points) -> FloatArray:
-        models, alpha = _by_power_law(few, angle, signal)
-        return correction(few, bias, models, alpha)
+        laws = power_laws(few, seen.angle)
+        models = [Model((unit_term(law.symbol, seen.signal),)) for law in laws]
+        return correction(few, bias, models, [law.alpha for law in laws])
 
-    return sparse(points, automatically)[None]
-
-
-def _by_power_law(points: Points, angle: Angle, signal: Signal) -> tuple[list[Model], list[int]]:
-    """Unit models of the power laws found at the points, and their exponents."""
-    laws = power_laws(points, angle)
-    return [Model((unit_term(law.symbol, signal),)) for law in laws], [law.alpha for law in laws]
-
-
-def _for_means(points: Points, noise: Averaged | str, angle: Angle, signal: Signal) -> FloatArray:
-    """What a variance from means of what is there is multiplied with under each model, shape (models, points)."""
-    if not isinstance(noise, Averaged):
-        return sparse(points, lambda few: mean_factors(few, _by_power_law(few, angle, signal)[0])[0])[None]
-    at = at_nodes(points)
-    found = mean_factors(at, [noise.terms], noise.scale)
-    return np.array([between(points, values) for values in found])
+    return sparse(seen.points, automatically)[None]
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
@@ -238,9 +179,10 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
 
 
-def _told(factor: FloatArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
+def _told(each: FloatArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
     """Which points tell of the noise and not of the joints alone; left out or refused as those without a window."""
-    told = factor >= HIDDEN
+    factor = each.min(axis=0)
+    told = np.asarray(factor >= HIDDEN)
     if named or told.all():
         return told
     first = int(np.flatnonzero(~told)[0])

@@ -98,6 +98,7 @@ def dynamic(
         history=record.history,
         noise=first.noise,
         law=first.law,
+        supposes=first.supposes,
     )
 
 

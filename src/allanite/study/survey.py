@@ -14,6 +14,7 @@ from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
 from allanite.statistics import deviation, statistic_named
+from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.spectrum import method_named, spectrum
 
@@ -57,8 +58,9 @@ class Deviations(Value):
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One curve a statistic."""
+        noise: Supposing | None = fit or ("auto" if self.limits else None)
         for name in self.statistic:
-            yield deviation(record, name, taus=self.taus, m=self.m, noise=fit, threads=self.threads)
+            yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
 
 
 @dataclass(frozen=True, repr=False)
@@ -204,5 +206,5 @@ def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...
     try:
         noise = noise_of(record, recipe)
     except DataError as error:
-        return None, (f"noise not identified, so no confidence limits or model curves are shown: {error}",)
+        return None, (f"noise not identified, so no model is shown: {error}",)
     return noise, noise.doubts

@@ -7,10 +7,11 @@ from scipy.special import ndtr
 
 import allanite as al
 from allanite.core.averaged import averaged
-from allanite.statistics.confidence.averaged import AveragedLaw
+from allanite.statistics.confidence.averaged import TOGETHER, AveragedLaw
 from allanite.statistics.confidence.chisquares import Mixture, quantiles, table
-from allanite.statistics.confidence.eigenvalues import spectra
+from allanite.statistics.confidence.eigenvalues import matrices, spectra
 from allanite.statistics.confidence.limits import mixtures
+from allanite.statistics.confidence.sparse import sparse_law
 from allanite.statistics.table import Points
 
 QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
@@ -30,18 +31,14 @@ def points(statistic):
 @pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
 def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
     at = points(statistic)
-    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
-    law = AveragedLaw(at, averaged(MODELS, WEIGHTS), factors)
+    law = AveragedLaw(at, averaged(MODELS, WEIGHTS), np.ones((3, 4)))
     laws = [mixtures(at, [model])[1] for model in MODELS]
     p = ndtr(np.linspace(-5, 5, 61))
     logs = np.log([[quantiles(one, float(q)) for q in p] for one in laws])  # shape (models, probabilities, points)
 
     def below(y, i):
         """Probability that ln(T / V) < y, from each law's quantiles."""
-        each = [
-            1 - np.interp(np.log(f[i]) - y, v[:, i], p, left=0, right=1) for f, v in zip(factors, logs, strict=True)
-        ]
-        return float(np.dot(WEIGHTS, each))
+        return float(np.dot(WEIGHTS, [1 - np.interp(-y, v[:, i], p, left=0, right=1) for v in logs]))
 
     for level in (0.68, 0.95):
         edf, low, high = law(level)
@@ -53,6 +50,23 @@ def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
             np.testing.assert_allclose(np.log([low[i], high[i]]), wanted, atol=0.02)
         each = np.array([mixtures(at, [model])[0] for model in MODELS])
         np.testing.assert_allclose(edf, 1 / (np.array(WEIGHTS) @ (1 / each)), rtol=1e-9)
+
+
+def test_a_bias_that_is_not_known_widens_the_limits_with_the_scatter():
+    at, noise = points("theo1"), averaged(MODELS, WEIGHTS)
+    plain = AveragedLaw(at, noise, np.ones((3, 4)))
+    factors = np.array([[1.0, 1.0, 1.0, 1.0], [1.1, 1.2, 1.3, 1.4], [1.2, 1.4, 1.7, 2.0]])
+    law = AveragedLaw(at, noise, factors)
+    low, middle, high = (np.log(law.quantile(p)) for p in (0.025, 0.5, 0.975))
+    scatter = [np.log(plain.quantile(p)) for p in (0.025, 0.5, 0.975)]
+    # half of the weight below, and a quarter: the first model has half, and its middle lies there
+    quarter, half = np.log(factors[0]), np.log(factors[0]) + 0.625 * np.log(factors[1] / factors[0])
+    np.testing.assert_allclose(middle, scatter[1] + half, rtol=1e-9)
+    a, b = scatter[0] - scatter[1], quarter - half
+    np.testing.assert_allclose(middle - low, np.sqrt(a**2 + b**2 + 2 * TOGETHER * a * b), rtol=1e-9)
+    assert (high - low > scatter[2] - scatter[0]).all()
+    one = AveragedLaw(at, noise, np.full((3, 4), 1.7))
+    np.testing.assert_allclose(one.quantile(0.975), 1.7 * plain.quantile(0.975), rtol=1e-9)
 
 
 @pytest.mark.parametrize("statistic", ["oadev", "mdev", "totdev", "theo1"])
@@ -122,3 +136,42 @@ def test_a_hybrid_takes_its_bias_from_a_model_that_is_given():
         given.variance, al.deviation(record, "theoh", m=[4, 500], noise=QUIET, bias="model").variance
     )
     assert given.variance[1] != plain.variance[1]
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "totdev", "theo1", "pdev"])
+def test_limits_between_the_nodes_of_a_curve_are_those_at_the_points(statistic):
+    at = points(statistic)._replace(m=np.unique(np.geomspace(2, 338, 60).astype(np.int64) // 2 * 2))
+    noise = averaged(MODELS, WEIGHTS)
+
+    def law(few):
+        return AveragedLaw(few, noise, np.ones((len(noise), few.m.size)))
+
+    sparse, exact = sparse_law(at, law), law(at)
+    assert sparse.few.points.m.size < 0.9 * at.m.size
+    for level in (0.68, 0.95, 0.997):
+        for found, wanted in zip(sparse(level)[1:], exact(level)[1:], strict=True):
+            np.testing.assert_allclose(np.sqrt(found), np.sqrt(wanted), rtol=0.01)
+
+
+def test_limits_of_every_averaging_time_are_those_at_the_points():
+    record = simulated(QUIET, 700)
+    whole = al.deviation(record, "totdev", taus="all", noise=QUIET)
+    some = np.array([0, 40, 111, 112, 113, 200, 345, 500, 601, 650, 690, 697])
+    few = al.deviation(record, "totdev", m=whole.m[some].tolist(), noise=QUIET)
+    for found, wanted in zip(whole.interval(), few.interval(), strict=True):
+        np.testing.assert_allclose(found[some], wanted, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)]
+)
+def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
+    row = al.STATISTICS[statistic]
+    count = int(row.count(1024, np.array([m]))[0])
+    forms = matrices(row, [term.sampled(1.0) for term in MODELS[1]], m, count, 1024)
+    size = np.trace(forms, axis1=1, axis2=2)
+    powers = np.array([[1 - k - b, b, k] for b in (0.0, 0.2) for k in (0.0, 0.05, 0.4)]) / size
+    for found, power in zip(spectra(forms, powers, 3), powers, strict=True):
+        values = np.linalg.eigvalsh(np.tensordot(power, forms, axes=1))[::-1]
+        np.testing.assert_allclose(found.leading, values[:3], atol=0.003)
+        assert found.squares == pytest.approx(values @ values)

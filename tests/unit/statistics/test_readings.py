@@ -19,7 +19,7 @@ def white(seed, n=2000, rate=10.0):
 def test_the_usual_point_is_that_of_the_curve_at_one_second():
     record = white(1)
     found = al.readings(record)
-    curve = al.deviation(record, taus=(1.0,))
+    curve = al.deviation(record, taus=(1.0,), noise="auto")
     assert (found.usual.tau, found.usual.deviation) == (1.0, curve.deviation[0])
     assert found.usual.interval(0.9) == tuple(v[0] for v in curve.interval(0.9))
     assert found.random_walk == found.usual.deviation

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.fit import Fit
+from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
 from allanite.prepare.outliers import treated
@@ -63,7 +64,9 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
     record = treated(record, outliers)
-    return checked(whitened(record, fit.model, fit.scope), record, fit, outliers)
+    # the selected model takes for zero what it does not hold: what is left of a weak random walk would correlate
+    model = Model((*fit.averaged.model, *(line.term for line in fit.lines))) if fit.nodes else fit.model
+    return checked(whitened(record, model, fit.scope), record, fit, outliers)
 
 
 def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:

@@ -88,7 +88,8 @@ def _parts(channel: Channel, level: float) -> Iterator[Part]:
         yield readings_table(channel.readings, level)
     if channel.curve is not None:
         drawn = ", the model, and each term of it alone" if channel.fit.valid is not None else ""
-        caption = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}."
+        band = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}"
+        caption = f"{band}; {channel.curve.supposed}."
         yield Drawing(lambda: plot_curves([channel], None, level), "deviation by averaging time", caption)
     yield from goodness_parts(channel.fit, channel.residuals)
     if channel.curve is not None:

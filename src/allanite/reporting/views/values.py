@@ -41,7 +41,12 @@ def numbers_table(value: Any, level: float, title: str = "", where: Where = "") 
     """The numbers of a curve, spectrum or surface; folded away on a page."""
     form = FORMS[type(value)]
     headings, rows = form.table(value, level)
-    return Table(columns(*headings, left=0), rows, title or form.title(value), details=True, where=where)
+    said = "; ".join(filter(None, (title or form.title(value), _supposed(value))))
+    return Table(columns(*headings, left=0), rows, said, details=True, where=where)
+
+
+def _supposed(value: Any) -> str:
+    return value.supposed if isinstance(value, Curve) else ""
 
 
 def rows_of(values: Sequence[Any], level: float) -> Rows:
@@ -153,7 +158,7 @@ FORMS: dict[type, Form] = {
 def _one_face(value: Any, level: float) -> Face:
     form = FORMS[type(value)]
     title = f"{value.name}: {form.title(value)}" if value.name else form.title(value)
-    drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value))
+    drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value), _supposed(value))
     sheet = Sheet(value.name or "channel", tuple(value.history), (drawing, numbers_table(value, level)))
     return Face(title, BRAND, (sheet,))
 

@@ -1,8 +1,12 @@
 """The confidence law of a curve whose noise is not known for certain: an average over models.
 
 Given a model, the truth T behind a variance V lies at T / V = F / X, with X of the model's law of V / E[V], and F the
-bias that it removes over the bias that was removed. With the models' weights for probabilities the law of T / V is the
-weighted mean of these laws, and its limits hold whichever of the models it is.
+bias that it removes over the bias that was removed. With the models' weights for probabilities X has the weighted mean
+of the laws, whose limits hold whichever of the models it is, and F a distribution of its own.
+
+F and 1 / X do not scatter apart: slow noise that is large in a record by chance makes V large, and the models that are
+likely as well, whose bias is larger. From their medians on the logarithms of their quantiles are added as deviations
+that correlate by `TOGETHER`.
 """
 
 from dataclasses import dataclass
@@ -20,6 +24,9 @@ from .limits import at_point, stacked
 
 REACH, STEPS = 4.2, 22
 """Normal deviates between which the laws are tabulated, and how many."""
+
+TOGETHER = 0.5
+"""Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to hold the truth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,19 +47,34 @@ class AveragedLaw(Portable):
 
     @cached_property
     def found(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom, shape (points,); ln(T / V), rising, and its deviate, shape (deviates, models, points)."""
+        """Degrees of freedom, shape (points,); -ln X, rising, and its deviate, shape (deviates, models, points)."""
         k, p = self.noise.weight.size, self.points.m.size
         each = [at_point(self.points, i, self.noise.terms).laws(self.noise.scale) for i in range(p)]
         edf, laws = stacked([each[i][j] for j in range(k) for i in range(p)])
         x, deviate = (part.reshape(-1, k, p)[::-1] for part in table(laws, np.linspace(-REACH, REACH, STEPS)))
-        return 1 / (self.noise.weight @ (1 / edf.reshape(k, p))), np.log(self.bias) - np.log(x), -deviate
+        return 1 / (self.noise.weight @ (1 / edf.reshape(k, p))), -np.log(x), -deviate
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
         return self.found[0], self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
 
     def quantile(self, p: float) -> FloatArray:
-        """T / V at a probability, shape (points,), by bisection of ln(T / V)."""
+        """T / V at a probability, shape (points,)."""
+        if (self.bias == 1).all():
+            return np.asarray(np.exp(self._scatter(p)))
+        scatter, bias = self._scatter(0.5), self._bias(0.5)
+        a, b = self._scatter(p) - scatter, self._bias(p) - bias
+        return np.asarray(np.exp(scatter + bias + np.sign(p - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)))
+
+    def _bias(self, p: float) -> FloatArray:
+        """Logarithm of F at a probability, between the models by their weights."""
+        order = np.argsort(self.bias, axis=0)
+        logs, weight = np.log(np.take_along_axis(self.bias, order, 0)), self.noise.weight[order]
+        below = np.cumsum(weight, axis=0) - weight / 2
+        return np.array([np.interp(p, at, values) for at, values in zip(below.T, logs.T, strict=True)])
+
+    def _scatter(self, p: float) -> FloatArray:
+        """-ln X at a probability, by bisection."""
         from scipy.special import ndtr
 
         _, logs, deviates = self.found
@@ -61,7 +83,7 @@ class AveragedLaw(Portable):
             middle = (low + high) / 2
             below = self.noise.weight @ ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return np.asarray(np.exp((low + high) / 2))
+        return np.asarray((low + high) / 2)
 
 
 def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArray:

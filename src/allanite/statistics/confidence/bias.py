@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.averaged import Averaged
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
 from allanite.statistics.grids import part_of
 from allanite.statistics.moments.lagsums import responses
 from allanite.statistics.moments.means import mean_moments, takes_means
-from allanite.statistics.moments.moments import by_term, noise_of
+from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, Points
 
@@ -30,50 +31,50 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
         )
 
 
-def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequence[int] | None) -> FloatArray:
-    """What the plain variance is multiplied with, one for each point, under one model for all points or one for each.
+def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequence[int]) -> FloatArray:
+    """What the plain variance is multiplied with, one for each point, under the power law of each.
 
-    `alpha` are the power laws at the points, for the published tables; "model" replaces the bias ratio of a hybrid.
+    `alpha` are the exponents at the points, for the published tables; "model" replaces the bias ratio of a hybrid.
     """
-    row, m, size = points.row, points.m, points.size
     if bias == "published":
-        if alpha is None:
-            raise UsageError("published factors of bias go by a power law at each tau: take noise='auto'")
-        return 1 / published_bias(row, np.array(alpha), m, size)
-    each = models if len(models) == len(m) else list(models) * len(m)
-    made = part_of(row, m, size, points.join)
-    parts = [row.parts[i] if row.parts else row for i in made]
-    return np.array([_exact(part, int(k), model, points) for part, k, model in zip(parts, m, each, strict=True)])
+        return 1 / published_bias(points.row, np.array(alpha), points.m, points.size)
+    one = [np.ones((1, len(model.terms))) for model in models]
+    factor = _of_means if bias == "means" else _exact
+    return np.array([factor(points, i, model, o)[0] for i, (model, o) in enumerate(zip(models, one, strict=True))])
 
 
-def mean_factors(points: Points, models: Sequence[Model], scale: FloatArray | None = None) -> FloatArray:
-    """Expectation of the plain statistic over that from means of what is there, shape (k, points).
-
-    Under a model for all points or one for each, with its terms' powers times each `scale`, shape (k, t).
-    """
-    each = models if len(models) == len(points.m) else list(models) * len(points.m)
-    factor = np.ones((1 if scale is None else len(scale), len(points.m)))
-    for i, (m, whole) in enumerate(zip(points.m.tolist(), each, strict=True)):
-        if takes_means(points.row, m, points.places, points.size):
-            model = noise_of(whole) if scale is None else whole
-            power = np.array([[t.power(points.rate) for t in model]]) * (1.0 if scale is None else scale)
-            terms = [t.sampled(points.rate) for t in model]
-            found = mean_moments(points.row, m, points.places, points.size).expectation(terms)
-            factor[:, i] = (power @ responses(points.row, terms, m)) / (power @ found)
-    return factor
+def corrections(points: Points, bias: str, noise: Averaged) -> FloatArray:
+    """What the plain variance is multiplied with under each model, shape (models, points)."""
+    if bias == "published":
+        raise UsageError("published factors of bias go by a power law at each tau: take noise='auto'")
+    factor = _of_means if bias == "means" else _exact
+    return np.array([factor(points, i, noise.terms, noise.scale) for i in range(points.m.size)]).T
 
 
-def _exact(row: Statistic, m: int, model: Model, points: Points) -> float:
-    """Expectation of the target over that of the statistic, at the same tau."""
+def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:
+    """Expectation of the plain statistic over that from means of what is there, with each scale of the powers."""
+    row, m, rate = points.row, int(points.m[i]), points.rate
+    if not takes_means(row, m, points.places, points.size):
+        return np.ones(len(scale))
+    kept = [i for i, t in enumerate(terms) if not t.row.periodic]
+    noise = [terms.terms[i] for i in kept]
+    power, rows = scale[:, kept] * [t.power(rate) for t in noise], [t.sampled(rate) for t in noise]
+    found = mean_moments(row, m, points.places, points.size).expectation(rows)
+    return np.asarray((power @ responses(row, rows, m)) / (power @ found))
+
+
+def _exact(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:
+    """Expectation of the target over that of the statistic, at the same tau, with each scale of the terms' powers."""
+    row, m, rate = points.row, int(points.m[i]), points.rate
+    if row.parts:
+        row = row.parts[int(part_of(row, points.m[i : i + 1], points.size, points.join)[0])]
     if not row.target:
-        return 1.0
-    target, rate = STATISTICS[row.target], points.rate
-    if row.tau_factor != 1:  # the target may have no point there, but its expectation has
-        tau = m * row.tau_factor / rate
-        aim = by_term(target, model, 1, None, 1 / tau).sum()
-    else:
-        aim = by_term(target, model, m, None, rate).sum()
-    return float(aim / by_term(row, model, m, points.size, rate).sum())
+        return np.ones(len(scale))
+    target = STATISTICS[row.target]
+    # where a sample is not a sample of the target, it may have no point there, but its expectation has
+    at = (1, None, rate / (m * row.tau_factor)) if row.tau_factor != 1 else (m, None, rate)
+    aim, own = by_term(target, terms, *at), by_term(row, terms, m, points.size, rate)
+    return np.asarray((scale @ aim) / (scale @ own))
 
 
 def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int) -> FloatArray:

@@ -20,8 +20,11 @@ WINDOWS = 96
 FEW = 32
 """Windows of several rows that stand for all."""
 
-SPACE = 12
+SPACE = 10
 """Leading eigenvectors of one model that carry those of its neighbours."""
+
+STEPS = 5
+"""Power steps to them in a large matrix."""
 
 
 class Spectrum(NamedTuple):
@@ -41,19 +44,29 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
 def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Spectrum]:
     """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
 
-    Those of one model come from its matrix; of several, which are alike, from the leading eigenvectors of their mean,
-    improved by two power steps of each (Rayleigh and Ritz).
+    They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
+    span (Rayleigh and Ritz).
     """
-    each = np.tensordot(powers, forms, axes=1)
-    if len(each) == 1:
-        values = np.linalg.eigvalsh(each)
-    else:
-        vectors = np.linalg.eigh(each.mean(axis=0))[1][:, -SPACE:]
-        basis = np.linalg.qr(each @ np.linalg.qr(each @ vectors)[0])[0]
-        values = np.linalg.eigvalsh(basis.swapaxes(1, 2) @ each @ basis)
-    total, squares = np.trace(each, axis1=1, axis2=2), np.square(each).sum(axis=(1, 2))
+    total = powers @ np.trace(forms, axis1=1, axis2=2)
+    squares = np.einsum("ki,ij,kj->k", powers, np.einsum("iab,jab->ij", forms, forms), powers)
+    basis = _basis(forms, (powers / total[:, None]).mean(axis=0))
+    values = np.linalg.eigvalsh(np.tensordot(powers, basis.T @ forms @ basis, axes=1))
     first = np.maximum(values[:, : -leading - 1 : -1], 0)
     return [Spectrum(v / t, float(q / t**2)) for v, t, q in zip(first, total, squares, strict=True)]
+
+
+def _basis(forms: FloatArray, power: FloatArray) -> FloatArray:
+    """Orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients.
+
+    Power steps, not a solver: they are products of a matrix with few columns, which stay in one thread.
+    """
+    mean = np.tensordot(power, forms, axes=1)
+    width = len(mean)
+    vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SPACE, width))))
+    for _ in range(STEPS):
+        vectors = mean @ np.linalg.qr(vectors)[0]
+    both = np.concatenate((vectors[None], forms @ vectors))
+    return np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
 
 
 def is_sharp(row: Statistic, count: int) -> bool:
@@ -81,12 +94,14 @@ def _windows(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> 
     weights, filters = row.window(short)
     _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
     factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
-    at, points = _places(count, FEW), np.arange(filters.shape[1]) * (m / short)
-    place = (at[:, None] + points).ravel()
-    lag = np.abs(np.subtract.outer(place, place)) * (short / m)
+    at, short_lags = _places(count, FEW), np.arange(1.0 - filters.shape[1], filters.shape[1])
+    apart, where = np.unique(np.subtract.outer(at, at), return_inverse=True)
+    lag = np.abs(apart[:, None] * (short / m) + short_lags)
     D = np.array([averaged(term, short / m)(lag) for term in terms])
-    blocks = D.reshape(-1, at.size, points.size, at.size, points.size)
-    C = -0.5 * np.einsum("ap,tipjq,bq->tiajb", factors, blocks, factors, optimize=True)
+    # D between the points of two windows, which is a matter of how far these are apart
+    D = np.lib.stride_tricks.sliding_window_view(D, filters.shape[1], axis=-1)[..., ::-1]
+    each = -0.5 * factors @ D @ factors.T
+    C = each[:, where.reshape(at.size, at.size)].swapaxes(2, 3)
     return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
@@ -99,8 +114,11 @@ def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
         inside = end == other
         place += [end, 2 * end - other]
         weight += [np.where(inside, 1.0, 2.0), np.where(inside, 0.0, -1.0)]
-    places, weights = np.stack(place, axis=1), np.stack(weight, axis=1)
-    lag = np.abs(np.subtract.outer(places.ravel(), places.ravel()))
+    places, where = np.unique(np.array(place), return_inverse=True)
+    lag, parts = (
+        np.abs(np.subtract.outer(places, places)),
+        list(zip(where.reshape(len(place), -1), weight, strict=True)),
+    )
     D = np.array([term.structure(lag) for term in terms])
-    blocks = D.reshape(-1, *places.shape, *places.shape)
-    return np.asarray(-0.5 * np.einsum("ip,tipjq,jq->tij", weights, blocks, weights, optimize=True))
+    half = sum(w[:, None] * D[:, at] for at, w in parts)
+    return np.asarray(-0.5 * sum(w * half[..., at] for at, w in parts))

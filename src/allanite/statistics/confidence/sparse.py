@@ -1,7 +1,13 @@
-"""What is smooth in the averaging time, worked out at some points of a long curve and interpolated between them."""
+"""What is smooth in the averaging time, worked out at some points of a long curve and interpolated between them.
+
+Windows at every sample of one run without gaps make it smooth enough for a cubic spline over ln m - ln(M + 1 - m), with
+M the largest averaging factor. The first few m are integers that differ, then a few points a decade do, and above M/6
+limits change with the few windows that are left.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,11 +16,14 @@ from allanite.statistics.grids import part_of
 from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import Points
 
+FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40
+"""Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
+
 MOST = 300
-"""Points of a curve that are all dealt with, one by one."""
+"""Points of a curve that is not smooth which are all dealt with, one by one."""
 
 EVEN, AT_THE_END = 100, 30
-"""Points of a longer curve, or of a hybrid's part: evenly in the logarithm, and in its last half, by windows left."""
+"""Points of a longer one: evenly in the logarithm, and in its last half, by windows left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,44 +36,80 @@ class SparseLaw:
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
         edf, low, high = self.few(level)
-        inverse, low, high = (between(self.points, values) for values in (1 / edf, low, high))
-        return 1 / inverse, low, high
+        return _between(self.points, edf), _between(self.points, low), _between(self.points, high)
 
 
 def sparse_law(points: Points, law: Callable[[Points], Law]) -> Law:
     """A law of many points, from that of a few."""
-    return law(points) if points.m.size <= MOST else SparseLaw(points, law(at_nodes(points)))
+    few = _at_nodes(points)
+    return law(points) if few.m.size == points.m.size else SparseLaw(points, law(few))
 
 
 def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArray:
-    """A function of many points, from its values at a few."""
-    return function(points) if points.m.size <= MOST else between(points, function(at_nodes(points)))
+    """A positive function of many points, shape (..., points), from its values at a few."""
+    few = _at_nodes(points)
+    return function(points) if few.m.size == points.m.size else _between(points, function(few))
 
 
-def _nodes(points: Points) -> list[tuple[IntArray, IntArray]]:
-    """Places in m of the points that are worked out, and of those that are read off them; one pair for each part."""
+class Part(NamedTuple):
+    """Places in m of the points of a statistic, or of a hybrid's part, by rising m, and which of them are nodes."""
+
+    places: IntArray
+    nodes: IntArray
+    smooth: bool
+
+
+def _parts(points: Points) -> list[Part]:
     made, order = part_of(points.row, points.m, points.size, points.join), np.argsort(points.m, kind="stable")
-    parts = [order[made[order] == part] for part in np.unique(made)]
-    return [(_few(points.m[part], part), part) for part in parts]
+    found = []
+    for i in np.unique(made):
+        row = points.row.parts[i] if points.row.parts else points.row
+        smooth = row.overlapped and len(points.runs) == 1 and points.runs[0][1] == 1
+        places = order[made[order] == i]
+        m = points.m[places]
+        found.append(Part(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
+    return found
 
 
-def _few(m: IntArray, places: IntArray) -> IntArray:
+def _smooth_nodes(m: IntArray) -> IntArray:
+    late = np.flatnonzero(LONG * m > m[-1])
+    if late.size > LATE:
+        u = _stretched(m)[late]
+        late = late[np.searchsorted(u, np.linspace(u[0], u[-1], LATE)).clip(0, late.size - 1)]
+    decades = float(np.log10(max(m[-1] / LONG / m[0], 1.0)))
+    wanted = np.searchsorted(m, np.geomspace(m[0], max(m[-1] / LONG, m[0]), round(PER_DECADE * decades) + 1))
+    return np.unique(np.concatenate((np.flatnonzero(m <= FIRST), wanted, late, [m.size - 1])))
+
+
+def _nodes(m: IntArray) -> IntArray:
     if m.size <= MOST:
-        return places
+        return np.arange(m.size)
     wanted = np.concatenate((np.geomspace(m[0], m[-1], EVEN), m[-1] - np.geomspace(1, m[-1] / 2, AT_THE_END)))
-    kept = np.concatenate((np.searchsorted(m, wanted).clip(0, m.size - 1), [0, m.size - 1]))
-    return np.asarray(places[np.unique(kept)])
+    return np.unique(np.concatenate((np.searchsorted(m, wanted).clip(0, m.size - 1), [0, m.size - 1])))
 
 
-def at_nodes(points: Points) -> Points:
-    """The points that are worked out."""
-    return points._replace(m=points.m[np.concatenate([few for few, _ in _nodes(points)])])
+def _stretched(m: IntArray) -> FloatArray:
+    return np.asarray(np.log(m / (m[-1] + 1.0 - m)))
 
 
-def between(points: Points, values: FloatArray) -> FloatArray:
-    """Values at the nodes, in their order, at all points: linear in the logarithm of m."""
-    result, at, logarithm = np.empty(points.m.size), 0, np.log(points.m)
-    for few, part in _nodes(points):
-        result[part] = np.interp(logarithm[part], logarithm[few], values[at : at + few.size])
-        at += few.size
+def _at_nodes(points: Points) -> Points:
+    return points._replace(m=points.m[np.concatenate([part.places[part.nodes] for part in _parts(points)])])
+
+
+def _between(points: Points, values: FloatArray) -> FloatArray:
+    """Values at the nodes, in their order, at all points, by their logarithm."""
+    from scipy.interpolate import CubicSpline, make_interp_spline
+
+    result, at = np.empty((*values.shape[:-1], points.m.size)), 0
+    for places, nodes, smooth in _parts(points):
+        m, here = points.m[places], np.log(values[..., at : at + nodes.size])
+        at += nodes.size
+        u = _stretched(m) if smooth else np.log(m)
+        known, first = np.unique(u[nodes], return_index=True)
+        if known.size == 1:
+            result[..., places] = np.exp(here[..., :1])
+        elif smooth:
+            result[..., places] = np.exp(CubicSpline(known, here[..., first], axis=-1)(u))
+        else:
+            result[..., places] = np.exp(make_interp_spline(known, here[..., first], 1, axis=-1)(u))
     return result

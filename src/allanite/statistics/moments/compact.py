@@ -130,7 +130,7 @@ def products(
     close = np.array([window.covariances(D, lags[near]).T for D in structures]).reshape(len(terms), -1, int(near.sum()))
     far = np.array([term.derivative(2 * order, lags[~near] / step) for term in terms])
     far *= -0.5 * (-1) ** order * window.moment / step ** (2 * order)
-    T = np.einsum("ikl,jkl->ij", close * weights[near], close, optimize=True) + (far * weights[~near]) @ far.T
+    T = np.einsum("ikl,jkl->ij", close * weights[near], close) + (far * weights[~near]) @ far.T
     return np.array([expectation(window.mean, D) for D in structures]), T
 
 

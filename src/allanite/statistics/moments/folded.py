@@ -106,7 +106,8 @@ def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> t
     weight = np.full(length // 2, 2.0)
     weight[-1] = 1.0 + length % 2
     E = np.array([weight @ np.diagonal(C) for C in fields])
-    T = np.array([(C * weight[:, None]).ravel() for C in fields]) @ np.array([C.ravel() for C in fields]).T
+    weighted = [C * weight[:, None] for C in fields]
+    T = np.einsum("ikl,jkl->ij", weighted, fields)  # without the threads of a matrix product, which cost more
     if size > length:
         # the row in the middle with those that know of no end either
         centre, reach = length // 2 - 1, length // 2 - m

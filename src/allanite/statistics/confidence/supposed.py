@@ -1,0 +1,75 @@
+"""The noise that limits suppose, and the words for it: known at once, or found out when limits are first asked for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+from allanite.core.averaged import Averaged, noise_choice
+from allanite.core.curve import Law
+from allanite.core.fit import Fit
+from allanite.core.model import ModelLike
+from allanite.core.scope import UNEXPLAINED
+from allanite.statistics.row import FloatArray
+from allanite.terms import TERMS
+
+
+class Supposed(NamedTuple):
+    """Models with their weights, or "auto" for the power law found at each averaging time; and what limits are called.
+
+    `words` say it in a short phrase that stands beside the limits.
+    """
+
+    noise: Averaged | Literal["auto"]
+    words: str
+
+
+Supposing = ModelLike | Literal["auto"] | Callable[[], Supposed]
+"""Noise that limits suppose; a function is called when they are first needed."""
+
+
+def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
+    """A choice of the noise, and the words for it.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> supposed(N(0.1, "deg/sqrt(h)")).words
+    'limits of the given model N = 0.1 deg/sqrt(h)'
+    """
+    choice = noise_choice(noise)
+    if not isinstance(choice, Averaged):
+        return Supposed("auto", "limits of the power law found at each averaging time")
+    fit = noise if isinstance(noise, Fit) else None
+    doubt = ", which does not explain the record" if fit and fit.validity == UNEXPLAINED else ""
+    if len(choice) == 1:
+        return Supposed(choice, f"limits of the {'identified' if fit else 'given'} model {choice.terms}{doubt}")
+    there = {term.symbol for term in choice.terms}
+    symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
+    source = " identified from the record" if fit else ""
+    return Supposed(choice, f"limits averaged over {len(choice)} models of {symbols}{source}{doubt}")
+
+
+@dataclass(frozen=True, eq=False)
+class Later:
+    """The law `under` a noise that is found out when it is first asked; pickled as what was found."""
+
+    suppose: Callable[[], Supposed]
+    under: Callable[[Averaged | Literal["auto"]], Law]
+
+    @cached_property
+    def found(self) -> tuple[Law, str]:
+        """The law, and what it supposes."""
+        noise, words = self.suppose()
+        return self.under(noise), words
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        return self.found[0](level)
+
+    def words(self) -> str:
+        """What the limits suppose."""
+        return self.found[1]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"found": self.found}

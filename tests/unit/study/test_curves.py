@@ -1,0 +1,99 @@
+"""The curve of a record under its own noise: what its limits suppose, and when that is found out."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.study import curves
+
+GYRO = al.parse_model("N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)")
+
+
+def simulated(size=4096):
+    return al.simulate(GYRO, size, 1.0, rng=np.random.default_rng(3), name="z")
+
+
+def test_limits_are_those_of_the_identified_noise():
+    record = simulated()
+    fit = al.identify(record)
+    curve, same = al.deviation(record), al.deviation(record, noise=fit)
+    np.testing.assert_array_equal(curve.interval(0.9), same.interval(0.9))
+    assert curve.supposed == same.supposed
+    symbols = ", ".join(s for s in al.TERMS if s in {term.symbol for term in fit.averaged.terms})
+    assert curve.supposed == f"limits averaged over {len(fit.averaged)} models of {symbols} identified from the record"
+
+
+def test_the_noise_is_identified_when_limits_are_asked_for_and_once(monkeypatch):
+    calls = []
+    monkeypatch.setattr(curves, "identify", lambda record: calls.append(record) or al.identify(record))
+    curve = al.deviation(simulated(), "oadev").to("deg/h")
+    assert (curve.deviation.size > 0, len(calls)) == (True, 0)
+    assert np.all(curve.interval()[1] > curve.interval(0.68)[1])
+    assert (curve.supposed != "", len(calls)) == (True, 1)
+    al.deviation(simulated(), "theo1", m=[1000], bias="exact").interval()
+    assert len(calls) == 2
+
+
+def test_limits_of_a_hybrid_are_those_of_its_bias_under_the_noise_and_its_value_is_the_definition():
+    record = simulated()
+    plain, moved = (al.deviation(record, "theobr", m=[100, 2000], bias=bias) for bias in (None, "model"))
+    np.testing.assert_array_equal(plain.variance, al.deviation(record, "theobr", m=[100, 2000], noise=None).variance)
+    assert np.abs(plain.variance / moved.variance - 1).max() > 1e-3
+    np.testing.assert_allclose(plain.interval(), moved.interval(), rtol=1e-6)
+
+
+def unfit():
+    steps = np.repeat(np.random.default_rng(1).standard_normal(200), 8)
+    return {
+        "too few": al.Record(steps[:100:2], rate=1.0, unit="deg/h"),
+        "never changes": al.Record(np.ones(500), rate=1.0, unit="deg/h"),
+        "repeat the one before": al.Record(steps, rate=1.0, unit="deg/h"),
+        "frequency stability": al.Record(simulated().values, rate=1.0, unit="1", kind="rate"),
+    }
+
+
+@pytest.mark.parametrize("why", unfit())
+def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
+    record = unfit()[why]
+    curve, automatic = al.deviation(record), al.deviation(record, noise="auto")
+    np.testing.assert_array_equal(curve.interval(), automatic.interval())
+    assert curve.supposed.startswith(automatic.supposed + ": the noise was not identified")
+    assert why in curve.supposed
+
+
+@pytest.mark.parametrize(
+    ("noise", "words"),
+    [
+        (al.N(0.1, "deg/sqrt(h)"), "limits of the given model N = 0.1 deg/sqrt(h)"),
+        ("auto", "limits of the power law found at each averaging time"),
+        (None, ""),
+    ],
+)
+def test_a_curve_says_what_its_limits_suppose(noise, words):
+    assert al.deviation(simulated(), noise=noise).supposed == words
+
+
+def test_a_fit_that_explains_nothing_is_named_as_such():
+    record = simulated()
+    wandering = record.with_values(record.values + 1e-3 * np.sin(np.arange(4096) ** 1.4 / 40), "shaken")
+    fit = al.identify(wandering, terms="N")
+    assert fit.validity == "unexplained"
+    assert al.deviation(wandering, noise=fit).supposed.endswith(", which does not explain the record")
+
+
+def test_what_is_supposed_is_stored_pickled_and_shown():
+    curve = al.deviation(simulated(), m=[1, 8, 64])
+    data = json.loads(json.dumps(curve.to_dict()))
+    assert data["supposed"] == curve.supposed == al.from_dict(data).supposed == curve.to("deg/h").supposed
+    assert pickle.loads(pickle.dumps(curve)).supposed == curve.supposed
+    surface = al.dynamic(simulated(), window=500.0, noise=GYRO)
+    assert al.from_dict(surface.to_dict()).curve(1000.0).supposed.startswith("limits of the given model")
+    assert curve.supposed in curve._repr_html_()
+
+
+def test_an_unknown_noise_is_refused():
+    with pytest.raises(al.UsageError, match="'identified', 'auto' or None, not 'known'"):
+        al.deviation(simulated(), noise="known")
