@@ -20,6 +20,7 @@ from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Later, Supposing, supposed
 from allanite.statistics.moments.expect import expected as expected
+from allanite.statistics.moments.means import WHITE
 from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 
@@ -32,10 +33,10 @@ from .table import STATISTICS as STATISTICS
 from .table import Points
 from .table import statistic_named as statistic_named
 
-HIDDEN = 0.03
-"""Variance without gaps over that of means of what is there, below which the latter tells nothing of the former.
+HIDDEN = 0.05
+"""Variance of white noise of the rate and of the angle without gaps over that of means of what is there.
 
-Under any of the models that a fit leaves open.
+Below it the joints rule, and the slow noise could only be guessed.
 """
 
 PATIENCE = 60.0
@@ -83,29 +84,23 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     angle = integrated(record, row.order)
     found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
     variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
-    whole = _complete(count, row, factors, named=m is None and isinstance(taus, str))
-    factors, variance, count, factor = factors[whole], variance[whole], count[whole], factor[whole]
     places = angle.places if gaps == "means" else ()
     points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
-    seen = Seen(points, factor, None, angle, record.signal)
+    named = m is None and isinstance(taus, str)
+    seen = Seen(points, variance, count, factor, None, angle, record.signal)
+    seen = seen.only(_complete(count, row, factors, named=named))
     if bias is not None or (suppose and len(places) > 1 and row.differences):
-        supposing = suppose().noise if suppose else None
-        each = _corrections(seen, bias or "means", supposing)
-        wanted = supposing.weight @ each if isinstance(supposing, Averaged) else each[0]
-        variance, factor = variance * wanted / factor, wanted
-        told = _told(each, row, factors, named=m is None and isinstance(taus, str)) if bias is None else slice(None)
-        factors, variance, count, factor = factors[told], variance[told], count[told], factor[told]
-        seen = Seen(points._replace(m=factors), factor, each[:, told], angle, record.signal)
+        seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
     # a maximum has no law, and the angle's own error only under white noise
     under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
     law = Later(suppose, under) if suppose and row.order > 1 else None
     return Curve(
         statistic=row.name,
-        m=factors,
-        tau=times(row, factors, record.size, join) / record.rate,
-        variance=variance * (angle.scale / record.interval ** (1 - row.power)) ** 2,
-        count=count,
-        factor=factor,
+        m=seen.points.m,
+        tau=times(row, seen.points.m, record.size, join) / record.rate,
+        variance=seen.variance * (angle.scale / record.interval ** (1 - row.power)) ** 2,
+        count=seen.number,
+        factor=seen.factor,
         unit=record.signal.si[row.power],
         rate=record.rate,
         size=record.size,
@@ -129,13 +124,30 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
 
 
 class Seen(NamedTuple):
-    """Points of a curve and what their plain variance was multiplied with, under `each` model where there is a bias."""
+    """Points of a curve with their variances, numbers of windows and what the plain variances were multiplied with.
+
+    Where there is a bias, under `each` model, shape (models, points).
+    """
 
     points: Points
+    variance: FloatArray
+    number: IntArray
     factor: FloatArray
     each: FloatArray | None
     angle: Angle
     signal: Signal
+
+    def only(self, which: BoolArray) -> "Seen":
+        """Some of the points."""
+        points = self.points._replace(m=self.points.m[which])
+        each = None if self.each is None else self.each[:, which]
+        return self._replace(
+            points=points,
+            variance=self.variance[which],
+            number=self.number[which],
+            factor=self.factor[which],
+            each=each,
+        )
 
 
 def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
@@ -150,6 +162,14 @@ def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> L
         return sparse_law(points, lambda few: ModelLaw(few, (noise.terms,)))
     place = {int(m): i for i, m in enumerate(points.m)}
     return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
+
+
+def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool) -> Seen:
+    """Without the bias, or that of means of what is there, and then without the points that tell nothing."""
+    each = _corrections(seen, bias or "means", noise)
+    wanted = noise.weight @ each if isinstance(noise, Averaged) else each[0]
+    found = seen._replace(variance=seen.variance * wanted / seen.factor, factor=wanted, each=each)
+    return found if bias else found.only(_told(found, noise, named=named))
 
 
 def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
@@ -179,9 +199,16 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
 
 
-def _told(each: FloatArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
-    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window."""
-    factor = each.min(axis=0)
+def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
+    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window.
+
+    Slow noise has no voice: where the joints rule, it is known from the supposed models only.
+    """
+    row, m, factor = seen.points.row, seen.points.m, seen.factor
+    if isinstance(noise, Averaged):
+        fast = [i for i, t in enumerate(noise.terms) if t.row.edge or t.row.slope == WHITE]
+        part = Averaged(Model(tuple(noise.terms.terms[i] for i in fast)), noise.scale[:, fast], noise.weight)
+        factor = noise.weight @ _corrections(seen, "means", part) if fast else np.ones(m.size)
     told = np.asarray(factor >= HIDDEN)
     if named or told.all():
         return told
