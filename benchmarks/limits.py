@@ -16,7 +16,7 @@ import io
 import math
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing import Pool
 
@@ -160,11 +160,12 @@ def _kind(said: list[Said]) -> tuple[str, str, str]:
 
 @dataclass(frozen=True)
 class Cell:
-    """A noise at a rate, Hz, for a number of samples."""
+    """A noise at a rate, Hz, for a number of samples; its noise of the angle by rounding, if that is asked."""
 
     model: al.Model
     rate: float
     size: int
+    rounded: bool = False
 
 
 MEMS = al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)")
@@ -179,31 +180,50 @@ CELLS: dict[str, Cell] = {
     "N+B+K, 3000": Cell(NOISES["N+B+K"], 1.0, 3000),
     "edge K": Cell(N + al.K(25, "deg/h/sqrt(h)"), 1.0, 4096),
     "edge B": Cell(N + al.B(6, "deg/h"), 1.0, 8192),
-    "Q+N": Cell(al.Q(60, "arcsec") + N, 1.0, 4096),
+    "Q+N, rounded": Cell(al.Q(35, "arcsec") + N, 1.0, 4096, rounded=True),
     "all five, 1 Hz": Cell(NOISES["Q+N+B+K+R"], 1.0, 16384),
     "navigation RLG": Cell(al.Q(0.5, "arcsec") + al.N(0.003, "deg/sqrt(h)") + al.B(0.01, "deg/h"), 10.0, 65536),
     "tactical MEMS": Cell(MEMS, 100.0, 65536),
+    "N+GM": Cell(N + al.GM(20, "deg/h", time_constant=100), 1.0, 16384),
+    "N+B+GM": Cell(N + al.B(4, "deg/h") + al.GM(20, "deg/h", time_constant=100), 1.0, 16384),
 }
+
+
+TIME = "time constant"
 
 
 def coefficients_of(job: tuple[str, int]) -> dict[str, tuple[float, ...]]:
     """Of each true term: median over truth, whether claimed, whether its limits at 95 and 68 % hold it.
 
-    Of the others: whether claimed.
+    And the same ratio with the terms known, and by least squares. Of the others: whether claimed. Terms that are not
+    valid or not observable count for nothing.
     """
     name, i = job
     cell = CELLS[name]
     rng = np.random.default_rng((100 + list(CELLS).index(name), cell.size, i))
-    fit = al.identify(al.simulate(cell.model, cell.size, cell.rate, rng=rng))
+    record = al.simulate(cell.model, cell.size, cell.rate, rng=rng, rounding=cell.rounded)
     truth = {t.symbol: t.value for t in cell.model}
+    fit = al.identify(record)
+    known = al.identify(record, terms=",".join(truth))
+    squares = al.identify(record, terms=",".join(s for s in truth if s != "GM"), method="ls")
     found: dict[str, tuple[float, ...]] = {}
     for e in fit:
-        if e.symbol in truth and e.status != "not observable":
-            inside = [low <= truth[e.symbol] <= high for low, high in map(e.interval, LEVELS)]
-            found[e.symbol] = (e.median or 0.0) / truth[e.symbol], float(e.claimed), *map(float, inside)
-        elif e.symbol not in truth:
+        if e.symbol not in truth:
             found[e.symbol] = (float(e.claimed),)
+        elif e.median is not None and e.status not in ("not observable", "not valid"):
+            true = truth[e.symbol]
+            other = squares[e.symbol].value or 0.0 if e.symbol != "GM" else math.nan
+            ratios = (e.median / true, (known[e.symbol].median or 0.0) / true, other / true)
+            found[e.symbol] = (*ratios, float(e.claimed), *_held(true, map(e.interval, LEVELS)))
+            if e.shape:
+                (true,) = next(t.shape for t in cell.model if t.symbol == e.symbol)
+                limits = [e.shape_limits(level)[0] for level in LEVELS] if e.shape_limits else []
+                found[TIME] = (e.shape[0] / true, math.nan, math.nan, 1.0, *_held(true, limits))
     return found
+
+
+def _held(true: float, limits: Iterable[tuple[float, float]]) -> list[float]:
+    return [float(low <= true <= high) for low, high in limits]
 
 
 def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
@@ -214,15 +234,29 @@ def coefficient_rows(records: int, pool: "Pool") -> list[tuple[str, ...]]:
         least = al.bound(cell.model, cell.size, cell.rate)
         true = {t.symbol for t in cell.model}
         false = [100 * np.mean([one[s][0] for one in said if s in one]) for s in "QNBKR" if s not in true]
-        for t in cell.model:
-            one = np.array([found[t.symbol] for found in said if t.symbol in found])
-            bound = float(least[t.symbol])
-            rms = math.sqrt(np.mean((one[:, 0] - 1) ** 2))
-            shares = [f"{100 * share:.1f}" for share in one[:, 1:].mean(axis=0)]
+        for symbol in (*true_symbols(cell), TIME):
+            one = np.array([found[symbol] for found in said if symbol in found])
+            if not one.size:
+                continue
+            bound = float(least[symbol]) if symbol in true else math.nan
+            shares = [f"{100 * share:.1f}" for share in one[:, 3:].mean(axis=0)]
+            errors = [_over(ratio, bound) for ratio in one[:, :3].T]
+            least_error = "" if math.isnan(bound) else f"{100 * bound:.1f}"
             most = f"{max(false, default=0.0):.1f}"
-            rows.append((name, t.symbol, f"{100 * bound:.1f}", *shares, f"{rms / bound:.2f}", most))
+            rows.append((name, symbol, str(len(one)), least_error, *shares, *errors, most))
             print(*rows[-1], flush=True)
     return rows
+
+
+def true_symbols(cell: Cell) -> list[str]:
+    """The terms of a cell."""
+    return [t.symbol for t in cell.model]
+
+
+def _over(ratio: np.ndarray, bound: float) -> str:
+    """Root mean square error over the bound."""
+    error = math.sqrt(np.mean((ratio - 1) ** 2)) / bound
+    return "" if math.isnan(error) else f"{error:.2f}"
 
 
 def main() -> None:
@@ -234,11 +268,14 @@ def main() -> None:
         if asked.what == "coefficients":
             notes = [
                 "seeds: 100 and the number of the cell, samples, number of the record",
-                f"{asked.records} records a cell; `identify` with its defaults",
-                "95, 68: % of records whose limits hold the truth; rms: of the median, claimed or not, over the "
-                "Cramer-Rao bound with terms known; false: % of records, of the term most often claimed falsely",
+                f"{asked.records} records a cell, less those in which the term was said not to be valid",
+                "95, 68: % of records whose limits hold the truth, `identify` with its defaults",
+                "rms error of the median, claimed or not, over the Cramer-Rao bound with terms known; beside it those "
+                "of the likelihood and of unweighted least squares on the Allan variance, both with terms known",
+                "false: % of records, of the term most often claimed falsely",
             ]
-            headings = ("noise", "term", "bound, %", "claimed, %", "95", "68", "rms / bound", "false, %")
+            rms = ("rms", "rms, terms known", "rms, least squares")
+            headings = ("noise", "term", "records", "bound, %", "claimed, %", "95", "68", *rms, "false, %")
             run.publish("Limits of coefficients", notes, markdown(headings, coefficient_rows(asked.records, pool)))
             return
         notes = [

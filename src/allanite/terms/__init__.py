@@ -9,10 +9,10 @@ the coefficient.
 from .flicker import FLICKER
 from .markov import GAUSS_MARKOV
 from .powers import ANGLE_RANDOM_WALK, QUANTIZATION, RAMP, RATE_RANDOM_WALK, ramp_coefficients
-from .row import NoiseTerm, Parameter
+from .row import WHITE, NoiseTerm, Parameter
 from .sine import SINE
 
-__all__ = ["TERMS", "NoiseTerm", "Parameter", "ramp_coefficients"]
+__all__ = ["TERMS", "WHITE", "NoiseTerm", "Parameter", "ramp_coefficients"]
 
 TERMS: dict[str, NoiseTerm] = {
     row.symbol: row for row in (QUANTIZATION, ANGLE_RANDOM_WALK, FLICKER, RATE_RANDOM_WALK, RAMP, GAUSS_MARKOV, SINE)

@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
+WHITE = -0.5
+"""Slope of white noise of the rate."""
+
 
 @dataclass(frozen=True)
 class Parameter:

@@ -13,7 +13,7 @@ from allanite.core.model import Term
 from allanite.core.scope import Scope
 from allanite.core.units import Signal
 from allanite.identification.checks.exponent import Exponent
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .families import Found
 from .law import Law
@@ -134,7 +134,7 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
     value, error = law.N
     if row.waveform is not None or estimate.status == "not observable":
         return estimate
-    if row.slope != TERMS["N"].slope or not value:
+    if row.slope != WHITE or not value:
         return estimate.invalid(f"the power falls as f^-{law.a:.2f}, which is none of the terms")
     normal = Normal(value, error)
     status = "identified" if error <= WEAK * value else "weak"

@@ -24,7 +24,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 from allanite.prepare.gaps import Gaps
 from allanite.statistics.moments.gls import second_difference
-from allanite.terms import NoiseTerm
+from allanite.terms import WHITE, NoiseTerm
 
 from .likelihood import Likelihood
 from .sines import angle_power, low_powers, rate_weights, sine, sine_variances, toeplitz
@@ -38,9 +38,6 @@ SPLIT = 0.5
 
 HIGHEST = 0.5
 """The same, over half the sampling rate, at most."""
-
-WHITE = -0.5
-"""Slope of white noise of the rate."""
 
 CLEAR = 0.5
 """Share of a coefficient that the rate of its piece must leave, for it to be called a peak."""

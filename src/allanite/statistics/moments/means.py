@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from allanite.statistics.row import FloatArray, IntArray, Statistic, binomials
-from allanite.terms import NoiseTerm
+from allanite.terms import WHITE, NoiseTerm
 
 Places = Sequence[tuple[int, int]]
 """(first sample, samples) of each stretch without gaps of a record."""
@@ -173,10 +173,6 @@ class Windows:
                 both -= self.there.steps(np.maximum(c, a - 1), np.minimum(d, b - 1))
             total += (term.edge or 1.0) * mine[:, p, None] * np.einsum("wlq,wlq->wl", other, both)
         return total
-
-
-WHITE = -0.5
-"""Slope of white noise of the rate."""
 
 
 def windows_of(row: Statistic, m: int, there: There, stride: int) -> Windows:
