@@ -21,11 +21,15 @@ from .joint import Joint, common_band, demand_one_kind, joint
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """The joint likelihood of records, the noise of each, and what was done to them."""
+    """The joint likelihood of records, the noise of each, and what was done to them.
+
+    `records` are without their outliers.
+    """
 
     joint: Joint
     noises: tuple[Noise, ...]
     notes: tuple[str, ...]
+    records: tuple[Record, ...]
 
     @property
     def fits(self) -> tuple[Fit, ...]:
@@ -80,7 +84,7 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     if constant is not None:
         notes.append(f"Gauss-Markov noise is compared at one time constant, {constant:.3g} s")
     both = joint(quiet, shown, asked_band(recipe), constant=constant, scopes=[fit.scope for fit in fits])
-    return Joined(both, noises, tuple(notes))
+    return Joined(both, noises, tuple(notes), tuple(records))
 
 
 def _demand_different(records: Sequence[Record]) -> None:

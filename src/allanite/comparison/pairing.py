@@ -54,7 +54,8 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     alerts = (*alerts, PAIRED.format(alike)) if alike > ALIKE else alerts
     ratios = None
     try:
-        ratios = ratios_of(records, (first, second), law_models(both, (first, second), changes), recipe)
+        clean = cast(tuple[Record, Record], joined.records)
+        ratios = ratios_of(clean, (first, second), law_models(both, (first, second), changes), recipe)
     except DataError as error:
         alerts = (*alerts, str(error))
     return Pair(

@@ -34,7 +34,7 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
     """
     alpha = alpha_of(recipe.level)
     joined = join_records(seen.records, recipe)
-    curves, curve, p = _curves(seen.records, joined.fits, recipe)
+    curves, curve, p = _curves(joined.records, joined.fits, recipe)
     apart, left = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
     return PooledChannel(

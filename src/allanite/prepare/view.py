@@ -79,7 +79,8 @@ class View:
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; of white noise its standard deviation."""
         whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
-        return fast_noise(whole)
+        # where no three readings are together, over the gaps
+        return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
 
     def seconds(self, index: float) -> float:
         """Time of what is left, s after the first sample of the recording."""

@@ -130,7 +130,9 @@ class Search(Portable):
         """
         (T,) = best.constants
         low, high = self.limits(best, OPEN)
-        open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
+        # a shorter one is that of another term
+        below = np.geomspace(max(low, self.shortest), T, NEAR + 1)[:-1] if T > self.shortest else []
+        open_ = (*below, *np.geomspace(high, T, NEAR + 1))
         each = ((self.at(float(k)), (float(k),)) for k in open_)
         return [s for part, k in each for s in subsets(part, must=self.always, constants=k)]
 
