@@ -111,8 +111,20 @@ class Found(Portable):
 
     @property
     def akaike(self) -> FloatArray:
-        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,)."""
-        return AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
+        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,).
+
+        A Gauss-Markov term that nobody asked for, and that is best in the place of a random walk, needs its `EVIDENCE`.
+        """
+        found = AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
+        if self.search is not None and not self.search.asked and self.markov is not None:
+            found[-1] += EVIDENCE * self._displaced
+        return found
+
+    @property
+    def _displaced(self) -> bool:
+        """Whether noise slower than flicker is in the best model without a Gauss-Markov term, but not beside it."""
+        slower = np.array([TERMS[symbol].slope > 0 for symbol in self.noise])
+        return bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any()) if self.markov else False
 
     @property
     def schwarz(self) -> FloatArray:
@@ -127,7 +139,7 @@ class Found(Portable):
         edge = np.array([TERMS[symbol].edge for symbol in self.noise])
         found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
         if self.search is not None and not self.search.asked:
-            found[-1] = EVIDENCE
+            found[-1] += EVIDENCE - 2 * AKAIKE
         return found
 
     def laws(self, which: int) -> tuple[Law, Law] | None:

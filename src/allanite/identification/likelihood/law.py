@@ -125,7 +125,8 @@ def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
     """Of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
     kinds = [(subset.free.tobytes(), len(subset.constants)) for subset in fitted]
     score = np.array([subset.score(penalty) for subset in fitted])
-    weight = np.exp(-0.5 * (score - score.min(initial=math.inf))) / [kinds.count(kind) for kind in kinds]
+    share = [subset.prior / kinds.count(kind) for subset, kind in zip(fitted, kinds, strict=True)]
+    weight = np.exp(-0.5 * (score - score.min(initial=math.inf))) * share
     return np.asarray(weight / weight.sum())
 
 

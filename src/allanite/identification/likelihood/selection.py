@@ -20,7 +20,8 @@ PENALTY = 4.0
 class Subset:
     """The likelihood's minimum with some of the terms free.
 
-    `constants` are the time constants, in samples, of the Gauss-Markov terms among them.
+    `constants` are the time constants, in samples, of the Gauss-Markov terms among them, `prior` the share of all that
+    were possible for which those tried beside this stand.
     """
 
     likelihood: Likelihood
@@ -28,6 +29,7 @@ class Subset:
     theta: FloatArray
     value: float
     constants: tuple[float, ...] = ()
+    prior: float = 1.0
 
     @property
     def aic(self) -> float:

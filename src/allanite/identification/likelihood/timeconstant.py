@@ -5,7 +5,7 @@ grid and then refined; in the limits, T takes the values that the likelihood lea
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -130,11 +130,15 @@ class Search(Portable):
         """
         (T,) = best.constants
         low, high = self.limits(best, OPEN)
-        # a shorter one is that of another term
-        below = np.geomspace(max(low, self.shortest), T, NEAR + 1)[:-1] if T > self.shortest else []
-        open_ = (*below, *np.geomspace(high, T, NEAR + 1))
+        # a shorter or longer one is that of another term
+        shortest, longest = self.span
+        low, high = max(low, min(shortest, T)), min(high, max(longest, T))
+        open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
         each = ((self.at(float(k)), (float(k),)) for k in open_)
-        return [s for part, k in each for s in subsets(part, must=self.always, constants=k)]
+        # evenly likely beforehand in the logarithm
+        prior = min(math.log(high / low) / math.log(longest / shortest), 1.0)
+        every = (s for part, k in each for s in subsets(part, must=self.always, constants=k))
+        return [replace(s, prior=prior) for s in every]
 
     def pair(self) -> Subset:
         """The best with two such terms and no flicker."""
