@@ -23,7 +23,7 @@ from .methods import Method, symbols_of
 
 METHODS: dict[str, Method] = {
     "whittle": Method(
-        "likelihood of the cosine transform's binned powers, profile intervals", Record, whittle,
+        "likelihood of the cosine transform's binned powers, intervals averaged over models", Record, whittle,
         efficiency="0.93 to 1.14 times the Cramer-Rao bound",
         options=("band", "lines", "rival"), shapes=True, signed=True,
     ),

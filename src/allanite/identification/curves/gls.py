@@ -130,7 +130,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
 
 GAUSSIAN = (
     "the intervals suppose Gaussian errors: that of the slowest term, which rests on averaging times with few degrees "
-    "of freedom, holds the truth too seldom (method whittle has profile intervals)"
+    "of freedom, holds the truth too seldom (method whittle has intervals that do not suppose it)"
 )
 
 

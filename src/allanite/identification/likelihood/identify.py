@@ -35,8 +35,8 @@ def whittle(
     """Identify terms by the binned DCT-II Whittle likelihood.
 
     Sinusoids are found and taken out; the noise terms are selected by 2 L + 4 per term over all subsets, with the ramp
-    integrated out; profile intervals; upper limits for what is absent; the signed ramp by generalised least squares,
-    averaged over what hides it.
+    integrated out; each coefficient is averaged over the subsets, with upper limits for what is absent; the signed ramp
+    is estimated by generalised least squares, averaged over what hides it.
 
     Parameters
     ----------

@@ -30,13 +30,14 @@ EXPLAINED = {
         "the constant bias and does not leak where the two ends of the record differ. Each squared "
         "coefficient scatters, as a chi-square with one degree of freedom, about the power that the terms "
         "lead one to expect: the squares of the noise coefficients, each times the known spectrum of its "
-        "term. The noise coefficients that make the record most likely (Whittle likelihood), none below zero, "
-        "are the estimates; a ramp is estimated along with them, with its sign.",
+        "term (Whittle likelihood). The model is the set of terms, none below zero, that makes the record most "
+        "likely; a ramp is estimated along with them, with its sign.",
         "A noise term is called found only where it lowers twice the negative log-likelihood by more than 4 "
         "and its interval excludes zero, so that about one record in twenty shows a term that is not there. "
-        "The intervals are profile intervals: the values of a coefficient that the data do not contradict, "
-        "whatever the other coefficients are and whichever of the other terms are there. A term that was not "
-        "found has a one-sided 95 % upper limit instead of a value.",
+        "Which terms are there is never certain: each coefficient is averaged over all sets of terms that have "
+        "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
+        "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
+        "between its quantiles. A term that was not found has a one-sided 95 % upper limit instead of a value.",
     ),
     "gls": (
         "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "

@@ -44,7 +44,7 @@ COMPARED = (
 POOLED = (
     "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
     "separate model for each run, with the distribution simulated from the common model. The common coefficient is the "
-    "one that all runs together make most likely, with profile limits.",
+    "one that all runs together make most likely; its limits are averaged over the sets of terms that may be there.",
     "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
     "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
     "homogeneity, adjusted by Holm's method.",
