@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from allanite.core.estimate import Estimate
 from allanite.core.record import Record
 from allanite.prepare.rounding import grid
@@ -16,7 +18,8 @@ def correlated(record: Record, white: Estimate) -> str:
     An angle that moves by a normal step of sigma, in units of the step it is rounded to, has rounding errors that
     correlate by exp(-2 pi^2 sigma^2) from one reading to the next: the characteristic function of the step at 2 pi.
     """
-    step, size = grid(record.steps)[1] * record.rate_factor / record.rate, white.median
+    steps = record.steps[np.isfinite(record.steps)]
+    step, size = grid(steps)[1] * record.rate_factor / record.rate, white.median
     if not step or not size:
         return ""
     sigma = size / math.sqrt(record.rate) / step

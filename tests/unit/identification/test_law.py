@@ -1,0 +1,71 @@
+"""The law of a coefficient against the same by brute force, and what it says where nothing is known."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.identification.likelihood.families import look
+from allanite.identification.likelihood.law import law, traces
+
+MODEL = al.N(1, "deg/sqrt(h)") + al.B(6, "deg/h") + al.K(30, "deg/h/sqrt(h)")
+
+
+@pytest.fixture(scope="module")
+def found():
+    return look(al.simulate(MODEL, 3000, 1.0, rng=np.random.default_rng(1)), "QNBKR", None, rival=False)
+
+
+def by_force(found, which, penalty, root):
+    """Cumulative probability at the roots: every subset, minimised at each of them."""
+    density = np.zeros(root.size)
+    for subset in found.fitted:
+        if subset.free[which]:
+            least = [subset.likelihood.minimise(subset.free, None, (which, c * c))[1] for c in root]
+            density += np.exp(-0.5 * (2 * np.array(least) + (penalty * subset.free).sum() - found.chosen.score(2.0)))
+    below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
+    return below / below[-1]
+
+
+@pytest.mark.parametrize("symbol", ["Q", "N", "B", "K"])
+def test_it_is_that_of_all_subsets_on_a_fine_grid(found, symbol):
+    which = found.noise.index(symbol)
+    ours = law(traces(found.fitted, which, [found.akaike]), found.akaike)
+    root = np.linspace(ours.root[0], ours.root[-1], 301)
+    dense = by_force(found, which, found.akaike, root)
+    spread = ours.quantile(0.84) - ours.quantile(0.16)
+    for p in (0.025, 0.16, 0.5, 0.84, 0.975):
+        assert ours.quantile(p) == pytest.approx(float(np.interp(p, dense, root)), abs=0.04 * spread)
+
+
+def test_its_spread_is_the_standard_deviation():
+    record = al.simulate(record_model(), 4096, 1.0, rng=np.random.default_rng(2))
+    found = look(record, "N", None, rival=False)
+    ours, _ = found.laws(0)
+    low, high = ours.limits(0.95)
+    assert ours.spread == pytest.approx((high - low) / 3.92, rel=0.02)
+    assert ours.spread / ours.quantile(0.5) == pytest.approx(float(al.bound(record_model(), 4096, 1.0)["N"]), rel=0.1)
+
+
+def record_model():
+    return al.Model((al.N(1, "deg/sqrt(h)"),))
+
+
+def test_limits_of_what_is_absent_begin_at_zero(found):
+    ours, _ = found.laws(found.noise.index("Q"))
+    assert ours.limits(0.95)[0] == 0
+    assert 0 < ours.quantile(0.5) < ours.limits(0.95)[1]
+
+
+def test_the_median_of_an_absent_term_is_told_and_claims_nothing():
+    record = al.simulate(MODEL, 500, 1.0, rng=np.random.default_rng(3))
+    e = al.identify(record)["B"]
+    assert e.value is None
+    assert not e.claimed
+    assert 0 < e.median < e.interval(0.95)[1]
+
+
+def test_a_term_that_cannot_be_seen_has_no_median():
+    record = al.simulate(al.sensor("mems"), 20_000, 100.0, rng=np.random.default_rng(4))
+    fit = al.identify(record, band=(0, 5))
+    assert fit["Q"].status == "not observable"
+    assert fit["Q"].median is None
