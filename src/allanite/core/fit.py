@@ -162,11 +162,15 @@ class Fit(Value):
 
     @property
     def valid(self) -> Model | None:
-        """The model without terms that are not valid or not observable; None where it does not explain the record."""
+        """The model to be used: every coefficient as estimated, without terms that are not valid or not observable.
+
+        None where the model does not explain the record.
+        """
         if self.validity == UNEXPLAINED:
             return None
         wrong = {e.symbol for e in self if e.status in ("not valid", "not observable")}
-        return Model(tuple(t for t in self.model if t.symbol not in wrong)) if wrong else self.model
+        sizes = {e.symbol: e.value for e in self if e.value is not None}
+        return Model(tuple(replace(t, value=sizes.get(t.symbol, t.value)) for t in self.model if t.symbol not in wrong))
 
     @property
     def advice(self) -> tuple[str, ...]:
