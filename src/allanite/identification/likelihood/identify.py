@@ -12,9 +12,8 @@ from allanite.core.record import Record
 from allanite.core.scope import Band
 from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
-from allanite.identification.checks.rounded import correlated
 from allanite.prepare.gaps import refusal
-from allanite.terms import TERMS, WHITE
+from allanite.terms import TERMS
 
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
@@ -72,7 +71,6 @@ def whittle(
     estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
     if law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
-    estimates |= _rounded(record, estimates)
     model = _model(estimates, found, scale)
     deterministic = tuple(t for t in model if t.row.waveform is not None)
     good = goodness(found.seen, found.full.likelihood, found.full.theta, found.used, taken)
@@ -97,16 +95,6 @@ def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
     return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
-
-
-def _rounded(record: Record, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
-    """White noise of the rate and of the angle, not valid where rounding errors that are none were taken for it."""
-    white = [s for s in estimates if TERMS[s].edge or TERMS[s].slope == WHITE]
-    rates = [s for s in white if not TERMS[s].edge]
-    if not rates or not any(TERMS[s].edge and estimates[s].claimed for s in white):
-        return {}
-    why = correlated(record, estimates[rates[0]])
-    return {s: estimates[s].invalid(why) for s in white} if why else {}
 
 
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
