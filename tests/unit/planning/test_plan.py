@@ -164,7 +164,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     result = run(tmp_path / "first.npz", "--json", "-")
     assert result.exit_code == 0, result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
-    fitted = al.identify(record).model
+    fitted = al.identify(record).valid
     assert channel["name"] == "gz"
     assert channel["model"] == fitted.to_dict()
     np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])

@@ -206,7 +206,7 @@ def test_the_verb_takes_a_recording(tmp_path):
     assert result.exit_code == 0, result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
     assert channel["name"] == "gz"
-    assert channel["model"] == al.identify(record).model.to_dict()
+    assert channel["model"] == al.identify(record).valid.to_dict()
     assert channel["tau"] == [1.0, 600.0]
     assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
 

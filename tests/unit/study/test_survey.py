@@ -221,7 +221,7 @@ def test_a_spectrum_with_its_terms(record, fit):
     drawn = {line.get_label(): line for line in ax.lines}
     np.testing.assert_allclose(drawn["spectrum"].get_ydata(), spectrum.to("deg/h").amplitude)
     f, model = drawn["model"].get_data()
-    np.testing.assert_allclose(model, np.sqrt(spectrum.to("deg/h").expected(fit.model, np.asarray(f))))
+    np.testing.assert_allclose(model, np.sqrt(spectrum.to("deg/h").expected(fit.valid, np.asarray(f))))
     assert "one-sided" in ax.get_ylabel()
     assert "deg/h/√Hz" in ax.get_ylabel()
     assert any(text.get_text().startswith("N = ") for text in ax.texts)
