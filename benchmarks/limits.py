@@ -35,13 +35,14 @@ NOISES: dict[str, al.Model] = {
 }
 """At 1 Hz."""
 
-SHARES = (0.1, 0.2, 0.4, 0.5, 0.8)
+TO_A_FIFTH, TO_0_3, TO_HALF, TO_0_8 = (0.1, 0.2), (0.1, 0.2, 0.3), (0.1, 0.2, 0.4, 0.5), (0.1, 0.2, 0.4, 0.5, 0.8)
 STATISTIC = {
-    "oadev": 0.5, "hdev": 0.33, "mdev": 0.33, "pdev": 0.5, "totdev": 0.99, "theo1": 0.74, "theobr": 0.74, "theoh": 0.74,
+    "oadev": TO_HALF, "hdev": TO_A_FIFTH, "mdev": TO_A_FIFTH, "pdev": TO_HALF, "totdev": TO_0_8,
+    "mtotdev": TO_0_3, "htotdev": TO_0_3, "theo1": TO_HALF, "theobr": TO_HALF, "theoh": TO_HALF,
 }  # fmt: skip
-"""Each with the largest share of the record that it reaches."""
+"""Each with averaging times that it reaches, shares of the record."""
 
-EXACT = ("totdev", "theo1")
+EXACT = ("totdev", "mtotdev", "htotdev", "theo1")
 """Statistics whose bias is divided out."""
 
 PEERS = ("oadev", "hdev", "mdev", "totdev")
@@ -64,7 +65,7 @@ class Said:
 def factors_of(name: str, size: int) -> list[int]:
     """Averaging factors, even, at the shares of the record that a statistic reaches."""
     factor = STATISTICS[name].tau_factor
-    return [2 * int(share * size / factor / 2) for share in SHARES if share <= STATISTIC[name]]
+    return [2 * int(share * size / factor / 2) for share in STATISTIC[name]]
 
 
 def curves_of(job: tuple[str, int, int]) -> dict[tuple[str, str, int], Said]:
