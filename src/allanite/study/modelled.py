@@ -231,10 +231,16 @@ def run_model_job(
         if not any(t.row.waveform is None and t.value for t in model):
             raise DataError("no noise was identified")
         result = work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name))
-        alerts = (*noise.doubts, *seen.alerts)
+        alerts = (*noise.doubts, *_left_out(noise), *seen.alerts)
         return Modelled(record.name, record.rate, record, seen.quality, noise, result, alerts)
 
     return run(kind, source, recipe, follow, _refused, progress=progress)
+
+
+def _left_out(noise: Noise) -> list[str]:
+    """Terms that the model lacks because their coefficients are not valid; of an unexplained record it has them all."""
+    wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
+    return [f"{e.symbol} is left out of the model because its coefficient is not valid: {e.reason}" for e in wrong]
 
 
 def _refused(seen: Inspected, why: str) -> Modelled:

@@ -18,6 +18,7 @@ from allanite.reporting.json import to_json
 from allanite.simulation.recording import Simulation
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
+from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
 
 SETTINGS = {
@@ -171,3 +172,15 @@ def test_a_channel_is_read_again_without_its_readings(job):
         again = type(channel).from_dict(data)
         assert str(again.to_dict()) == str(channel.to_dict())
         assert again.noise.explained == channel.noise.explained
+
+
+def test_a_term_that_the_curve_contradicts_is_named_as_left_out(recording, monkeypatch):
+    def contradicted(record, recipe):
+        noise = noise_of(record, recipe)
+        return replace(noise, fit=noise.fit.invalid("it is larger than the curve", ("B",)))
+
+    monkeypatch.setattr("allanite.study.modelled.noise_of", contradicted)
+    found = run_model_job(recording, PlanSettings(), Recipe(channels=("gx",)))[0]
+    assert "B" not in {term.symbol for term in found.result.model}
+    said = "B is left out of the model because its coefficient is not valid: it is larger than the curve"
+    assert said in found.alerts
