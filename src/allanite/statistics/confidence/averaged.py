@@ -25,6 +25,9 @@ from .limits import at_point, stacked
 REACH, STEPS = 4.2, 22
 """Normal deviates between which the laws are tabulated, and how many."""
 
+BISECTIONS = 30
+"""Steps to a quantile."""
+
 TOGETHER = 0.5
 """Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to hold the truth."""
 
@@ -56,30 +59,34 @@ class AveragedLaw(Portable):
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Degrees of freedom and limits over the variance; see `Curve`."""
-        return self.found[0], self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
+        return self.found[0], *self.quantiles(np.array([(1 - level) / 2, (1 + level) / 2]))
 
-    def quantile(self, p: float) -> FloatArray:
-        """T / V at a probability, shape (points,)."""
+    def quantiles(self, p: FloatArray) -> FloatArray:
+        """T / V at probabilities, shape (probabilities, points)."""
+        p = np.append(p, 0.5)[:, None]
+        scatter = self._scatter(p)
         if (self.bias == 1).all():
-            return np.asarray(np.exp(self._scatter(p)))
-        scatter, bias = self._scatter(0.5), self._bias(0.5)
-        a, b = self._scatter(p) - scatter, self._bias(p) - bias
-        return np.asarray(np.exp(scatter + bias + np.sign(p - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)))
+            return np.asarray(np.exp(scatter[:-1]))
+        bias = self._bias(p)
+        a, b = (part[:-1] - part[-1] for part in (scatter, bias))
+        apart = np.sign(p[:-1] - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)
+        return np.asarray(np.exp(scatter[-1] + bias[-1] + apart))
 
-    def _bias(self, p: float) -> FloatArray:
-        """Logarithm of F at a probability, between the models by their weights."""
+    def _bias(self, p: FloatArray) -> FloatArray:
+        """Logarithm of F at probabilities, between the models by their weights."""
         order = np.argsort(self.bias, axis=0)
         logs, weight = np.log(np.take_along_axis(self.bias, order, 0)), self.noise.weight[order]
         below = np.cumsum(weight, axis=0) - weight / 2
-        return np.array([np.interp(p, at, values) for at, values in zip(below.T, logs.T, strict=True)])
+        return np.array([np.interp(p[:, 0], at, values) for at, values in zip(below.T, logs.T, strict=True)]).T
 
-    def _scatter(self, p: float) -> FloatArray:
-        """-ln X at a probability, by bisection."""
+    def _scatter(self, p: FloatArray) -> FloatArray:
+        """-ln X at probabilities, by bisection."""
         from scipy.special import ndtr
 
         _, logs, deviates = self.found
-        low, high = logs[0].min(axis=0), logs[-1].max(axis=0)
-        for _ in range(30):
+        shape = (p.size, logs.shape[-1])
+        low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
+        for _ in range(BISECTIONS):
             middle = (low + high) / 2
             below = self.noise.weight @ ndtr(_between(logs, deviates, middle)) < p
             low, high = np.where(below, middle, low), np.where(below, high, middle)
@@ -87,7 +94,8 @@ class AveragedLaw(Portable):
 
 
 def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArray:
-    """Deviate of each law at x, shape (models, points); straight beyond the ends."""
-    at = np.clip((logs < x).sum(axis=0), 1, len(logs) - 1)[None]
-    (a, b), (low, high) = ([np.take_along_axis(y, k, 0)[0] for k in (at - 1, at)] for y in (logs, deviates))
+    """Deviate of each law at x, shape (probabilities, models, points); straight beyond the ends."""
+    x = x[:, None]
+    at = np.clip((logs[:, None] < x).sum(axis=0), 1, len(logs) - 1)
+    (a, b), (low, high) = ([np.take_along_axis(y, k, 0) for k in (at - 1, at)] for y in (logs, deviates))
     return np.asarray(low + (x - a) / np.maximum(b - a, 1e-300) * (high - low))

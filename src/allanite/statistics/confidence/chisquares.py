@@ -24,6 +24,9 @@ NEAR = 1e-4
 """|t| in standard deviations below which the limit at the mean is taken."""
 
 
+BISECTIONS = 36
+"""Steps to a quantile: to 1e-9 of it."""
+
 NEWTON, STRIDE, START = 3, 4.0, 1e-6
 """Steps from one deviate to the next, the longest of them, and where the first begins."""
 
@@ -48,7 +51,7 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
     """
     top = _pole(mixture)
     low, high = np.full(top.shape, -40.0), np.full(top.shape, 40.0)
-    for _ in range(60):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         # from -infinity to the pole, t = top (1 - exp(-y))
         below = _probability(*_saddle(mixture, -top * np.expm1(-middle))[:3]) < p
