@@ -342,9 +342,9 @@ def test_a_type_is_found_by_its_name_and_keeps_the_short_repr(name):
 
 def test_limits_at_another_level_are_refused():
     stored = al.from_dict(fit().to_dict(LEVEL))
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.95"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.9, not 0\.95"):
         stored["N"].interval(0.95)
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.5"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.9, not 0\.5"):
         al.Curve.from_dict(curve().to_dict(LEVEL)).interval(0.5)
 
 
@@ -398,4 +398,4 @@ def test_a_pickle_holds_no_more_than_it_must():
 
 
 def test_a_notebook_shows_a_value():
-    assert "overlapped Allan deviation" in curve()._repr_html_()
+    assert "overlapping Allan deviation" in curve()._repr_html_()

@@ -15,7 +15,7 @@ from allanite.readers import read
 def test_r_matrix_of_an_imu(recordings, name, mean, std):
     path = recordings / f"{name}.rda"
     with pytest.raises(
-        UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is not known; pass unit='deg/s' \(--unit"
+        UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is unknown; pass unit='deg/s' \(--unit"
     ):
         read(path)
     gyros = read(path, unit="deg/s")
@@ -54,7 +54,7 @@ def test_an_ascii_mat(recordings):
         ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 readings, 2.78 h"),
         ("imu_tk_xsens_gyro.mat", [], 2, "--rate 100"),
         ("imu_tk_xsens_gyro.mat", ["--rate", "100", "--scale", "0.01deg/s", "--until", "50"], 0, "rate in 0.01 deg/s"),
-        ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "no multiple of the 6 bytes of a row"),
+        ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "not a multiple of the 6 bytes of a row"),
     ],
 )
 def test_info_in_words(recordings, name, options, code, words):

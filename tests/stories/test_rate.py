@@ -125,22 +125,22 @@ def test_reversal_and_north(folder):
 
 
 BAD = {
-    "no latitude": (("--horizontal",), 2, "north is found at a latitude"),
+    "no latitude": (("--horizontal",), 2, "finding north needs the latitude"),
     "two references": (("--latitude", "50", "--reference", "3"), 2, "given twice"),
     "an unknown method": (("--methods", "mean,median"), 2, "known are mean, hamming"),
     "a term without unit": (("--noise", "N 0.003"), 2, "after N come a number and a unit"),
-    "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "a number is wanted"),
+    "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "expected a number"),
     "a bias in degrees": (("--bias", "3 deg"), 2, "has a unit such as deg/h"),
     "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another sensor: accelerometer"),
     "no seconds": (("--interval", "0"), 2, "positive number of seconds"),
-    "dither that folds onto zero": (("--dither", "400"), 2, "cannot be told from a rate"),
-    "no intervals": (("--most", "0"), 2, "at least one interval"),
+    "dither that folds onto zero": (("--dither", "400"), 2, "cannot be separated from a rate"),
+    "no intervals": (("--most", "0"), 2, "must be at least 1"),
     "too many lines": (("--lines", "60000"), 2, "do not fit into 48000 samples"),
     "an unknown target": (("--target", "end"), 2, "unknown target 'end'"),
     "a constant that wanders": (
         ("--target", "constant", "--noise", "N 0.001 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
         2,
-        "wander without bound",
+        "drift is unbounded",
     ),
     "a rate that the earth does not have": (("--horizontal", "--latitude", "80"), 3, "more than the earth turns"),
     "a second file that is the output": (("--second", "x.json", "--json", "x.json"), 2, "would overwrite"),

@@ -1,4 +1,4 @@
-"""How well an experiment would work before it is done, and where best: no data, no random numbers."""
+"""Expected accuracy of an experiment, and the best start: without data or random numbers."""
 
 import math
 from collections.abc import Sequence
@@ -63,9 +63,9 @@ class AngleSettings(Value):
         for name in ("duration", "interval", "sigma"):
             value = getattr(self, name)
             if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
-                raise UsageError(f"{name} is a positive number, not {value!r}")
+                raise UsageError(f"{name} must be a positive number, not {value!r}")
         if self.duration < 2 * self.interval:
-            raise UsageError(f"{self.duration:g} s hold fewer than 2 readings at an interval of {self.interval:g} s")
+            raise UsageError(f"{self.duration:g} s contain fewer than 2 samples at an interval of {self.interval:g} s")
 
     @property
     def count(self) -> int:
@@ -85,7 +85,7 @@ class AngleSettings(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AnglePlan(Value):
-    """What an experiment would bring.
+    """Expected accuracy of an experiment.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class AnglePlan(Value):
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:
-            raise UsageError(f"no constant {name!r}; there are {', '.join(self.names)}")
+            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
         return float(self.errors[self.names.index(name)])
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
@@ -165,7 +165,7 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     (1.14, [14.5, 20.7], 0.08)
     """
     if not math.isfinite(start):
-        raise UsageError(f"start is a time in s after h = 0, not {start!r}")
+        raise UsageError(f"start must be a time in s after h = 0, not {start!r}")
     angles = settings.gimbals(start)
     harmonics = harmonic_set(settings.orders)
     names, rows = design(angles, harmonics, settings.nuisance)
@@ -189,7 +189,7 @@ def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, Squ
     alone = batch(rows, np.zeros(len(rows)))
     if before is None:
         if not alone.condition < 1e12:
-            raise UsageError("the readings alone do not tell these constants apart; give prior standard deviations")
+            raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
         return alone, alone
     return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)
 
@@ -239,7 +239,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     """
     grid = _starts(settings.duration) if starts is None else np.asarray(starts, dtype=np.float64)
     if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
-        raise UsageError(f"starts are times in s after h = 0, not {starts!r}")
+        raise UsageError(f"starts must be times in s after h = 0, not {starts!r}")
     thin = settings.thinned()
     plans = [plan(thin, float(start)) for start in grid]
     totals = np.array([p.total for p in plans])

@@ -49,7 +49,7 @@ def simulate(
     z = measured.cosine - gimbals.cosine
     for name, value in (nuisance or {}).items():
         if name not in NUISANCES:
-            raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
+            raise UsageError(f"unknown nuisance {name!r}; known: {', '.join(NUISANCES)}")
         z += value * NUISANCES[name].column(gimbals)
     return z + readout_noise(z.size, sigma=sigma, walk=walk, rng=rng)
 

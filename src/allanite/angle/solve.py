@@ -68,7 +68,7 @@ def solve(
     start = _start(system, spread, prior)
     rows, values = system.rows / spread, system.values / spread
     if method not in METHODS:
-        raise UsageError(f"unknown method {method!r}; known are {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {method!r}; known methods: {', '.join(METHODS)}")
     end, history, left = METHODS[method](start, rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
@@ -91,13 +91,13 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     """What the readings tell without a prior; the noise of one; the degrees of freedom that are left."""
     n, p = system.rows.shape
     if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
-        raise UsageError(f"sigma must be a positive number, not {sigma!r}; leave it out to have it estimated")
+        raise UsageError(f"sigma must be a positive number, not {sigma!r}; omit it to have it estimated")
     if prior is not None and not (prior > 0).all():
         raise UsageError(f"prior standard deviations must be positive, not {prior.tolist()}")
     if n <= p:
-        raise DataError(f"{n} readings are too few for {p} constants and their noise; record for longer")
+        raise DataError(f"{n} samples are too few for {p} constants and their noise; record for longer")
     if np.ptp(system.values) == 0:
-        raise DataError(f"the readings never change (always {system.values[0]:.10g}); check the column")
+        raise DataError(f"the samples are constant (always {system.values[0]:.10g}); check the column")
     alone = batch(system.rows, system.values)
     values, directions = alone.singular
     seen = int((values > SINGULAR * values[0]).sum())
@@ -108,15 +108,15 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
     spread = math.sqrt(squares / (n - seen)) if sigma is None else sigma
     if spread == 0:
-        raise DataError("the constants explain every reading exactly, so there is no noise to judge by; give sigma")
+        raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")
     return SquareRoot(alone.factor, squares, n), spread, n - seen
 
 
 def _undetermined(names: tuple[str, ...], seen: int, directions: FloatArray) -> str:
     mixed = [name for name, part in zip(names, np.abs(directions[-1]), strict=True) if part > 0.1]
     return (
-        f"the readings determine {seen} combinations of {len(names)} constants; not told apart are {', '.join(mixed)}: "
-        "leave one of them out, let the angles move further, or say what is known before (prior)"
+        f"the samples determine {seen} combinations of {len(names)} constants; {', '.join(mixed)} cannot be "
+        "separated: omit one of them, let the angles move further, or give a prior"
     )
 
 

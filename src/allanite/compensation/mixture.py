@@ -1,4 +1,4 @@
-"""What is known of the coefficients when the noise itself is known from the same record only."""
+"""The distribution of the coefficients if the noise is known only from the same record."""
 
 import math
 from dataclasses import dataclass
@@ -93,7 +93,7 @@ class Mixture(Value):
         (k, p), parts = found.centres.shape, (found.weights, found.centres, found.spreads, found.covariance)
         fine = [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
         if not (fine and all(np.isfinite(part).all() for part in parts)):
-            raise DataError("a mixture of such numbers makes no sense")
+            raise DataError("these numbers do not form a valid mixture")
         return found
 
     def _summary(self) -> str:
@@ -105,8 +105,8 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
 
     Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients of
     the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
-    over all that the restricted likelihood allows, each term between zero and where 2 L has risen by `REACH`, the
-    coefficients get the wide tails of Student's t, and the limits hold where the noise was not seen at all.
+    over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
+    coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The rate of change of a slow channel: the slope of a line fitted in a window that slides along it."""
+"""The time derivative of a slow channel: the slope of a line fitted in a sliding window."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     half = int(window * rate / 2)
     if not (np.isfinite(window) and window >= SHORTEST and half >= 1):
         raise UsageError(
-            f"a rate of change is taken in a window of {SHORTEST:g} s or more, and 3 readings, not {window!r} s"
+            f"the window of a derivative must have at least {SHORTEST:g} s and 3 samples, not {window!r} s"
         )
     from scipy.signal import oaconvolve
 

@@ -14,7 +14,7 @@ from allanite.core.plain import Value
 
 @dataclass(frozen=True, repr=False)
 class EstimatorSettings(Value):
-    """Choices that concern one estimator each.
+    """Choices for individual estimators.
 
     Attributes
     ----------
@@ -70,26 +70,26 @@ class Setting:
 
     def __post_init__(self) -> None:
         if self.size < 3:
-            raise UsageError(f"a rate is measured from at least 3 samples, not {self.size}")
+            raise UsageError(f"a rate needs at least 3 samples, not {self.size}")
         if self.target not in TARGETS:
-            raise UsageError(f"unknown target {self.target!r}; known are {', '.join(TARGETS)}")
+            raise UsageError(f"unknown target {self.target!r}; known targets: {', '.join(TARGETS)}")
         if self.target == "constant" and self.wandering:
             walks = ", ".join(t.symbol for t in self.wandering)
             raise UsageError(
-                f"a constant rate cannot be told from {walks}, which wander without bound; take target='mean', "
-                "'centre' or 'start': the rate with its wander, at or over that time"
+                f"a constant rate cannot be separated from {walks}, whose drift is unbounded; use target='mean', "
+                "'centre' or 'start': the rate including the drift, over or at that time"
             )
         for f in self.dither:
             self._demand_line(f)
 
     def _demand_line(self, frequency: float) -> None:
         if not (np.isfinite(frequency) and frequency > 0):
-            raise UsageError(f"a dither frequency is a positive number of Hz, not {frequency!r}")
+            raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
         alias = abs(frequency - self.rate * round(frequency / self.rate))
         if alias * self.size < 2 * self.rate:
             raise UsageError(
-                f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, shows at {alias:.3g} Hz: less than two "
-                f"periods in {self.size / self.rate:g} s cannot be told from a rate"
+                f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} Hz: less than two "
+                f"periods in {self.size / self.rate:g} s cannot be separated from a rate"
             )
 
     @property
@@ -102,7 +102,7 @@ class Setting:
         """The model, or the words that it is needed."""
         if self.model is None:
             raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record).model, or one of your data sheet"
+                "this needs a noise model: pass model=allanite.identify(record).model, or that of the data sheet"
             )
         return self.model
 

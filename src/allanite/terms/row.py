@@ -1,4 +1,4 @@
-"""What a noise term is: a row of the table, and what it is as states of a filter."""
+"""Definition of a noise term: a row of the table, and its state-space form."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A noise term as states z of a filter: exact transition over a sample interval, and what the mean over it gets.
+    """A noise term as states z of a filter: exact transition over a sample interval, and the mean over it.
 
     With dz = F z dt + w, the covariance of w being Qc per second, it is over an interval h
 
@@ -58,7 +58,7 @@ class Block:
     bias : bool
         Whether the states are the bias and its derivatives, which such blocks of a model have in common.
     note : str
-        What a user of the filter should know.
+        Remark for users of the filter.
     """
 
     names: tuple[tuple[str, float], ...]
@@ -81,7 +81,7 @@ class NoiseTerm:
     Attributes
     ----------
     symbol, title, meaning, formula, reference
-        What it is, in words and in LaTeX (Allan variance), and where that is written.
+        Names, description, LaTeX formula (Allan variance) and source.
     power : float
         The coefficient is a signal times time to this power.
     slope : float
@@ -115,9 +115,9 @@ class NoiseTerm:
     density : str
         LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
     origin, advice : str
-        For the documentation: where it comes from, and how it is read off and used.
+        For the documentation: its origin, and how to read it off and use it.
     typical : float
-        For the documentation: the coefficient of an example, in the unit that data sheets of gyros give it in.
+        For the documentation: an example coefficient, in the data-sheet unit of gyros.
     color : str
         Of its line in figures, ``#RRGGBB``.
     alpha : int or None
@@ -126,7 +126,7 @@ class NoiseTerm:
         Whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
         its expectation then depends on the rate.
     automatic : bool
-        Whether it is looked for where nobody says which terms to look for.
+        Whether it is among the default terms.
     block : (coefficient, shape, interval) -> Block, or None
         What it is as states of a Kalman filter, SI; None where a finite filter has none.
     substitute : str

@@ -203,7 +203,7 @@ def test_large_known_noise_and_drift_are_noticed(seed):
     found = al.angle.estimate(drifting, gimbals).solution
     assert not all(c.passed for c in found.checks)
     assert any("correlated" in w for w in found.warnings)
-    assert {row[-1] for row in al.angle.estimate(drifting, gimbals).rows()[1]} <= {"doubtful", "not found"}
+    assert {row[-1] for row in al.angle.estimate(drifting, gimbals).rows()[1]} <= {"weak", "absent"}
     z[100] += 1e-5
     assert any("reading 100 " in w for w in al.angle.estimate(z, gimbals).solution.warnings)
 
@@ -300,8 +300,8 @@ def test_a_turn_near_an_error_is_named():
     [
         ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
         ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
-        ({"start": 0.0, "interval": 200.0}, "sparse", "read at least four times"),
-        ({"start": 20000.0, "duration": 600.0}, "untold", "say little about"),
+        ({"start": 0.0, "interval": 200.0}, "sparse", "sample at least four times"),
+        ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
     ],
 )
 def test_caveats_of_a_plan(options, name, words):
@@ -446,7 +446,7 @@ def test_a_harmonic_that_was_not_asked_for_is_named():
     measured, reference, _ = encoder()
     measured = measured + 15 * ARCSEC * np.sin(reference)
     finding = next(f for f in al.angle.calibrate(measured, reference).solution.findings if f.name == "order")
-    assert "harmonic 1 is there too, of about 15.1 arcsec" in finding.what
+    assert "harmonic 1 is also present, with an amplitude of about 15.1 arcsec" in finding.what
     assert not al.angle.calibrate(measured, reference, orders=[1, 128, 256]).solution.findings
 
 
@@ -487,7 +487,7 @@ REFUSED = {
     "few": (lambda: al.angle.estimate(z360[:13], al.angle.gimbals(HOUR[:13], latitude=1.0)), "too few for 13"),
     "polar": (lambda: planned(0.0, orders={"h_polar": [128]}), "under sway only"),
     "polar data": (lambda: al.angle.estimate(z360, hour(), orders={"q_polar": [128]}), "under sway only"),
-    "pole": (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be told from a constant"),
+    "pole": (lambda: planned(0.0, latitude=math.pi / 2), "does not move cannot be separated from a constant"),
     "no range": (
         lambda: al.angle.estimate(z360, hour().moved(h=np.full(360, 0.2))),
         "h stays within 0 deg, .* cannot be told",
@@ -505,18 +505,18 @@ REFUSED = {
     "orders": (lambda: al.angle.estimate(z360, hour(), orders=[128.5]), "positive whole numbers"),
     "law": (lambda: al.angle.gimbals(HOUR, latitude=1.0, q_law="x"), "known are exact, linear"),
     "duration": (lambda: planned(0.0, duration=15.0), "fewer than 2 readings"),
-    "interval": (lambda: planned(0.0, interval=-1.0), "interval is a positive number"),
-    "start": (lambda: planned(math.nan), "start is a time"),
+    "interval": (lambda: planned(0.0, interval=-1.0), "interval must be a positive number"),
+    "start": (lambda: planned(math.nan), "start must be a time"),
     "text": (lambda: al.angle.estimate(["a"] * 360, hour()), "real numbers"),
     "calibrate degrees": (
         lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
         "is it in degrees",
     ),
-    "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "no unit of an angle"),
+    "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
     "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
     "calibrate columns": (
         lambda: al.angle.calibrate(np.linspace(0, 6, 360), -np.linspace(0, 6, 360)),
-        "no longer small",
+        "not small relative",
     ),
     "calibrate lengths": (lambda: al.angle.calibrate(HOUR, HOUR[1:]), "359 readings where 360"),
     "calibrate kind": (

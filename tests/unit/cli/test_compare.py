@@ -108,7 +108,7 @@ def test_a_part_against_the_rest(folder):
     [
         ((), 2, ["FILE"]),
         (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
-        (("before.csv", "after.csv", "--part", "20"), 2, ["--part cuts one file"]),
+        (("before.csv", "after.csv", "--part", "20"), 2, ["--part splits a single file"]),
         (("before.csv", "--against", "y"), 2, ["--against"]),
         (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
         (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),

@@ -178,7 +178,7 @@ def test_progress_of_a_correction_of_another_file_ends_once(days):
 
 
 def test_a_channel_that_does_not_follow_is_said_to(days):
-    done = run("compensate", days[0], "--regressors", "temp", "--rate-of", "temp", "--channels", "gy")
+    done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
     assert "gy shows no dependence on temp, d temp/dt" in done.stdout
     assert "not shown" in done.stdout
 
@@ -203,7 +203,7 @@ def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_pat
     asked = ("compensate", days[0], "--channels", "gx", "--regressors", "temp", "--beside", slow)
     refused = run(*asked)
     assert refused.exit_code == 3
-    assert "is not on the clock of 'gx'" in refused.stderr
+    assert "does not have the sample times of 'gx'" in refused.stderr
     assert "--interpolate" in refused.stderr
     # the last readings lie behind the last temperature
     done = run(*asked, "--interpolate", "--split-gaps")
@@ -215,8 +215,8 @@ REFUSED = [
     (("--regressors", "flux"), 2, "no column 'flux'; there are"),
     ((), 2, "name at least one regressor"),
     (("--regressors", "temp", "--degree", "9"), 2, "from 1 to 6"),
-    (("--regressors", "temp", "--lags", "a"), 2, "seconds are wanted"),
-    (("--rate-of", "temp", "--smooth", "5"), 2, "60 s or more"),
+    (("--regressors", "temp", "--lags", "a"), 2, "expected seconds"),
+    (("--derivative-of", "temp", "--smooth", "5"), 2, "60 s or more"),
     (("--regressors", "temp", "--terms", "R"), 2, "noise terms"),
     (("--regressors", "temp", "--least", "1e6"), 3, "effective samples"),
     (("--regressors", "temp", "--corrected", "c.xyz"), 2, ".xyz"),
@@ -309,5 +309,5 @@ def test_a_current_is_read_by_its_unit(tmp_path):
     assert al.read(path, channels=["i"])["i"].unit == "mA"
     both = al.read(path, unit="mA", along=["temp"])
     assert [record.unit for record in both] == ["mA", "degC"]
-    with pytest.raises(al.UsageError, match="no unit of a gyroscope"):
+    with pytest.raises(al.UsageError, match="not a unit of a gyroscope"):
         al.read(path)

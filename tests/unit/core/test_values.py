@@ -24,13 +24,13 @@ WRONG = [
     ({"unit": "furlong"}, "unknown unit"),
     ({"unit": "deg"}, "does not fit kind 'rate'"),
     ({"kind": "speed"}, "unknown kind 'speed'"),
-    ({"kind": "count", "unit": "arcsec"}, "worth of one pulse"),
+    ({"kind": "count", "unit": "arcsec"}, "size of one pulse"),
     ({"scale": -2.0}, "positive"),
     ({"values": [[1.0, 2.0]]}, r"shape \(n,\)"),
     ({"values": ["a", "b", "c"]}, "not real numbers"),
     ({"values": [1.0 + 2j, 2.0]}, "not real numbers"),
     ({"values": [1.0]}, "too few"),
-    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts are integers"),
+    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts must be integers"),
     ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, np.inf, 3.0]}, "finite"),
 ]
 
@@ -135,7 +135,7 @@ def test_curves_come_back_with_their_limits_as_numbers():
         np.testing.assert_allclose(getattr(again, name), getattr(curve, name), rtol=1e-14)
     np.testing.assert_allclose(again.interval(0.95), curve.interval(0.95), rtol=1e-12)
     assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.95"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.95"):
         again.interval(0.5)
 
 

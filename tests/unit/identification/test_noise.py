@@ -206,7 +206,7 @@ def test_terms_asked_for_are_obeyed():
     for terms, words in [
         ("NX", "known are Q, N, B, K, R"),
         ("NN", "once"),
-        ("R", "at least one is noise"),
+        ("R", "at least one noise"),
         ("", "noise"),
     ]:
         with pytest.raises(al.UsageError, match=words):
@@ -235,7 +235,7 @@ def test_a_band_without_low_frequencies_says_nothing_of_slow_terms():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)") + al.R(1.0, "deg/h/s"), 30_000, 100.0, rng=np.random.default_rng(1))
     fit = al.identify(record, band=(1, 50))
     assert fit["N"].to("deg/sqrt(h)") == pytest.approx(0.1, rel=0.03)
-    assert fit["R"].words() == "not observable: the band begins at 1 Hz, above where it would be seen"
+    assert fit["R"].words() == "not observable: the band begins at 1 Hz, above the frequencies where it would be visible"
 
 
 @pytest.mark.parametrize("sign", [-1, 1])

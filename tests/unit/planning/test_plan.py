@@ -180,7 +180,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
         (("--sensor", "hrg", "--rate", 1), "known are mems, fog, rlg"),
         (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
         (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band is for a recording"),
-        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from is for a recording"),
+        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
     ],
 )
 def test_what_the_verb_refuses(arguments, words):

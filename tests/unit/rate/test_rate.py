@@ -131,7 +131,7 @@ def test_optimal_reaches_the_bound(name, target, n):
     model = model_of(name)
     wanders = [t for t in model if t.symbol in "BKR"]
     if target == "constant" and wanders:
-        with pytest.raises(al.UsageError, match="wander without bound"):
+        with pytest.raises(al.UsageError, match="drift is unbounded"):
             predicted_standard_error("optimal", model, n=n, rate=100.0, target=target)
         return
     aim = TARGETS[target](n)

@@ -89,14 +89,14 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         file["outer"] = h5py.ExternalLink(str(two_sensors), "imu0/gyro")
         file["loop"] = h5py.SoftLink("/")
         file["self"] = file["/"]
-    with pytest.raises(DataError, match="no array of readings"):
+    with pytest.raises(DataError, match="no array of samples"):
         al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
     with h5py.File(tmp_path / "c.h5", "w") as file:
         layout = h5py.VirtualLayout((60, 3), "f8")
         layout[:] = h5py.VirtualSource(str(two_sensors), "imu0/gyro", (60, 3))
         file.create_virtual_dataset("virtual", layout)
         file.create_dataset("external", (60,), "f8", external=[(str(two_sensors), 0, 480)])
-    with pytest.raises(DataError, match="no array of readings"):
+    with pytest.raises(DataError, match="no array of samples"):
         al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
 
 
@@ -436,12 +436,12 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes over"),
-        ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes behind the offset of 5"),
+        ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
+        ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes after the offset of 5"),
         ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
-        ({"dtype": "O"}, "unknown type of number 'O'"),
-        ({"dtype": "i3"}, "unknown type"),
-        ({"dtype": "S4"}, "unknown type"),
+        ({"dtype": "O"}, "unknown number type 'O'"),
+        ({"dtype": "i3"}, "unknown number type"),
+        ({"dtype": "S4"}, "unknown number type"),
         ({"dtype": "i2", "columns": 0}, "whole number from 1"),
         ({"dtype": "i2", "columns": True}, "whole number from 1"),
         ({"dtype": "i2", "offset": -1}, "whole number from 0"),

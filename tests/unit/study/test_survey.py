@@ -121,9 +121,9 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
     [
         (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; known are "),
         (["dynamic", "{file}", "--statistic", "nadev"], 2, "known are "),
-        (["deviation", "{file}", "--m", "1.5"], 2, "integers are wanted"),
+        (["deviation", "{file}", "--m", "1.5"], 2, "expected integers"),
         (["deviation", "{file}", "--taus", "often"], 2, "known are octave"),
-        (["deviation", "{file}", "--to", "m"], 2, "measure different things"),
+        (["deviation", "{file}", "--to", "m"], 2, "their dimensions differ"),
         (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
         (["spectrum", "{file}", "--estimator", "fft"], 2, "known are welch, multitaper"),
         (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is no setting of 'welch'; it has segment, window"),
@@ -200,7 +200,7 @@ def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     assert len(figure.axes) == 1
     assert figure.axes[0].get_title("left") == "gz"
     assert labels(figure) == [
-        "Allan deviation", "expected by the model", "overlapped Allan deviation",
+        "Allan deviation", "expected by the model", "overlapping Allan deviation",
     ]  # fmt: skip
     drawn = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)
@@ -239,7 +239,7 @@ def test_a_surface(record):
         surface = al.dynamic(record.with_values(values, ""), window=100.0)
         figure = plot(surface)
         curves, ratios = figure.axes[:2]
-        assert curves.get_ylabel() == "overlapped Allan deviation (deg/h)"
+        assert curves.get_ylabel() == "overlapping Allan deviation (deg/h)"
         mesh = ratios.collections[0].get_array()
         assert mesh.shape == (surface.tau.size, surface.time.size)
         np.testing.assert_allclose(np.nanmedian(mesh.filled(np.nan), axis=1), 1.0, rtol=0.02)

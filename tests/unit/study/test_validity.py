@@ -213,13 +213,13 @@ def test_heavy_tails_without_outliers_name_no_cure_that_was_taken():
     for outliers in ("keep", "mark"):
         noise = noise_of(record_of(values, "z"), Recipe(terms="N", outliers=outliers))
         assert noise.validity == "approximate"
-        assert "the coefficients hold, but their intervals are too narrow" in noise.verdict
+        assert "the coefficients are valid, but their intervals are too narrow" in noise.verdict
         assert "--" not in noise.verdict
 
 
 def test_parts_of_another_level_are_explained_apart_as_the_message_says(file):
     told = run("analyze", file, "--channels", "fair", "--terms", "N").stdout
-    assert "analyse the parts separately (--from, --until)" in " ".join(told.split())
+    assert "analyze the parts separately (--from, --until)" in " ".join(told.split())
     for cut in (("--until", 120), ("--from", 120)):
         result = run("analyze", file, "--channels", "fair", "--terms", "N", *cut, "--json", "-")
         assert json.loads(result.stdout)["channels"][0]["validity"] == "explained"

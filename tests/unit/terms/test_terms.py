@@ -163,7 +163,7 @@ def test_models_with_shapes():
     assert [t.shape for t in again] == [(10.0,), (100.0,)]
     with pytest.raises(al.UsageError, match="stands 2 times"):
         _ = two["GM"]
-    with pytest.raises(al.UsageError, match="each term may stand once"):
+    with pytest.raises(al.UsageError, match="each term may occur once"):
         _ = two + al.GM(3.0, "deg/h", time_constant=10.0)
     with pytest.raises(al.UsageError, match="time_constant in s"):
         term("GM", 1.0, "deg/h")

@@ -1,4 +1,4 @@
-"""Which terms describe a spectrum, flicker or Gauss-Markov noise among them."""
+"""Which terms describe a spectrum, including flicker and Gauss-Markov noise."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -22,14 +22,15 @@ from .timeconstant import CLOSE, SHORTEST, Search
 from .whittle import Spectrum, spectrum
 
 SLOW = 30.0
-"""Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
+"""Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
 
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
 
 EVIDENCE = 12.0
-"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for the doubt
-that what is flicker everywhere else is none here: so it displaces true flicker in about 1 % of records."""
+"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
+flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +199,7 @@ def fitted(part: Portion, *, rival: bool) -> Found:
     asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
     noise = [symbol for symbol in part.noise if symbol not in asked]
     if len(asked) > 1 or any(len(TERMS[symbol].parameters) > 1 for symbol in asked):
-        raise UsageError(f"only one term with one time constant can be looked for at a time, not {', '.join(asked)}")
+        raise UsageError(f"only one term with one time constant can be looked for, not {', '.join(asked)}")
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
         every = subsets(part.likelihood, must=part.must)

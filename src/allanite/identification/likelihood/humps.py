@@ -1,4 +1,4 @@
-"""Frequencies that stand out of their surroundings: resonances, unsteady lines and clusters of them."""
+"""Frequencies that exceed their surroundings: resonances, unsteady lines and clusters of them."""
 
 import math
 

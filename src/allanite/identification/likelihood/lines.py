@@ -1,4 +1,4 @@
-"""Sinusoids in a record: found in its periodogram, estimated, and taken out before the noise is identified."""
+"""Sinusoids in a record: detected in its periodogram, estimated, and removed before the noise is identified."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ LOWEST = 4
 """Periods in the record that a sinusoid must have to be told from a slow noise."""
 
 MOST = 12
-"""Peaks that are no sinusoids any more, but a hump of the spectrum: none of so many is taken out."""
+"""Number of peaks above which they are a hump of the spectrum rather than sinusoids; none is then removed."""
 
 ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""

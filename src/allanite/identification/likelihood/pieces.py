@@ -1,7 +1,7 @@
-r"""A rate with gaps in which noise of the angle is strong: short averaging times are read from each piece by itself.
+r"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately.
 
 A rate y of L readings without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
-N^2, which the sine transform (DST-I) diagonalises: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
+N^2, which the sine transform (DST-I) diagonalizes: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
 what is left the angle is open, and the low coefficients of the joined record get the noise of 2 angles for each joint,
 far above N where rho is large. Therefore
 

@@ -1,4 +1,4 @@
-"""The part of a spectrum that a fit reads, with the filter that it supposes and the trust it puts in each bin."""
+"""The part of a spectrum used by a fit, with the assumed filter and the weight of each bin."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
-"""Where a noise model holds: behind which filter, at which frequencies, and how well.
+"""For which frequencies a noise model holds, with which filter, and how well.
 
-The terms are asked to explain the whole spectrum first. Where they do not, what is tried is, in this order: a low-pass
-filter before the readings; leaving out resonances and unsteady lines; both; a misfit of a few per cent of the power,
-which widens the limits; a band of frequencies; a larger misfit. The first that explains what it reads is taken.
+The terms first have to explain the whole spectrum. If they do not, the following is tried, in this order: a low-pass
+filter; excluding resonances and unsteady lines; both; a misfit of a few per cent of the power, which widens the
+intervals; a band of frequencies; a larger misfit. The first that gives an adequate fit is used.
 """
 
 import math
@@ -37,7 +37,7 @@ ENOUGH, DECADES = 1000, 1.5
 """Coefficients, and decades of frequency, that a band must hold: a test of fewer has no power."""
 
 PASSES = 0.05
-"""p value of a band that is taken; its upper end is then halved, its lower end doubled."""
+"""p-value of an accepted band; its upper end is then halved, its lower end doubled."""
 
 SMALL, LARGE = 0.03, 0.1
 """Misfits, rms over cells of the spectrum as a share of the power, that are accepted before and after the bands."""

@@ -1,7 +1,7 @@
 """The search for the time constant of Gauss-Markov noise.
 
-Its likelihood is linear in the square of the effective value but not in the time constant T. L is profiled over T on a
-grid and then refined; in the limits, T takes the values that the likelihood leaves open.
+Its likelihood is linear in the square of the RMS value but not in the time constant T. L is profiled over T on a grid
+and then refined; the intervals include the values of T consistent with the record.
 """
 
 import math
@@ -18,7 +18,9 @@ from .portion import Portion
 from .selection import Subset, select, subsets
 
 SHORTEST, LONGEST = 3.0, 0.1
-"""Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
+"""Time constants that can be distinguished from white noise and from a random walk: samples, and share of the
+record.
+"""
 
 PER_DECADE = 4
 """Time constants a decade in the first search."""

@@ -1,4 +1,4 @@
-"""Which low-pass filter stands before the readings: found by likelihood, with the cut-offs that it leaves open."""
+"""The low-pass filter of the samples: selected by likelihood, with the range of cut-offs consistent with the record."""
 
 import math
 from dataclasses import dataclass

@@ -1,9 +1,10 @@
-"""The confidence law of a curve: degrees of freedom and limits, worked out when first asked.
+"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use.
 
 V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
-single chi-square of as many is as good; with few, one or two large eigenvalues stand beside a nearly constant floor,
-and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one
-for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
+single chi-square of as many is as good; with few, one or two large eigenvalues dominate a nearly constant floor, and
+the upper limit of a chi-square is up to several times too wide. There the quantiles follow from the three largest
+eigenvalues, one gamma for the rest, one for white angle noise, and the contribution of a ramp, by the saddlepoint
+method.
 """
 
 import math

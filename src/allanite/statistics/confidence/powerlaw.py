@@ -1,8 +1,9 @@
 """Which power law the noise follows at each averaging time.
 
-The spectrum of the rate is supposed to go as f^alpha around f = 1/tau. From 30 points of the angle on, taken every tau,
-alpha is found from their lag-1 autocorrelation; below, from the ratio of two variances of the rate's means; and the
-two kinds of noise of the angle, which look alike to both, are told apart by the modified Allan variance.
+The power spectral density of the rate is assumed to be proportional to f^alpha around f = 1/tau. With at least 30
+points of the angle, taken every tau, alpha is determined from their lag-1 autocorrelation; with fewer, from the ratio
+of two variances of the mean rates. The two kinds of angle noise, which both tests cannot distinguish, are separated by
+the modified Allan variance.
 """
 
 import math
@@ -51,8 +52,8 @@ LAWS = (2, 0, -1, -2, -3, -4)
 def symbol_of(alpha: int) -> str:
     """The term of `TERMS` with the exponent alpha, or the nearest safe one.
 
-    Flicker of the angle and flicker and random walk of the ramp may have no term: the term beside them is taken that
-    has the fewer degrees of freedom (N, not Q), or the only one (K), so that no interval is too narrow.
+    Flicker angle noise and flicker and random walk of the ramp may have no term: the adjacent term with the fewer
+    degrees of freedom (N, not Q), or the only one (K), is used, so that no interval is too narrow.
 
     Examples
     --------

@@ -39,11 +39,11 @@ def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float)
 
 def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | None) -> FloatArray:
     if row.extreme:
-        raise UsageError(f"{row.name} is a maximum: it has no expectation that a model gives")
+        raise UsageError(f"{row.name} is a maximum: a model gives no expectation of it")
     if row.differences:
         free = [term.symbol for term in terms if not _stationary(row.order, term)]
         if free:
-            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record and not on the model alone")
+            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
         return lagsums.responses(row, terms, m)
     if size is None and not row.span[0]:
         raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
@@ -92,7 +92,7 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
 def noise_of(model: Model) -> Model:
     """The part of a model that scatters; UsageError if there is none."""
     if model.noise is None:
-        raise UsageError(f"{model} has no noise in it: confidence limits need at least one term of noise")
+        raise UsageError(f"{model} has no noise: confidence intervals need at least one noise term")
     return model.noise
 
 
@@ -148,7 +148,7 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
 def covariance(row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float) -> FloatArray:
     """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
 
-    For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
+    For overlapping differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
     """
     return np.asarray(covariance_by_term(row, noise_of(model_of(model)), m, size, rate).sum(axis=(2, 3)))
 
