@@ -1,4 +1,4 @@
-"""Two records of the same noise, such as raw and corrected readings: compared as a pair.
+"""Two records of the same noise, such as raw and corrected samples, compared as a pair.
 
 Two series of equal variance have a sum and a difference that do not correlate, whatever the correlation of the two
 themselves (E. J. G. Pitman, W. A. Morgan, Biometrika 31 (1939) 9, 13). Independent records are told apart by their own

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 
 PAIRED = (
-    "both records hold the same noise, as raw and corrected readings do (they correlate by {:.3g}): they are compared "
-    "as a pair; limits of the coefficients are those of independent records, wider than need be"
+    "both records contain the same noise, like raw and corrected samples (their correlation is {:.3g}): they are "
+    "compared as a pair; the intervals of the coefficients are those of independent records, wider than necessary"
 )
 
 

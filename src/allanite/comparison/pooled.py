@@ -1,4 +1,4 @@
-"""Pool: what several runs of one kind of sensor have in common, how they scatter, and which of them lies apart."""
+"""Pool: what several runs of one type of sensor have in common, how they scatter, and which of them is an outlier."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -148,17 +148,17 @@ class PooledChannel(Value):
             return f"not pooled: {self.refusal}"
         runs = len(self.fits)
         if self.alike and not self.apart:
-            return f"one noise describes all {runs} runs ({chance(self.test.p)})"
-        first = f"the {runs} runs do not have one noise ({chance(self.test.p)})"
+            return f"one noise model describes all {runs} runs ({chance(self.test.p)})"
+        first = f"the {runs} runs do not have the same noise ({chance(self.test.p)})"
         apart = ", ".join(f"{name} ({chance(p)})" for name, p in self.apart.items())
-        parts = [first if not self.alike else f"one noise describes the {runs} runs ({chance(self.test.p)})"]
+        parts = [first if not self.alike else f"one noise model describes the {runs} runs ({chance(self.test.p)})"]
         if apart:
-            parts.append(f"apart from the others: {apart}")
-            more = "have one noise" if self.rest > self.alpha else "still differ"
-            parts.append(f"the runs that are left {more} ({chance(self.rest)})")
+            parts.append(f"different from the others: {apart}")
+            more = "have the same noise" if self.rest > self.alpha else "still differ"
+            parts.append(f"the remaining runs {more} ({chance(self.rest)})")
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
+            parts.append(f"the scatter between runs exceeds that within them in {', '.join(named)}")
         return "; ".join(parts)
 
     def _summary(self) -> str:

@@ -99,8 +99,8 @@ def _block(t: Term, h: float) -> Block:
     if t.row.block is None:
         able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
         raise UsageError(
-            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: leave it out of the model, or put a "
-            "term in its place that has the same curve at the averaging times that matter"
+            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or replace "
+            "it by a term with a similar curve at the relevant averaging times"
         )
     return t.row.block(t.value, t.shape, h)
 
@@ -162,11 +162,14 @@ class Measurement:
 
 MEASUREMENTS: dict[str, Measurement] = {
     "mean": Measurement(
-        "a reading is the mean rate over the interval that ends at the time of the states; the mean is a state, exact",
+        "a measurement is the mean rate over the interval that ends at the time of the states; the mean is a state, "
+        "exact",
         averaged,
     ),
     "sample": Measurement(
-        "a reading is the rate at the time of the states, taken for the mean over the interval that ends there", sampled
+        "a measurement is the rate at the time of the states, used instead of the mean over the interval that ends "
+        "there",
+        sampled,
     ),
 }
 

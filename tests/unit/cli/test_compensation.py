@@ -180,7 +180,7 @@ def test_progress_of_a_correction_of_another_file_ends_once(days):
 def test_a_channel_that_does_not_follow_is_said_to(days):
     done = run("compensate", days[0], "--regressors", "temp", "--derivative-of", "temp", "--channels", "gy")
     assert "gy shows no dependence on temp, d temp/dt" in done.stdout
-    assert "not shown" in done.stdout
+    assert "absent" in done.stdout
 
 
 def test_what_was_saved_is_used(days, tmp_path):

@@ -238,7 +238,11 @@ ALONG = al.Recording((TEMP, FLAT, DOUBLE, SLOW, HOLED))
 WRONG = [
     ({"regressors": ["flat"]}, al.DataError, r"'flat' never changes \(always 21 degC\)"),
     ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
-    ({"regressors": ["slow"]}, al.DataError, r"'slow' \(0.1 Hz, 360 readings\) does not have the sample times .*interpolate"),
+    (
+        {"regressors": ["slow"]},
+        al.DataError,
+        r"'slow' \(0.1 Hz, 360 readings\) does not have the sample times .*interpolate",
+    ),
     ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
     ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing: there are temp, flat"),
     ({"regressors": []}, al.UsageError, "at least one regressor"),

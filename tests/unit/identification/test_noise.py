@@ -235,7 +235,9 @@ def test_a_band_without_low_frequencies_says_nothing_of_slow_terms():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)") + al.R(1.0, "deg/h/s"), 30_000, 100.0, rng=np.random.default_rng(1))
     fit = al.identify(record, band=(1, 50))
     assert fit["N"].to("deg/sqrt(h)") == pytest.approx(0.1, rel=0.03)
-    assert fit["R"].words() == "not observable: the band begins at 1 Hz, above the frequencies where it would be visible"
+    assert (
+        fit["R"].words() == "not observable: the band begins at 1 Hz, above the frequencies where it would be visible"
+    )
 
 
 @pytest.mark.parametrize("sign", [-1, 1])

@@ -87,7 +87,7 @@ def test_what_no_table_may_be():
     twice = pd.DataFrame(np.zeros((9, 2)), columns=["gx", "gx"])
     with pytest.raises(DataError, match=r"several columns .* 'gx'"):
         al.read(twice, rate=1, unit="deg/s")
-    with pytest.raises(UsageError, match="leave them out"):
+    with pytest.raises(UsageError, match="omit them"):
         al.read(pd.DataFrame(CONTENT), dtype="i2")
     with pytest.raises(DataError, match="fewer than 2 rows"):
         al.read(pd.DataFrame(CONTENT)[:1])

@@ -23,7 +23,9 @@ def test_limits_are_those_of_the_identified_noise():
     np.testing.assert_array_equal(curve.interval(0.9), same.interval(0.9))
     assert curve.supposed == same.supposed
     symbols = ", ".join(s for s in al.TERMS if s in {term.symbol for term in fit.averaged.terms})
-    assert curve.supposed == f"intervals averaged over {len(fit.averaged)} models of {symbols} identified from the record"
+    assert (
+        curve.supposed == f"intervals averaged over {len(fit.averaged)} models of {symbols} identified from the record"
+    )
 
 
 def test_the_noise_is_identified_when_limits_are_asked_for_and_once(monkeypatch):
