@@ -316,7 +316,7 @@ def test_grids(grid, largest):
 def test_wrong_grids_say_what_is_possible():
     record = record_of(np.arange(10.0) ** 2)
     for options, words in [
-        ({"taus": "often"}, "known are octave"),
+        ({"taus": "often"}, "known grids: octave"),
         ({"taus": [1.4]}, "not a multiple"),
         ({"taus": [6.0]}, "between 1 and 5"),
         ({"m": [0]}, "between 1 and 5"),
@@ -325,7 +325,7 @@ def test_wrong_grids_say_what_is_possible():
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.deviation(record, "oadev", **options)
-    with pytest.raises(al.UsageError, match="known are adev, oadev"):
+    with pytest.raises(al.UsageError, match="known statistics: adev, oadev"):
         al.deviation(record, "nadev")
 
 

@@ -65,7 +65,7 @@ class Calibration(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written; the solution, stored once, belongs to each angle."""
+        """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
         found = super().from_dict(data)
         return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
 

@@ -13,13 +13,13 @@ from .solution import correlation_of
 from .squareroot import SquareRoot
 
 ALIKE = 0.9
-"""Correlation above which two amplitudes are hardly told apart."""
+"""Correlation above which two amplitudes are hardly distinguished."""
 
 DISTURBED = 1.5
 """Growth of a standard error by the auto-compensating rotation above which it is reported."""
 
 UNTOLD = 0.8
-"""Standard error over the prior's, above which the readings say little."""
+"""Standard error over the prior's, above which the samples say little."""
 
 
 def caveats(
@@ -38,7 +38,7 @@ def caveats(
     names : tuple of str
         Of the constants, amplitudes first.
     known : SquareRoot
-        After all readings.
+        After all samples.
     prior : array or None
         Standard deviations before them.
     """

@@ -18,7 +18,7 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
     Raises
     ------
     DataError
-        It is something else; the message names the first bad reading.
+        It is something else; the message names the first bad sample.
     """
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind not in "fiu":

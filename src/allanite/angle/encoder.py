@@ -149,7 +149,7 @@ def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:
 
 
 def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
-    """The largest harmonic that was not asked for, where the sensor has seen its whole turn."""
+    """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
     sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
     count = np.bincount(place, minlength=sectors)

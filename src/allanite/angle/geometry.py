@@ -88,7 +88,7 @@ class Gimbals(Value):
 
     @property
     def cosine(self) -> FloatArray:
-        """Cosine of the angle between the two momentum vectors, shape (n,); 0 but for errors."""
+        """Cosine of the angle between the two momentum vectors, shape (n,); 0 except for errors."""
         flat = np.cos(self.h) * np.cos(self.h_polar) * np.cos(self.q - self.q_polar)
         return np.asarray(flat + np.sin(self.h) * np.sin(self.h_polar))
 

@@ -43,7 +43,7 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Harmonics(Correction):
-    """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its reading.
+    """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its sample.
 
     Attributes
     ----------

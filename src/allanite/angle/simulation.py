@@ -35,9 +35,9 @@ def simulate(
     nuisance : mapping of name to value, optional
         Keys of `design.NUISANCES`, rad (rad/s for A3).
     sigma : float
-        Standard deviation of the white noise of a reading, rad.
+        Standard deviation of the white noise of a sample, rad.
     walk : float
-        Step of a random walk from reading to reading, rad.
+        Step of a random walk from sample to sample, rad.
     rng : numpy.random.Generator
         The source of randomness.
 

@@ -39,14 +39,14 @@ class Solution(Value):
     freedom : float
         Degrees of freedom that intervals have: infinite where sigma was given.
     condition : float
-        Of the readings alone, columns scaled.
+        Of the samples alone, columns scaled.
     prior : array, shape (p,), or None
-        Standard deviations before the readings, where they were said.
+        Standard deviations before the samples, where they were said.
     history, innovations, checks, findings
         How the estimate was reached; what each reading added, in standard deviations, shape (n,); whether that is
         noise; what must be known beside the numbers.
     known : SquareRoot
-        What further readings (divided by sigma) can be added to.
+        What further samples (divided by sigma) can be added to.
     """
 
     _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}

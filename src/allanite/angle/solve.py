@@ -1,4 +1,4 @@
-"""Constants from readings: reading by reading, or all at once."""
+"""Constants from samples: sample by sample, or all at once."""
 
 import math
 from itertools import pairwise
@@ -24,7 +24,7 @@ CHECKPOINTS = 200
 
 
 class System(NamedTuple):
-    """Readings ``values = rows x + noise`` of constants x called `names`; `time` orders them."""
+    """Samples ``values = rows x + noise`` of constants x called `names`; `time` orders them."""
 
     names: tuple[str, ...]
     rows: FloatArray
@@ -35,15 +35,15 @@ class System(NamedTuple):
 def solve(
     system: System, *, sigma: float | None = None, prior: FloatArray | None = None, method: str = "recursive"
 ) -> Solution:
-    """Constants from readings.
+    """Constants from samples.
 
     Parameters
     ----------
     system : System
     sigma : float, optional
-        Standard deviation of a reading's white noise; estimated from what is left over if not given.
+        Standard deviation of a sample's white noise; estimated from what is left over if not given.
     prior : array, shape (p,), optional
-        Standard deviations of the constants about 0 before the readings.
+        Standard deviations of the constants about 0 before the samples.
     method : {"recursive", "batch"}
         Reading by reading with a history and innovations, or all at once: the same numbers, but then the history has
         one line and the tests are made of plain residuals.
@@ -51,7 +51,7 @@ def solve(
     Raises
     ------
     DataError
-        There are fewer readings than constants, nothing varies, or the readings do not tell the constants apart.
+        There are fewer samples than constants, nothing varies, or the samples do not tell the constants apart.
     UsageError
         Sigma or prior is impossible.
 
@@ -88,7 +88,7 @@ def solve(
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:
-    """What the readings tell without a prior; the noise of one; the degrees of freedom that are left."""
+    """What the samples tell without a prior; the noise of one; the degrees of freedom that are left."""
     n, p = system.rows.shape
     if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
         raise UsageError(f"sigma must be a positive number, not {sigma!r}; omit it to have it estimated")

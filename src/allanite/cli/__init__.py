@@ -22,7 +22,7 @@ VERBS: dict[str, str] = {
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
 }
-"""Name of a verb: module and name of its command. A verb's module is imported when it is asked for."""
+"""Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
 GROUPS = {
     "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),

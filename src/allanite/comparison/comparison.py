@@ -107,7 +107,7 @@ class Pair(Value):
     explained : tuple of bool
         Whether each fit explains its record.
     grades : tuple of str
-        How well, in words.
+        How well, as text.
     records : (Record, Record) or None
         Only the header of each where the comparison was stored.
     alerts : tuple of str
@@ -115,7 +115,7 @@ class Pair(Value):
     whole : Fit or None
         Of the record of which both are parts, in a study of truncation.
     paired : bool
-        Whether both hold the same noise, and are compared reading by reading.
+        Whether both hold the same noise, and are compared sample by sample.
     """
 
     _keys: ClassVar = {"changes": "terms"}

@@ -43,7 +43,7 @@ class Joined:
 
     @property
     def grades(self) -> tuple[str, ...]:
-        """How well each fit explains its record, in words."""
+        """How well each fit explains its record, as text."""
         return tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
 
     @property
@@ -60,7 +60,7 @@ class Joined:
 def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     """The joint likelihood of records of one kind of sensor.
 
-    Outliers are left out, and sinusoids taken out as the fits found them. Where one record has Gauss-Markov noise it is
+    Outliers are omitted, and sinusoids removed as the fits found them. Where one record has Gauss-Markov noise it is
     asked of all, and compared at one time constant.
 
     Raises
@@ -100,7 +100,7 @@ def asked_band(recipe: Recipe) -> tuple[float, float] | None:
 
 
 def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[Noise, ...], tuple[str, ...]]:
-    """The noise of each record, of the same terms, in the common band where that leaves out a part of one."""
+    """The noise of each record, of the same terms, in the common band where that omits a part of one."""
     low, high = common_band(records, asked_band(recipe))
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None

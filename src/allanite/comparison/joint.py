@@ -192,7 +192,7 @@ def demand_one_kind(records: Sequence[Record]) -> None:
 def _in_band(
     seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
 ) -> Likelihood:
-    """The bins within a band and outside the masks; coefficient k stands for frequencies from k - 1/2 to k + 1/2."""
+    """The bins within a band and outside the masks; coefficient k represents frequencies from k - 1/2 to k + 1/2."""
     low, high = band
     half = seen.rate / (4 * seen.size)
     first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)

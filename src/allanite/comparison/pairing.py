@@ -89,7 +89,7 @@ def _changes(both: Joint, fits: tuple[Fit, Fit], level: float, lines: tuple[Line
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
-    """What is supposed of each record for the law of the ratio: coefficients that are not told apart are common.
+    """What is supposed of each record for the law of the ratio: coefficients that are not distinguished are common.
 
     What scatters at the longest averaging times is hardly seen by one record alone.
     """

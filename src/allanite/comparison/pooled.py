@@ -100,14 +100,14 @@ class PooledChannel(Value):
     p : array, shape (k,)
         Of the variances being the same at each averaging time (Bartlett's test with the degrees of freedom).
     apart : dict
-        Runs that lie apart and the adjusted p of that, in the order in which they were taken out.
+        Runs that lie apart and the adjusted p of that, in the order in which they were removed.
     rest : float
         p of one common model for the runs that are left.
     fits : tuple of Fit
     explained : tuple of bool
         Whether each fit explains its record.
     grades : tuple of str
-        How well, in words.
+        How well, as text.
     records : tuple of Record
     band : (low, high) or None
         Frequencies that were compared, Hz.
@@ -167,7 +167,7 @@ class PooledChannel(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pool(Together[PooledChannel]):
-    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as of `Together`."""
+    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as for `Together`."""
 
     _channel = PooledChannel
 

@@ -29,7 +29,7 @@ class Together(Job[Compared]):
     names : tuple of str
         Of the recordings.
     recipe, findings, notes, provenance
-        As of `Job`; ``source 2`` and so on are the other recordings.
+        As for `Job`; ``source 2`` and so on are the other recordings.
     """
 
     names: tuple[str, ...]

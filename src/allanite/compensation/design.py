@@ -53,7 +53,7 @@ class Design:
     notes: tuple[str, ...]
 
     def only(self, kept: Sequence[int]) -> "Design":
-        """The design with some of the columns, at all readings where these have values."""
+        """The design with some of the columns, at all samples where these have values."""
         some = list(kept)
         X, regressors = self.X[:, some], tuple(self.regressors[i] for i in some)
         parts, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
@@ -71,7 +71,7 @@ class Design:
 
     @property
     def count(self) -> int:
-        """Readings that count."""
+        """Samples that count."""
         return sum(b - a for a, b in self.stretches)
 
     def likelihood(self, symbols: str, *, y: FloatArray | None = None, parts: Sequence[Stretch] = ()) -> Likelihood:
@@ -115,7 +115,7 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
 
 
 def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool_]) -> FloatArray:
-    """Root mean square of each column about its mean."""
+    """RMS of each column about its mean."""
     inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
     size = np.sqrt((inner**2).sum(axis=0) / used.sum())
     for regressor, rms in zip(regressors, size, strict=True):
@@ -125,7 +125,7 @@ def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool
 
 
 class _Channel(NamedTuple):
-    """Unit, mean and readings of a channel."""
+    """Unit, mean and samples of a channel."""
 
     unit: str
     centre: float

@@ -131,7 +131,7 @@ def _regression(
 ) -> Regression:
     part = whole.only(kept)
     first = _plain(part)
-    # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is taken out
+    # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed
     seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, found = mixture(seen, settings.symbols)
     alike = collinearity(part, seen, theta)
@@ -176,7 +176,7 @@ def _plain(part: Design) -> FloatArray:
 def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
     """Mean squares of the fitted record.
 
-    Generalised least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
+    Generalized least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
     of the noise.
     """
     taken = part.taken

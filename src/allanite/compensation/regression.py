@@ -123,7 +123,7 @@ class Regression(Correction):
         return np.asarray(sum(columns))
 
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
-        """Error of each reading, SI, shape of its values; see `Correction`."""
+        """Error of each sample, SI, shape of its values; see `Correction`."""
         rate = self.rate_error(record, along)
         if record.kind == "rate":
             return rate
@@ -143,7 +143,7 @@ class Regression(Correction):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The regression that `to_dict` has written.
+        """The regression written by `to_dict`.
 
         Raises
         ------
@@ -193,7 +193,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     Raises
     ------
     DataError
-        The record and its regressors have no readings in common.
+        The record and its regressors have no samples in common.
     """
     taken = regression.taken
     X = np.column_stack([regression.regressors[i].column(record, along) for i in taken])

@@ -163,7 +163,7 @@ class Effect(Value):
 
 
 def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
-    """Readings of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
+    """Samples of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
     if along is None or channel not in along.channels:
         there = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
         raise UsageError(f"the regressor {channel!r} is missing: {there}")

@@ -4,8 +4,8 @@ Noise identified from the uncorrected record includes the dependence; identified
 small, because the fit has removed some of the noise, too. The restricted likelihood avoids both: the coefficients are
 directions of any size in it (see `identification.likelihood`), and for given noise it yields their generalized
 least-squares estimates and covariance. Fitting the noise to the residuals, and the coefficients under that noise, again
-and again, would end at its maximum but for the correction of degrees of freedom that it makes. Stretches between gaps
-have each its own constant.
+and again, would end at its maximum except for the correction of degrees of freedom that it makes. Stretches between
+gaps have each its own constant.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, ra
         Rates.
     X : array, shape (n, p)
     stretches : sequence of (first, behind last)
-        Readings that count.
+        Samples that count.
     rate : float
         Hz.
     symbols : str

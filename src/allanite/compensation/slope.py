@@ -12,7 +12,7 @@ SHORTEST = 60.0
 
 
 def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
-    """Slope of the least squares line in a Hann window around each reading, per second; shape of `x`.
+    """Slope of the least-squares line in a Hann window around each sample, per second; shape of `x`.
 
     At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
     its neighbours' windows, and has no slope of its own.
@@ -28,7 +28,7 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     Raises
     ------
     UsageError
-        The window is shorter than 60 s or holds fewer than 3 readings.
+        The window is shorter than 60 s or holds fewer than 3 samples.
 
     Examples
     --------
@@ -61,5 +61,5 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     spread = w * tt - t * t
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = (w * ty - t * y) / spread
-    # fewer than two readings in the window: the spread is rounding
+    # fewer than two samples in the window: the spread is rounding
     return np.where(there & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)

@@ -95,7 +95,7 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
 def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Literal["auto"] | None:
     """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals.
 
-    A model or a term is used as given; a fit stands for all models that are consistent with its record.
+    A model or a term is used as given; a fit represents all models that are consistent with its record.
     """
     if value is None or value == "auto":
         return value

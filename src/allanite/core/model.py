@@ -72,7 +72,7 @@ class Term(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Term":
-        """The term that `to_dict` has written."""
+        """The term written by `to_dict`."""
         demand_type(data, "Term")
         shape = tuple(float(data[p.name]) for p in TERMS[data["symbol"]].parameters)
         return cls(data["symbol"], float(data["value"]), signal_named(data["signal"]), shape)
@@ -244,7 +244,7 @@ class Model(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Model":
-        """The model that `to_dict` has written."""
+        """The model written by `to_dict`."""
         demand_type(data, "Model")
         return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
 
@@ -261,7 +261,7 @@ ModelLike = Model | Term | Modelled
 
 
 def model_of(value: ModelLike) -> Model:
-    """The model that a term, a model or a fit stands for; anything else is refused."""
+    """The model that a term, a model or a fit represents; anything else is refused."""
     if isinstance(value, Model | Term):
         return value if isinstance(value, Model) else Model((value,))
     inner = getattr(value, "model", None)

@@ -126,7 +126,7 @@ class Statement:
     grade : str
         One of `GRADES`; empty if the method does not test it.
     head : str
-        The grade with the p value of the test: ``explained (goodness of fit p = 0.29)``.
+        The grade with the p-value of the test: ``explained (goodness of fit p = 0.29)``.
     points : tuple of str
         Reasons, assumptions beyond the terms, and other remarks, one sentence each.
     """

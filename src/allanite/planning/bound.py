@@ -118,7 +118,7 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
 
 
 def _symbols(terms: str) -> str:
-    """The symbols that `terms` stands for."""
+    """The symbols that `terms` represents."""
     if terms in ("known", "auto"):
         return AUTO if terms == "auto" else ""
     odd = [symbol for symbol in terms if symbol not in TERMS or TERMS[symbol].parameters]

@@ -21,7 +21,7 @@ DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
 """10 minutes, 1 hour, 6 hours, 24 hours."""
 
 LONGEST = 1e14
-"""Readings beyond which no length is given."""
+"""Samples beyond which no length is given."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,7 +44,7 @@ class RecordingPlan(Value):
         The relative standard error to reach.
     needed : array, shape (parameters,)
         Record length needed for it, s; infinite if no practical length is sufficient.
-    searched, searched_needed : arrays, shapes as of `errors` and `needed`
+    searched, searched_needed : arrays, shapes as for `errors` and `needed`
         The same if it is unknown which of the five terms are present, as for `identify`.
     """
 
@@ -153,7 +153,7 @@ def plan(
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:
-    """Least number of readings at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
+    """Least number of samples at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
 
     def excess(n: float) -> float:
         return math.log(float(errors(round(n))[which]) / wanted)

@@ -37,7 +37,7 @@ class SelfCheck(Value):
     unexplained : (share, error)
         Share of records that no model explains, and its standard error.
     notes : tuple of str
-        Terms of the model that were not looked for, or cannot be told apart by their symbol.
+        Terms of the model that were not looked for, or cannot be distinguished by their symbol.
     """
 
     model: Model

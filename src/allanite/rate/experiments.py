@@ -120,7 +120,7 @@ class Experiment(Value):
     def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
         """Ratios of the standard deviations of all pairs of methods.
 
-        Limits after Pitman and Morgan: sums and differences of the two standardised errors are uncorrelated where the
+        Limits after Pitman and Morgan: sums and differences of the two standardized errors are uncorrelated where the
         ratio is right, so that the correlation of the two series, which is high, narrows them.
 
         References

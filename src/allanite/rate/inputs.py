@@ -21,7 +21,7 @@ REPEATED = 0.999
 
 
 def pulse_of(record: Record, options: EstimatorSettings) -> float:
-    """Quantum of the angle in readings (of a rate: readings times the sample interval); NaN where there is none."""
+    """Quantum of the angle in samples (of a rate: samples times the sample interval); NaN where there is none."""
     if options.quantum is not None:
         if not (math.isfinite(options.quantum) and options.quantum > 0):
             raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
@@ -31,12 +31,12 @@ def pulse_of(record: Record, options: EstimatorSettings) -> float:
 
 
 def reading_size(record: Record) -> float:
-    """Rate of one reading, SI."""
+    """Rate of one sample, SI."""
     return record.factor if record.kind == "rate" else record.factor * record.rate
 
 
 def demand_whole(record: Record) -> None:
-    """Refuse readings that are not finite.
+    """Refuse samples that are not finite.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def demand_whole(record: Record) -> None:
 
 
 def interval_of(record: Record, setting: Setting) -> Interval:
-    """The readings of each sample interval, a constant and the dither's sinusoids subtracted."""
+    """The samples of each sample interval, a constant and the dither's sinusoids subtracted."""
     values = record.values
     if record.kind == "angle":
         steps, offset = np.diff(values).astype(np.float64), 0.0
@@ -64,7 +64,7 @@ def interval_of(record: Record, setting: Setting) -> Interval:
 
 
 def without_dither(steps: FloatArray, setting: Setting) -> FloatArray:
-    """The readings less the sinusoids that fit them best, beside a constant."""
+    """The samples less the sinusoids that fit them best, beside a constant."""
     X = setting.sinusoids
     if not X.shape[1]:
         return steps

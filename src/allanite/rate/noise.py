@@ -26,7 +26,7 @@ HIDDEN = 1.2
 
 
 FAST = ("quantised", "resampled", "lines", "slope")
-"""Findings about single readings: where the noise is that of blocks, its alert says so already."""
+"""Findings about single samples: where the noise is that of blocks, its alert says so already."""
 
 
 class RateNoise(NamedTuple):
@@ -44,8 +44,8 @@ class RateNoise(NamedTuple):
 def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
     """The noise that rates of `interval` seconds are measured under; as given, or identified.
 
-    Where no model explains the record, it is that of means over blocks of readings: dither and coarse counts make lines
-    that no term describes; averaged over a second, they fold onto white noise of the angle, which is what they are to a
+    Where no model explains the record, it is that of means over blocks of samples: dither and coarse counts make lines
+    that no term describes; averaged over a second, they fold onto white angle noise, which is what they are to a
     rate.
     """
     if given is not None:
@@ -61,7 +61,7 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
 
 
 def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]:
-    # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
+    # what a rate is estimated under are these five; dither is no line to be removed, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
     noise = noise_of(record, recipe, terms=terms, lines=False)
     if noise.explained:
@@ -84,7 +84,7 @@ def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to n readings."""
+    """The model, with the noise at its upper limits that was not identified but would matter to n samples."""
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))

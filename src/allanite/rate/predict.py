@@ -23,7 +23,7 @@ NEAR = 0.02
 def variance(weights: FloatArray, setting: Setting) -> float:
     """Mean square error of a linear estimator, SI squared.
 
-    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the wandering one, and the
+    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and the
     square of what a ramp adds, (w - g)'R.
     """
     total = 0.0

@@ -154,7 +154,7 @@ def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of the intervals that are measured, and what that leaves out."""
+    """First samples of the intervals that are measured, and what that omits."""
     if settings.gaps == "error":
         demand_whole(record)
     starts, notes = _intervals(record, size)
@@ -165,7 +165,7 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
 
 
 def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of intervals that hold no lost reading, and what that leaves out."""
+    """First samples of intervals that hold no missing sample, and what that omits."""
     extra = KINDS[record.kind][1]
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))

@@ -25,7 +25,7 @@ class EstimatorSettings(Value):
         out, the 300 of 48000 of the paper.
     allowed : float, optional
         Of "conditional": a line whose slope is farther from the median of slopes is dropped, SI; twice the robust
-        standard deviation of the slopes if left out (the paper gives no value).
+        standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         Of "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
     certified : bool
@@ -52,9 +52,9 @@ class Setting:
     model : Model or None
         The noise.
     target : str
-        A name in `TARGETS`: what is estimated where the rate itself wanders.
+        A name in `TARGETS`: what is estimated where the rate itself drifts.
     dither : tuple of float
-        Frequencies of sinusoids to be taken out, Hz.
+        Frequencies of sinusoids to be removed, Hz.
     options : EstimatorSettings
     pulse : float
         Quantum of the angle, SI; NaN where there is none.
@@ -135,5 +135,5 @@ TARGETS: dict[str, Callable[[int], FloatArray]] = {
     "centre": lambda n: np.bincount([(n - 1) // 2, n // 2], minlength=n) / 2,
     "start": lambda n: np.eye(1, n)[0],
 }
-"""What is estimated: the mean of the wandering rate over the interval, the constant of one that does not wander, its
+"""What is estimated: the mean of the drifting rate over the interval, the constant of one that does not drift, its
 value in the middle sample, in the first. Without B, K and R in the model all four are the same."""

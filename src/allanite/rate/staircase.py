@@ -69,7 +69,7 @@ def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float,
 
 
 def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What the search is given: whole pulses of the line taken off, so that no digit is lost to their number."""
+    """What the search is given: whole pulses of the line subtracted, so that no digit is lost to their number."""
     whole = np.floor(line)
     return y - whole, line - whole, right
 
@@ -83,7 +83,7 @@ def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
             + (" in the record's unit (for a rate: times s)")
         )
     angle = np.concatenate(([0.0], np.cumsum((interval.steps + interval.offset) / interval.pulse)))
-    # whole quanta, but for the rounding of readings that are multiples of one
+    # whole quanta, except for the rounding of samples that are multiples of one
     near = np.rint(angle)
     y = near if np.abs(angle - near).max() < 1e-6 else angle
     t = np.arange(y.size) - (y.size - 1) / 2
@@ -120,7 +120,7 @@ def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
 def _excess(setting: Setting) -> float:
     """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
 
-    Not known where the noise of the angle does not blur the steps.
+    Not known where the angle noise does not blur the steps.
 
     References
     ----------

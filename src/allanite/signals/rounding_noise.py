@@ -35,7 +35,7 @@ class StageNoise(Value):
     ----------
     stage : Stage
     symbol : {"N", "Q"}
-        Type of its noise: white noise of the rate, or quantization noise of the angle.
+        Type of its noise: white rate noise, or quantization noise of the angle.
     signal : Signal
     step : float
         Size of its last bit: rate or angle, SI.
@@ -106,7 +106,7 @@ class Budget(RecordResult):
 
     @property
     def fit(self) -> Fit:
-        """The noise of the rate."""
+        """The rate noise."""
         return self.noise.fit
 
     @property
@@ -126,7 +126,7 @@ def budget(
     r"""Compute the noise that the quantization of each stage adds to a record.
 
     Rounding a rate to steps s adds errors that are uniform and, with enough noise before the rounding, independent:
-    white noise of the rate with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
+    white rate noise with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
     Q = s / sqrt(12).
 
     Parameters
@@ -140,7 +140,7 @@ def budget(
     sense : float, optional
         Gain of the current sensor, V per A; required for voltages.
     recipe : Recipe, optional
-        How the noise of the rate is identified.
+        How the rate noise is identified.
 
     Returns
     -------

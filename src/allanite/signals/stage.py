@@ -22,7 +22,7 @@ CLIPPED = 1e-3
 class Stage(Value):
     """A converter or register of so many bits over -full_scale to +full_scale.
 
-    What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white noise of the rate; or
+    What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white rate noise; or
     an angle (velocity), whose rounding errors are quantization noise.
 
     Raises
@@ -97,9 +97,9 @@ class Stage(Value):
 
 
 def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
-    """Readings of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
+    """Samples of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
 
-    A converter's largest code stands for the full scale less one step, or less half a step, its smallest for the
+    A converter's largest code represents the full scale less one step, or less half a step, its smallest for the
     negative full scale, or that plus half a step.
     """
     worth = 1.0 if record.scale is None else record.scale
@@ -113,7 +113,7 @@ def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
 
 
 def demand_unclipped(record: Record, stage: Stage) -> int:
-    """How many readings lie at the ends of the stage's range.
+    """How many samples lie at the ends of the stage's range.
 
     Raises
     ------

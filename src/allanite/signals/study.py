@@ -52,7 +52,7 @@ class BudgetChannel(RecordResult):
 
     @property
     def noise(self) -> Noise | None:
-        """The noise of the rate."""
+        """The rate noise."""
         return None if self.budget is None else self.budget.noise
 
 

@@ -123,7 +123,7 @@ def rate_from_current(
     sense : float, optional
         V per A.
     stage : Stage, optional
-        The converter: its full scale says which readings are clipped, and what a code is worth.
+        The converter: its full scale says which samples are clipped, and what a code is worth.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def rate_from_current(
     UsageError
         A constant is not positive, or one that is needed is missing.
     DataError
-        More than 0.1 % of the readings are clipped.
+        More than 0.1 % of the samples are clipped.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def rate_from_current(
 
 
 def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
-    """A per unit of the readings, and where that is known from."""
+    """A per unit of the samples, and where that is known from."""
     if record.signal.name in ("current", "voltage"):
         per = unit_of(record.unit).factor / gain_of(record.unit, sense)
         return per, "current" if record.signal.name == "current" else f"voltage at {sense:g} V per A"

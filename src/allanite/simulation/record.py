@@ -45,7 +45,7 @@ def simulate(
         whole steps of ``Q sqrt(12)`` at each sample, and the rates are its differences. The error of each angle is then
         uniform over a step, with the standard deviation Q, and white where the angle moves by about half a step or
         more from sample to sample; an angle that moves less makes patterns that no term describes. Without, Q is
-        Gaussian. The mean of a rounded record is zero but for a step over its duration.
+        Gaussian. The mean of a rounded record is zero except for a step over its duration.
 
     Returns
     -------
@@ -129,11 +129,11 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
     Parameters
     ----------
     n : int
-        Number of readings.
+        Number of samples.
     sigma : float
         Standard deviation of the white noise, in any unit.
     walk : float, optional
-        Standard deviation of the random walk's step from reading to reading; the walk begins at 0.
+        Standard deviation of the random walk's step from sample to sample; the walk begins at 0.
     rng : numpy.random.Generator
         The source of randomness, for example ``numpy.random.default_rng(1)``.
 

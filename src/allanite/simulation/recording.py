@@ -12,7 +12,7 @@ from allanite.core.wording import spelled
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Value):
-    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of readings.
+    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of samples.
 
     `channels` are what the channels hold; their histories say which faults were put in.
     """

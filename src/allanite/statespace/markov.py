@@ -14,7 +14,7 @@ PER_DECADE = 40
 """Averaging times at which the sum is compared with flicker."""
 
 MOST = 40
-"""Processes beyond which no ripple is asked for."""
+"""Processes beyond which no ripple is requested."""
 
 TOP = 1.892
 """A process has the top of its Allan deviation at this multiple of its time constant."""

@@ -26,7 +26,7 @@ PER_OCTAVE = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StateSpace(Value):
-    """Errors of a sensor as states: x' = Phi x + w, reading = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
+    """Errors of a sensor as states: x' = Phi x + w, z = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class StateSpace(Value):
     notes: tuple[str, ...]
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the readings at averaging factors `m`, SI, exactly, from the matrices alone."""
+        """Allan variance of the measurements at averaging factors `m`, SI, exactly, from the matrices alone."""
         return Matrices(self.Phi, self.Qd, self.H, self.R, self.P0).allan(m)
 
     @property
@@ -86,7 +86,7 @@ class StateSpace(Value):
         return headings, [list(row) for row in zip(*columns, strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the Allan variance of the readings; `level` changes nothing."""
+        """Plain data, SI, with the Allan variance of the measurements; `level` changes nothing."""
         m = self.factors
         allan = {"m": m.tolist(), "tau": (m / self.rate).tolist(), "variance": self.allan(m).tolist()}
         return super().to_dict(level) | {"allan": allan}
@@ -118,7 +118,7 @@ def state_space(
     White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its slope.
     Gauss-Markov noise is a state each. Flicker, which has no finite-dimensional state model, is approximated by a sum
     of Gauss-Markov processes with the same Allan variance between two averaging times. Quantization is white noise of
-    the angle: a state, whose difference over the interval the reading gets. A sinusoid is an oscillator of known
+    the angle: a state, whose difference over the interval the measurement gets. A sinusoid is an oscillator of known
     frequency.
 
     Parameters
@@ -193,7 +193,7 @@ def state_space(
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
-    """The measurement that was asked for, or for "auto" the simpler one if it is good enough."""
+    """The measurement that was requested, or for "auto" the simpler one if it is good enough."""
     model, rate, high = how
     angle = any(block.Q.any() and not block.output.any() for block in blocks)
     if measurement == "sample" and angle:

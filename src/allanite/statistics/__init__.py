@@ -203,7 +203,7 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
 
 
 def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
-    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window.
+    """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
 
     Slow noise has no voice: where the joints rule, it is known from the supposed models only.
     """

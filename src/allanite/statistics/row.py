@@ -24,9 +24,9 @@ def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
 
 @dataclass(frozen=True)
 class Sharp:
-    """How the ratios of white noise of the angle with the other terms, and with itself, depend on m.
+    """How the ratios of white angle noise with the other terms, and with itself, depend on m.
 
-    `levels` as of `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
+    `levels` as for `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
     it follows no power of m.
     """
 
@@ -46,7 +46,7 @@ class Scheme:
     power : int
         The extrapolation is a polynomial in ``m^-power``.
     sharp : Sharp, optional
-        For white noise of the angle, where the window holds single points of the angle; None where it averages them, so
+        For white angle noise, where the window holds single points of the angle; None where it averages them, so
         that this noise scales as the other terms do.
     response : (term, m) -> E, or None
         Expectation of one window, where it is known for any m.

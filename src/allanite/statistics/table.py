@@ -33,7 +33,7 @@ class Points(NamedTuple):
     """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
 
     `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
-    where the runs lie, if windows with lost readings count too.
+    where the runs lie, if windows with missing samples count too.
     """
 
     row: Statistic

@@ -1,1 +1,1 @@
-"""The analyses, and the loop over the channels of a recording."""
+"""The analyzes, and the loop over the channels of a recording."""

@@ -1,4 +1,4 @@
-"""Bias instability: flicker noise of the rate."""
+"""Bias instability: flicker rate noise."""
 
 import math
 

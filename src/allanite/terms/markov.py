@@ -95,7 +95,7 @@ class _Markov:
 
 
 def gauss_markov(T: float) -> NoiseTerm:
-    """The row of Gauss-Markov noise of the rate, with a time constant of T sample intervals."""
+    """The row of Gauss-Markov rate noise, with a time constant of T sample intervals."""
     functions = _Markov(T)
     return NoiseTerm(
         symbol="GM",

@@ -47,7 +47,7 @@ def _ramp(n: int) -> FloatArray:
 
 
 def white_noise(N: float, h: float) -> Block:
-    """White noise of the rate: no state, only measurement noise."""
+    """White rate noise: no state, only measurement noise."""
     nothing, one = np.zeros((0, 0)), np.zeros(0)
     return Block((), nothing, nothing, nothing, one, np.zeros((1, 1)), nothing, one, white=N**2 / h)
 
@@ -83,7 +83,7 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
 
 
 def angle_noise(Q: float, h: float) -> Block:
-    """White noise of the angle: the mean rate over an interval gets the difference of its ends' errors, over h.
+    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h.
 
     A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     """

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 WHITE = -0.5
-"""Slope of white noise of the rate."""
+"""Slope of white rate noise."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Block:
     output : array, shape (s,)
         What a state adds to the rate at an instant; 0 for a state of discrete time.
     white : float
-        Variance of the white noise that each reading gets besides.
+        Variance of the white noise that each measurement gets besides.
     bias : bool
         Whether the states are the bias and its derivatives, which such blocks of a model have in common.
     note : str
@@ -95,8 +95,8 @@ class NoiseTerm:
     derivative : (order, t) -> d^order D/dt^order
         For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
     summed : l -> E(l)
-        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for a square of l, which the statistics
-        remove; for l >= 0, and between the integers from l = 3 on.
+        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, except for a square of l, which the
+        statistics remove; for l >= 0, and between the integers from l = 3 on.
     increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
         For 0 < f <= 1 / (2 tau0).
@@ -113,7 +113,7 @@ class NoiseTerm:
         The values of `parameters` that the functions of this row hold for, at a sample interval of 1.
     shaped : (shape, rate) -> the row of another shape (in SI), at a sample interval of 1 / rate.
     density : str
-        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
+        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate except for Q.
     origin, advice : str
         For the documentation: its origin, and how to read it off and use it.
     typical : float

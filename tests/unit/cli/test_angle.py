@@ -122,7 +122,7 @@ REFUSED = [
     (["plan", *EXPERIMENT, "--start", 0, "--plot", "x.png"], 2, "omit --start"),
     (["simulate", "x.csv", *EXPERIMENT], 2, "at least one --error"),
     (["simulate", "x.csv", *EXPERIMENT, "--error", "h=1"], 2, "h:128=3,-1.5"),
-    (["simulate", "x.csv", *EXPERIMENT, "--error", "k:128=1,1"], 2, "there are h, q"),
+    (["simulate", "x.csv", *EXPERIMENT, "--error", "k:128=1,1"], 2, "angles: h, q"),
     (["calibrate", "missing.csv", "--measured", "a", "--reference", "b"], 3, "no such file"),
 ]
 
@@ -150,7 +150,7 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
         (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
         (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
         (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--q", "q_polar"], 3, "does not move"),
-        (["--difference", "rho", "--latitude", 60, "--rho", "rho"], 3, "lies within 2"),
+        (["--difference", "rho", "--latitude", 60, "--rho", "rho"], 3, "must be within 2"),
         (
             ["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"],
             0,
@@ -168,7 +168,7 @@ def test_broken_files(tmp_path, gimbal):
     lines = gimbal.read_text().splitlines()
     broken = tmp_path / "broken.csv"
     broken.write_text("\n".join([*lines[:50], lines[40], *lines[50:]]))
-    assert "time goes back at sample 49" in estimate(broken).stderr
+    assert "time decreases at sample 49" in estimate(broken).stderr
     cells = lines[9].split(",")
     broken.write_text("\n".join([*lines[:9], ",".join([cells[0], "nan", *cells[2:]]), *lines[10:]]))
     done = estimate(broken)

@@ -212,7 +212,7 @@ def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_pat
 
 
 REFUSED = [
-    (("--regressors", "flux"), 2, "no column 'flux'; there are"),
+    (("--regressors", "flux"), 2, "no column 'flux'; columns:"),
     ((), 2, "name at least one regressor"),
     (("--regressors", "temp", "--degree", "9"), 2, "from 1 to 6"),
     (("--regressors", "temp", "--lags", "a"), 2, "expected seconds"),
@@ -284,7 +284,7 @@ def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path
 
 
 WRONG = [
-    (("--stage", STAGE), 2, "say what rate it means"),
+    (("--stage", STAGE), 2, "give its relation to a rate"),
     (("--stage", STAGE, "--scale-factor", 0.2), 2, "gain"),
     (("--stage", STAGE, "--scale-factor", -1, "--sense", 1), 2, "positive number"),
     (("--stage", STAGE, "--torquer", "turns=1"), 2, "missing field"),

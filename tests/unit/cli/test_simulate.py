@@ -78,8 +78,8 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("out.npz", *USUAL), "either by --duration or by --samples"),
-        (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "either by --duration or by --samples"),
+        (("out.npz", *USUAL), "by --duration or by --samples"),
+        (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "by --duration or by --samples"),
         (("out.npz", "--rate", "100", "--samples", "99"), "--model or --sensor"),
         (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
         (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),
@@ -89,7 +89,7 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
         (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
         (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),
         (("out.npz", *USUAL, "--samples", "99", "--gaps", "1%"), "--gaps has the form '1% 5 s', not '1%'"),
-        (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "no unit of rates"),
+        (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "not a unit of rates"),
         (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "must be an integer, not 2.5"),
         (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
         (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),

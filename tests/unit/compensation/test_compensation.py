@@ -196,7 +196,7 @@ def test_gaps_are_an_error_or_split_the_record():
         compensate(holed, TEMP, ["temp"])
     found = compensate(holed, TEMP, ["temp"], settings=FitSettings(split_gaps=True))
     assert found["temp"].low < 1e-5 < found["temp"].high
-    assert "2 stretch(es)" in found.notes[0]
+    assert "2 stretches" in found.notes[0]
     corrected = found.apply(holed, al.Recording((TEMP,)))
     np.testing.assert_array_equal(np.isnan(corrected.values), np.isnan(values))
 
@@ -244,7 +244,7 @@ WRONG = [
         r"'slow' \(0.1 Hz, 360 readings\) does not have the sample times .*interpolate",
     ),
     ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
-    ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing: there are temp, flat"),
+    ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
     ({"regressors": []}, al.UsageError, "at least one regressor"),
     ({"regressors": "temp"}, al.UsageError, "sequences of names"),
     ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),

@@ -138,7 +138,7 @@ def test_the_ramp_of_a_curve_has_no_sign():
     model = model_of(N=1.0, R=-2e-3)
     fit = al.identify(record_of(model), "gls", terms="NR")
     assert fit["R"].value == pytest.approx(2e-3, rel=0.05)
-    assert any("R is without its sign" in note for note in fit.notes)
+    assert any("R is given without its sign" in note for note in fit.notes)
 
 
 def test_a_dense_curve_is_read_at_octaves():
@@ -192,12 +192,12 @@ WRONG = [
     ({"method": "joint", "statistic": "ohdev"}, "does not fit a curve"),
     (
         {"method": "gls", "statistic": "adev"},
-        r"reads oadev, mdev, ohdev.*, not adev \(those that read adev: nnls",
+        r"fits oadev, mdev, ohdev.*, not adev \(methods that fit adev: nnls",
     ),
     ({"method": "gls", "statistic": "theoh"}, "not theoh$"),
     ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
     ({"method": "gls", "ranges": {"N": (1, 2)}}, "ranges is for method 'piecewise', not for 'gls'"),
-    ({"method": "piecewise", "ranges": {"X": (1, 2)}}, "a range for X"),
+    ({"method": "piecewise", "ranges": {"X": (1, 2)}}, "ranges are given for X"),
     ({"method": "piecewise", "ranges": {"N": (0.1, 0.2)}}, "no point of the curve lies in the range 0.1 to 0.2 s of N"),
 ]
 
@@ -211,7 +211,7 @@ def test_what_a_method_does_not_have_is_said(options, words):
 @pytest.mark.parametrize("method", [name for name, row in al.METHODS.items() if not row.shapes])
 @pytest.mark.parametrize("symbol", ["GM", "Sine"])
 def test_terms_with_a_shape_are_refused(method, symbol):
-    with pytest.raises(al.UsageError, match=f"{symbol} .* has a shape as well: use method 'whittle'"):
+    with pytest.raises(al.UsageError, match=f"{symbol} .* has shape parameters as well: use method 'whittle'"):
         al.identify(record_of(model_of(N=1.0)), method, terms=f"N,{symbol}")
 
 
@@ -282,7 +282,7 @@ def test_piecewise_is_the_mean_line_over_its_range():
     line = np.mean(np.log(curve.deviation[which]) + 0.5 * np.log(curve.tau[which]))
     assert fit["N"].value == pytest.approx(np.exp(line), rel=1e-12)
     assert fit["N"].value == pytest.approx(2.0, rel=0.05)
-    assert fit.notes == ("N: read from 1 to 10 s",)
+    assert fit.notes == ("N: fitted from 1 to 10 s",)
 
 
 def test_piecewise_identifies_only_where_the_slope_is():

@@ -127,7 +127,7 @@ def test_a_gap_names_the_longest_whole_stretch():
     assert quality.refusal == ""
     gaps = next(str(finding) for finding in quality.findings if finding.name == "gaps")
     assert "prepare.trim(recording, 1.01, 80)" in gaps
-    assert "3 of 10000 readings are lost (0.03 %), in 2 gaps, the first from 1 s" in gaps
+    assert "3 of 10000 samples are missing (0.03 %), in 2 gaps, the first from 1 s" in gaps
 
 
 def test_findings_are_plain_data():

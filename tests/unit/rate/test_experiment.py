@@ -62,8 +62,8 @@ def test_gaps_are_an_error_or_split_the_record(kind):
     starts = [0, 10, *(np.array([252, 352, 452, 552]) / 10), 70.1, 80.1]
     np.testing.assert_allclose(found.start, starts)
     assert np.isfinite(found.rates).all()
-    assert "3 readings are lost" in found.notes[0]
-    with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 lost readings"):
+    assert "3 samples missing" in found.notes[0]
+    with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 missing samples"):
         experiment(broken, MODEL, ExperimentSettings(interval=60.0, gaps="split"))
 
 
@@ -286,7 +286,7 @@ def test_the_study_identifies_the_noise_where_dither_hides_it():
     )
     study = measure_rates(record, settings=settings)
     (channel,) = study.channels
-    assert "blocks of 400 readings" in channel.alerts[0]
+    assert "blocks of 400 samples" in channel.alerts[0]
     assert channel.fit.model["Q"].to("arcsec") == pytest.approx(GL1.model["Q"].to("arcsec"), rel=0.1)
     assert channel.experiment.known
     assert abs(channel.experiment.errors).max() / DEG_H < 0.015

@@ -86,7 +86,7 @@ def test_a_clock_that_is_set_back_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
     with pytest.raises(
-        DataError, match=r"1 stamp of column 'time \[s\]' is earlier than the one before, the first in row 501"
+        DataError, match=r"1 time stamp of column 'time \[s\]' is earlier than the previous one, the first in row 501"
     ) as caught:
         read(stamped(stamps))
     assert "--rate" in str(caught.value)
@@ -141,7 +141,7 @@ def test_a_drifting_clock_is_no_gap(stamped):
 
 def test_one_lost_sample_of_many(stamped):
     recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
-    assert "1 sample (0.1 %) lost in 1 gap" in only(recording, "lost samples").what
+    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "lost samples").what
     assert np.isnan(recording["gx"].values[500])
 
 
@@ -186,7 +186,7 @@ def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
     assert recording["gx"].rate == pytest.approx(40.0)
     note = next(note for note in recording.notes if "used as the clock" in note)
     assert note.startswith("column 'stamp [s]' is used as the clock, of 3")
-    assert "repeats 98 % of its stamps" in note
+    assert "repeats 98 % of its time stamps" in note
     assert recording.findings == ()
 
 
@@ -201,13 +201,13 @@ def counted(tmp_path, steps, header="Packet number,gx [deg/s]", row="{count},{va
 def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     steps = np.tile([1, 2, 1, 3], 100)
     path = counted(tmp_path, steps)
-    with pytest.raises(UsageError, match=r"counter column 'Packet number' says which samples were lost.*--rate 100"):
+    with pytest.raises(UsageError, match=r"counter column 'Packet number' shows which samples are missing.*rate=100"):
         read(path)
     recording = read(path, rate=100)
     assert recording.channels == ("gx",)
     assert recording["gx"].size == steps.sum() + 1
     finding = only(recording, "lost samples")
-    assert "by the counter column 'Packet number'" in finding.what
+    assert "according to the counter column 'Packet number'" in finding.what
     assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
 
 

@@ -133,7 +133,7 @@ def test_the_asked_unit_wins_with_a_note_but_not_over_the_other_sensor(write):
     path = write("gx [rad/s],ax [g],gy\n" + "1.5,2.5,0.5\n1.0,2.0,1.5\n" * 10)
     recording = read(path, rate=100, unit="deg/s")
     assert [record.unit for record in recording] == ["deg/s", "g", "deg/s"]
-    assert noted(recording, "unit deg/s as asked, over the header of", "gx [rad/s]")
+    assert noted(recording, "unit deg/s as requested, overriding the header of", "gx [rad/s]")
     assert noted(recording, "unit g, which deg/s does not fit", "ax [g]")
     chosen = read(path, rate=100, unit="deg/s", channels=["ax"])
     assert chosen["ax"].unit == "deg/s"
@@ -417,7 +417,7 @@ def test_a_time_of_day_goes_past_midnight(write):
 def test_a_damaged_date_is_named(write):
     rows = [f"2018-04-25 15:20:{k:02d}.5,{k % 3}.5" for k in range(60)]
     rows[30] = "yesterday,1.5"
-    with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is no date or time"):
+    with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is not a date or time"):
         read(write("time,gx [deg/s]\n" + "\n".join(rows)))
 
 

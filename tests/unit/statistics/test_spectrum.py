@@ -211,13 +211,13 @@ def test_what_is_refused():
     lost = noise(500).values.copy()
     lost[3] = np.nan
     for call, error, words in [
-        (lambda: al.spectrum(record, "periodogram"), al.UsageError, "known are welch, multitaper"),
+        (lambda: al.spectrum(record, "periodogram"), al.UsageError, "known methods: welch, multitaper"),
         (lambda: al.spectrum(record, sides="both"), al.UsageError, "'one' or 'two'-sided"),
         (lambda: al.spectrum(record, bins=0), al.UsageError, "per decade"),
         (lambda: al.spectrum(record, bins=2.5), al.UsageError, "per decade"),
         (lambda: al.spectrum(record).interval(95), al.UsageError, "between 0 and 1"),
         (lambda: al.spectrum(record).to("m/s^2"), al.UnitError, "dimensions differ"),
-        (lambda: al.Welch(window="kaiser"), al.UsageError, "known are boxcar"),
+        (lambda: al.Welch(window="kaiser"), al.UsageError, "known windows: boxcar"),
         (lambda: al.Welch(-1.0), al.UsageError, "positive"),
         (lambda: al.spectrum(record, al.Welch(51.0)), al.UsageError, "longest stretch"),
         (lambda: al.spectrum(record, al.Welch(0.3)), al.DataError, "too few"),

@@ -124,7 +124,7 @@ def _with(found: Found, a: float, kept: BoolArray) -> Subset:
     part = found.plain.likelihood
     row = replace(TERMS[found.noise[which]], dct=partial(_dct, a=a))
     shape = column(row, found.seen)[found.used]
-    if "N" in found.noise:  # its column is 1, but for a filter
+    if "N" in found.noise:  # its column is 1, except for a filter
         shape = shape * part.S[:, found.noise.index("N")]
     part = part.with_column(which, shape)
     return Subset(part, kept, *part.minimise(kept))

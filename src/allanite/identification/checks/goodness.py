@@ -21,7 +21,7 @@ def goodness(
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
     is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The likelihood is
-    that of the bins `used`, theta the model with every admissible term free, since terms left out by the selection
+    that of the bins `used`, theta the model with every admissible term free, since terms omitted by the selection
     would otherwise contribute to the sum. `taken` are sinusoids removed before.
     """
     from scipy.special import chdtrc

@@ -35,7 +35,7 @@ def whittle(
 
     Sinusoids are detected and removed; the noise terms are selected by 2 L + 4 per term over all subsets, with the ramp
     integrated out; each coefficient is averaged over the subsets, with upper limits for what is absent; the signed ramp
-    is estimated by generalised least squares, averaged over what hides it.
+    is estimated by generalized least squares, averaged over what hides it.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ PRIOR = 0.0
 """Power of the coefficient in its prior."""
 
 LEAST = 1e-3
-"""Weight of a model, over that of the heaviest, below which it is left out."""
+"""Weight of a model, over that of the heaviest, below which it is omitted."""
 
 
 def nodes(found: Found, scale: Scale, beside: tuple[Term, ...]) -> Averaged:

@@ -43,7 +43,7 @@ class Search(Portable):
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
     `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term;
-    `asked` whether it was asked for.
+    `asked` whether it was requested.
     """
 
     likelihood: Likelihood
@@ -107,7 +107,7 @@ class Search(Portable):
 
     @property
     def always(self) -> BoolArray:
-        """The term, and what is never left out."""
+        """The term, and what is never omitted."""
         return self.must | self.part.must
 
     def limits(self, best: Subset, drop: float) -> tuple[float, float]:

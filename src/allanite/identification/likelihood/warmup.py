@@ -145,7 +145,7 @@ def _profiled(subset: Subset) -> float:
 def _score(subset: Subset, slope: float | None) -> float:
     """The same and the penalties of the terms, of which a time constant counts as two.
 
-    A ramp, the last direction, of which `slope` was taken out before, costs no more than leaving it out would.
+    A ramp, the last direction, of which `slope` was removed before, costs no more than leaving it out would.
     """
     score = _profiled(subset) + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
     if slope is None:

@@ -28,10 +28,10 @@ from .likelihood import Likelihood
 from .pieces import Pieces, apart, pieces
 
 BLOCKS = 4096
-"""Blocks of readings in which a warm-up with gaps is taken."""
+"""Blocks of samples in which a warm-up with gaps is taken."""
 
 LOWEST = 8
-"""Coefficients that tell of what wanders, which is the same in all pieces, and of a ramp."""
+"""Coefficients that tell of the drift, which is the same in all pieces, and of a ramp."""
 
 FEWEST = 24
 """Bins that a fit needs."""

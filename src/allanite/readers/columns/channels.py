@@ -42,7 +42,7 @@ class Left(NamedTuple):
 
 @dataclass(frozen=True)
 class Choice:
-    """The signals of a file, the assumptions about them, the columns left out, and open questions."""
+    """The signals of a file, the assumptions about them, the columns omitted, and open questions."""
 
     signals: tuple[Signal, ...]
     notes: tuple[str, ...]

@@ -18,7 +18,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     """Numeric arrays and the fields of structures, with their paths, and a function that sends them; see `worker.main`.
 
     The fields of an array of several structures are ``name/1/field``, ``name/2/field``. Cells, texts, truth values,
-    complex and sparse arrays, functions and objects of classes are left out.
+    complex and sparse arrays, functions and objects of classes are omitted.
     """
     said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
     with warnings.catch_warnings(record=True) as doubts:

@@ -79,7 +79,7 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
         Of the spikes, in `unit`; without a unit in standard deviations of the fast noise, which are those of the first
         differences over the square root of 2.
     unit : str
-        Of rates, or of the readings.
+        Of rates, or of the samples.
     rng : numpy.random.Generator
 
     Examples
@@ -154,7 +154,7 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
 def in_readings(record: Record, value: float, unit: str) -> float:
     """A rate, or what a rate gives in one interval, as the number that a reading of the record would be.
 
-    UnitError if the unit is neither of this sensor's rate nor of these readings.
+    UnitError if the unit is neither of this sensor's rate nor of these samples.
     """
     found, signal = unit_of(unit), record.signal
     if signal_with(found.dimension) is signal:
@@ -166,7 +166,7 @@ def in_readings(record: Record, value: float, unit: str) -> float:
 
 
 def _floats(record: Record) -> FloatArray:
-    """A copy of the readings."""
+    """A copy of the samples."""
     if record.kind == "angle":
         raise UsageError("faults apply to rates and increments, not to angles: simulate a rate first")
     return np.array(record.values, dtype=np.float64)

@@ -26,7 +26,7 @@ REACH, STEPS = 4.2, 22
 """Normal deviates between which the laws are tabulated, and how many."""
 
 TOGETHER = 0.5
-"""Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to hold the truth."""
+"""Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to contain the true value."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,7 @@ CERTAIN = 1e8
 """Degrees of freedom of what does not scatter."""
 
 LEADING = 3
-"""Eigenvalues that are told apart."""
+"""Eigenvalues that are distinguished."""
 
 STRETCH = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
@@ -91,7 +91,7 @@ class Local:
 
     `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
     hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is there where windows with lost
-    readings count.
+    samples count.
     """
 
     row: Statistic
@@ -137,7 +137,7 @@ class Local:
 
 
 class Kinds(NamedTuple):
-    """Which terms are smooth, which white noise of the angle, which deterministic, shape (t,) each."""
+    """Which terms are smooth, which white angle noise, which deterministic, shape (t,) each."""
 
     smooth: BoolArray
     white: BoolArray
@@ -158,7 +158,7 @@ def at_point(points: Points, i: int, model: Model) -> Local:
 
 
 def _of_means(points: Points, m: int, model: Model) -> Local:
-    """The same where windows with lost readings count."""
+    """The same where windows with missing samples count."""
     row, rate = points.row, points.rate
     found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
     E = found.expectation(terms)

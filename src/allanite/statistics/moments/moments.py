@@ -25,7 +25,7 @@ Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
 
 DISTINCT = 40
-"""Different lengths of runs that are dealt with one by one."""
+"""Different lengths of runs that are processed one by one."""
 
 
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
@@ -77,8 +77,8 @@ def _stationary(order: int, term: NoiseTerm) -> bool:
 def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
     """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
 
-    Exact for the model's mixture but for the quadrature: 1e-7 for differences, below 1 % for windows. A single row, not
-    a hybrid. Of a model with sinusoids, that of its noise.
+    Exact for the model's mixture except for the quadrature: 1e-7 for differences, below 1 % for windows. A single row,
+    not a hybrid. Of a model with sinusoids, that of its noise.
     """
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs

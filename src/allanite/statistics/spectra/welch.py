@@ -22,7 +22,7 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 }
 """Windows as sums of cosines: w(t) = a0 - a1 cos(2 pi t) + a2 cos(4 pi t) - ..., over one period.
 
-Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are left out.
+Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
 
 AT_ONCE = 2**22
