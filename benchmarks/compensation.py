@@ -105,10 +105,10 @@ def run_one(job: tuple[Cell, int]) -> np.ndarray:
     rng = np.random.default_rng(seed)
     gyro, along = recording(cell, rng, effect=False)
     X = _regressors(along["temp"])
-    plain = compensate(gyro, along, ["temp"], rate_of=["temp"])
+    plain = compensate(gyro, along, ["temp"], derivative_of=["temp"])
     false = [[plain[label].p < 0.05 for label in EFFECTS], np.abs(ordinary(gyro.values, X)) > 1.96]
     false.append(np.abs(known(cell, gyro.values, X)) > 1.96)
-    found = compensate(*recording(cell, rng, effect=True), ["temp"], rate_of=["temp"])
+    found = compensate(*recording(cell, rng, effect=True), ["temp"], derivative_of=["temp"])
     effects = [found[label] for label in EFFECTS]
     within = [e.low < EFFECTS[e.label] < e.high for e in effects]
     off = [(e.value - EFFECTS[e.label]) / e.standard_error for e in effects]

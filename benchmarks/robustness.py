@@ -181,8 +181,8 @@ def steps(y: np.ndarray, sensor: str) -> al.Record:
 
 
 FAULTS: dict[str, tuple[Callable[[np.ndarray, np.random.Generator], None] | None, str]] = {
-    "undithered quantizer": (None, "quantization is not white here"),
-    "line": (line, "taken out first, at 13 Hz"),
+    "undithered quantizer": (None, "quantization errors are not white"),
+    "line": (line, "removed first, at 13 Hz"),
     "filter roll-off": (rolled, "low-pass"),
     "half with double noise": (louder, "the noise level changes"),
     "heavy tails": (tailed, "heavy tails"),

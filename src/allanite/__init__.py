@@ -1,4 +1,4 @@
-"""Noise of gyroscopes and accelerometers: identified from a recording at rest, with honest intervals.
+"""Noise analysis of gyroscopes and accelerometers from static recordings, with confidence intervals.
 
 Names are imported when they are first used; ``__init__.pyi`` says where each of them is.
 """

@@ -180,5 +180,5 @@ def test_rows_are_put_in_order_and_that_is_said(fault):
         whole = clean("100 Hz in us", np.random.default_rng(seed))[1]
         record = read("100 Hz in us", *planted("100 Hz in us", fault, seed))["gx"]
         np.testing.assert_array_equal(record.values, whole)
-        said = {"repeated rows": "repeated rows left out", "swapped rows": "rows put in the order of their stamps"}
+        said = {"repeated rows": "repeated rows removed", "swapped rows": "rows sorted by time stamp"}
         assert record.history == (said[fault],)

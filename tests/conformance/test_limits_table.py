@@ -29,7 +29,7 @@ def covered(point):
 
 
 def short(points):
-    """Points whose limits at 95 % hold too seldom, and at 68 %, beyond chance."""
+    """Points whose limits at 95 % hold too rarely, and at 68 %, limit chance."""
     wide = [p for p in points if covered(p)[0] < 93 - spread(CURVES, 93)]
     return wide, [p for p in points if covered(p)[1] < 64 - spread(CURVES, 64)]
 

@@ -95,7 +95,7 @@ def test_a_constant_signal_is_refused(verb, folder):
 def test_stamps_that_scatter_are_said_once(verb, folder):
     result = run(verb, folder / "jitter.csv")
     assert result.exit_code == 0, words(result)
-    assert words(result).count("scatter by 0.11 intervals rms") == 1
+    assert words(result).count("scatter by 0.11 intervals RMS") == 1
 
 
 @pytest.mark.parametrize("verb", READ)
@@ -103,7 +103,7 @@ def test_outliers_are_said_and_the_option_is_taken(verb, folder):
     result = run(verb, folder / "spikes.csv")
     assert result.exit_code == 0, words(result)
     assert re.search(r"\d+ outliers beyond 5\.\d standard deviations", words(result))
-    gaps = ("--split-gaps",) if verb in ("rate", "compensate") else ()  # marked readings are lost
+    gaps = ("--split-gaps",) if verb in ("rate", "compensate") else ()  # marked samples are missing
     for word in ("mark", "keep"):
         result = run(verb, folder / "spikes.csv", "--outliers", word, *gaps)
         assert result.exit_code == 0, words(result)
@@ -119,7 +119,7 @@ def test_raw_binary_is_read(verb, folder):
     result = run(verb, folder / "raw.bin", *options, *one, regressor="2")
     if verb == "compensate":  # both columns are rates: read, and refused for what they are
         assert result.exit_code in (0, 2, 3)
-        assert "no format that is read" not in words(result)
+        assert "unknown file format" not in words(result)
     else:
         assert result.exit_code == 0, words(result)
 

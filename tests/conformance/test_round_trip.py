@@ -208,7 +208,7 @@ MAKERS = {
     "EstimatorSettings": lambda: al.rate.EstimatorSettings(lines=3, allowed=1e-9),
     "Experiment": lambda: rate_study().channels[0].experiment,
     "ExperimentSettings": lambda: al.rate.ExperimentSettings(methods=("mean",), dither=(400.0,)),
-    "Finding": lambda: Finding("gaps", "10 readings are lost", place=(0.5, 1.0)),
+    "Finding": lambda: Finding("gaps", "10 samples are missing", place=(0.5, 1.0)),
     "Fit": fit,
     **{f"Fit by {method}": lambda method=method: fit(method) for method in al.METHODS if method != "whittle"},
     "FitSettings": lambda: FitSettings(terms="NK", least=3.0),
@@ -342,9 +342,9 @@ def test_a_type_is_found_by_its_name_and_keeps_the_short_repr(name):
 
 def test_limits_at_another_level_are_refused():
     stored = al.from_dict(fit().to_dict(LEVEL))
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.95"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.9, not 0\.95"):
         stored["N"].interval(0.95)
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.9, not 0\.5"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.9, not 0\.5"):
         al.Curve.from_dict(curve().to_dict(LEVEL)).interval(0.5)
 
 
@@ -358,7 +358,7 @@ def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; the types are Alternative, "),
+        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; known types: Alternative, "),
         ([], "of type None cannot be read"),
         ({"type": "Finding", "name": "gaps"}, "the stored Finding has no 'what'"),
         ({"allanite": 2, "type": "Finding", "name": "gaps"}, "version 2; this program reads version 1"),
@@ -398,4 +398,4 @@ def test_a_pickle_holds_no_more_than_it_must():
 
 
 def test_a_notebook_shows_a_value():
-    assert "overlapped Allan deviation" in curve()._repr_html_()
+    assert "overlapping Allan deviation" in curve()._repr_html_()

@@ -69,7 +69,7 @@ def test_the_largest_factor_is_that_of_the_referee(name, n):
     known = {"totdev": n - 1, "haar": n // 2}  # one less than the folded record reaches; not the dyadic ones only
     assert row.largest(n) == known.get(name, largest(name, n))
     with pytest.raises(
-        al.UsageError, match=f"{row.largest(n)} for {n} samples" if row.largest(n) else "samples or more"
+        al.UsageError, match=f"{row.largest(n)} for {n} samples" if row.largest(n) else "needs at least"
     ):
         al.deviation(record_of(np.random.default_rng(1).standard_normal(n)), name, m=[row.largest(n) + row.step])
 
@@ -98,7 +98,7 @@ def test_windows_that_touch_a_gap_are_dropped(name, seed, lost, n):
         try:
             variance, count = windowed(y, m, name)
         except UndefinedError:
-            with pytest.raises(al.DataError, match=r"no complete window|no two neighbouring"):
+            with pytest.raises(al.DataError, match=r"no complete window|no two successive"):
                 al.deviation(record_of(y), name, m=[m], gaps="complete")
         else:
             curve = al.deviation(record_of(y), name, m=[m], gaps="complete")
@@ -118,7 +118,7 @@ def test_gaps_leave_a_named_grid_shorter_or_are_refused(name):
     whole = al.deviation(record_of(y), name)
     y[[250, 251, 640]] = np.nan
     if not al.STATISTICS[name].gaps:
-        with pytest.raises(al.DataError, match="no meaning in one with gaps"):
+        with pytest.raises(al.DataError, match="not defined for a record with gaps"):
             al.deviation(record_of(y), name)
         return
     curve = al.deviation(record_of(y), name, gaps="complete")
@@ -316,8 +316,8 @@ def test_grids(grid, largest):
 def test_wrong_grids_say_what_is_possible():
     record = record_of(np.arange(10.0) ** 2)
     for options, words in [
-        ({"taus": "often"}, "known are octave"),
-        ({"taus": [1.4]}, "no multiple"),
+        ({"taus": "often"}, "known grids: octave"),
+        ({"taus": [1.4]}, "not a multiple"),
         ({"taus": [6.0]}, "between 1 and 5"),
         ({"m": [0]}, "between 1 and 5"),
         ({"m": [1.5]}, "integers"),
@@ -325,7 +325,7 @@ def test_wrong_grids_say_what_is_possible():
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.deviation(record, "oadev", **options)
-    with pytest.raises(al.UsageError, match="known are adev, oadev"):
+    with pytest.raises(al.UsageError, match="known statistics: adev, oadev"):
         al.deviation(record, "nadev")
 
 

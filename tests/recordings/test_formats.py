@@ -14,9 +14,7 @@ from allanite.readers import read
 )
 def test_r_matrix_of_an_imu(recordings, name, mean, std):
     path = recordings / f"{name}.rda"
-    with pytest.raises(
-        UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is not known; pass unit='deg/s' \(--unit"
-    ):
+    with pytest.raises(UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is unknown; pass the unit of the samples with unit="):
         read(path)
     gyros = read(path, unit="deg/s")
     assert gyros.channels == ("Gyro. X", "Gyro. Y", "Gyro. Z")
@@ -29,7 +27,7 @@ def test_r_matrix_of_an_imu(recordings, name, mean, std):
 
 def test_matlab_73(recordings):
     folder = recordings / "mpu6050_static10min"
-    with pytest.raises(UsageError, match=r"sampling rate.*time='1' \(--time 1\).*'gyroBuffer 1'"):
+    with pytest.raises(UsageError, match=r"sampling rate.*'gyroBuffer 1'"):
         read(folder / "mpu6050_gyroscope.mat", unit="deg/s")
     stamped = read(folder / "mpu6050_gyroscope.mat", unit="deg/s", time="1[s]")
     assert stamped[0].rate == pytest.approx(99.317, abs=1e-3)
@@ -42,7 +40,7 @@ def test_matlab_73(recordings):
 
 def test_an_ascii_mat(recordings):
     path = recordings / "imu_tk_xsens_gyro.mat"
-    with pytest.raises(UsageError, match=r"sampling rate: pass rate=100 \(--rate 100\).*'column 2'.*--unit deg/s"):
+    with pytest.raises(UsageError, match=r"sampling rate .*rate=100.*'column 2'.*unit="):
         read(path)
     assert {r.size for r in read(path, rate=100, unit="deg/s", scale=0.01)} == {51175}
 
@@ -54,7 +52,7 @@ def test_an_ascii_mat(recordings):
         ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 readings, 2.78 h"),
         ("imu_tk_xsens_gyro.mat", [], 2, "--rate 100"),
         ("imu_tk_xsens_gyro.mat", ["--rate", "100", "--scale", "0.01deg/s", "--until", "50"], 0, "rate in 0.01 deg/s"),
-        ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "no multiple of the 6 bytes of a row"),
+        ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "not a multiple of the 6 bytes of a row"),
     ],
 )
 def test_info_in_words(recordings, name, options, code, words):

@@ -79,11 +79,11 @@ CASES = [
     ("short.csv", OPTIONS, 3, ["10 readings", "too few", "200"]),
     ("brief.csv", OPTIONS, 3, ["199 readings", "too few", "200"]),
     ("infinite.csv", OPTIONS, 3, ["2 of 5000 readings", "infinite", "sample 7", "NaN"]),
-    ("lost.csv", OPTIONS, 3, ["4850 of 5000 readings are lost", "150 are left", "200"]),
+    ("lost.csv", OPTIONS, 3, ["4850 of 5000 samples are missing", "150 remain", "200"]),
     ("nearly.csv", OPTIONS, 3, ["4700 of 5000", "less than a tenth", "--from"]),
-    ("torn.csv", OPTIONS, 3, ["2500 of 5000", "single readings", "--from"]),
+    ("torn.csv", OPTIONS, 3, ["2500 of 5000", "isolated samples", "--from"]),
     ("still.csv", OPTIONS, 3, ["never changes", "3.25"]),
-    ("moving.csv", OPTIONS, 3, ["moves from 30", "at rest", "--until"]),
+    ("moving.csv", OPTIONS, 3, ["moves from 30", "static recording", "--until"]),
     ("one.csv", [*OPTIONS, "--outliers", "fill"], 2, ["'mark'", "'keep'", "'fill'"]),
     ("folder", OPTIONS, 3, ["directory"]),
     ("pickle.npy", OPTIONS, 3, ["pickle", "never"]),
@@ -160,7 +160,7 @@ def test_raw_binary_from_the_command_line(tmp_path):
     assert (channel["name"], channel["rate"], channel["size"]) == ("column 2", 100.0, 3000)
     wrong = CliRunner().invoke(main, ["info", str(tmp_path / "log.bin"), *layout[:4], "--rate", "100"])
     assert wrong.exit_code == 3
-    assert "no multiple of the 4 bytes of a row" in " ".join(wrong.output.split())
+    assert "not a multiple of the 4 bytes of a row" in " ".join(wrong.output.split())
 
 
 def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
@@ -190,4 +190,4 @@ def test_a_clipped_record_is_analysed_with_a_warning(tmp_path):
     csv_of(tmp_path / "a.csv", [np.clip(np.round(noise(20_000), 3), -1.8, 1.8)])
     result = CliRunner().invoke(main, ["analyze", str(tmp_path / "a.csv"), *OPTIONS])
     assert result.exit_code == 0
-    assert "lie exactly at the upper end" in " ".join(result.stdout.split())
+    assert "equal to the upper value" in " ".join(result.stdout.split())

@@ -55,7 +55,7 @@ def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
     said = run("analyze", shaken)
     assert said.count("the body moved: gy moves") == 1
     assert "gx, gz: the body moved: gy moves from 299.2 s" in said
-    offered = re.search(r"the longest still stretch: ((--from \S+ )?--until \d+)", said)[1]
+    offered = re.search(r"the longest static stretch: ((--from \S+ )?--until \d+)", said)[1]
     again = run("analyze", shaken, *shlex.split(offered))
     assert "moves" not in again
     assert again.count("angle random walk") >= 3
@@ -75,7 +75,7 @@ def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tm
     file = write(tmp_path / "my day.csv", warm(True))
     said = run("analyze", file, "--from", 50)
     assert said.count("the drift of gx follows temp") == 1
-    line = re.search(r"take it off: (allanite compensate .* --regressors temp) ", said)[1]
+    line = re.search(r"remove it: (allanite compensate .* --regressors temp) ", said)[1]
     words = shlex.split(line)[1:]
     assert words == ["compensate", str(file), "--from", "50.0", "--regressors", "temp"]
     again = run(*words)
@@ -157,7 +157,7 @@ def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
     spiked(y)
     file, data = write(tmp_path / "day.csv", {"gx [deg/s]": y}), tmp_path / "day.json"
-    assert "leave them out there, too (--outliers mark)" in run("analyze", file)
+    assert "exclude them there, too (--outliers mark)" in run("analyze", file)
     first = []
     for how in ("keep", "mark"):
         run("analyze", file, "--outliers", how, "--json", data, "--force")
@@ -171,6 +171,6 @@ def test_where_nearly_all_is_lost_a_window_of_what_is_left_is_analysed(tmp_path)
     file = write(tmp_path / "day.csv", {"gx [deg/s]": y})
     refused = CliRunner().invoke(main, ["analyze", str(file)])
     assert refused.exit_code == 3
-    assert "less than a tenth is left" in refused.output
+    assert "less than a tenth remains" in refused.output
     assert "choose a window (--from, --until)" in " ".join(refused.output.split())
     assert "angle random walk" in run("analyze", file, "--from", 18_500 / RATE)

@@ -53,7 +53,7 @@ def test_which_method(vertical):
 
 def test_the_noise_is_identified_where_none_is_given(vertical):
     result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
-    assert "the noise was identified from blocks of 400 readings (1 s)" in result.stdout
+    assert "the noise was identified from blocks of 400 samples (1 s)" in result.stdout
     assert "Q = 0.2" in result.stdout
 
 
@@ -125,22 +125,22 @@ def test_reversal_and_north(folder):
 
 
 BAD = {
-    "no latitude": (("--horizontal",), 2, "north is found at a latitude"),
+    "no latitude": (("--horizontal",), 2, "finding north needs the latitude"),
     "two references": (("--latitude", "50", "--reference", "3"), 2, "given twice"),
-    "an unknown method": (("--methods", "mean,median"), 2, "known are mean, hamming"),
-    "a term without unit": (("--noise", "N 0.003"), 2, "after N come a number and a unit"),
-    "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "a number is wanted"),
+    "an unknown method": (("--methods", "mean,median"), 2, "known estimators: mean, hamming"),
+    "a term without unit": (("--noise", "N 0.003"), 2, "N must be followed by a number and a unit"),
+    "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "expected a number"),
     "a bias in degrees": (("--bias", "3 deg"), 2, "has a unit such as deg/h"),
-    "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another sensor: accelerometer"),
+    "a bias of another sensor": (("--bias", "3 ug"), 3, "belongs to another type of sensor: accelerometer"),
     "no seconds": (("--interval", "0"), 2, "positive number of seconds"),
-    "dither that folds onto zero": (("--dither", "400"), 2, "cannot be told from a rate"),
-    "no intervals": (("--most", "0"), 2, "at least one interval"),
+    "dither that folds onto zero": (("--dither", "400"), 2, "cannot be separated from a rate"),
+    "no intervals": (("--most", "0"), 2, "must be at least 1"),
     "too many lines": (("--lines", "60000"), 2, "do not fit into 48000 samples"),
     "an unknown target": (("--target", "end"), 2, "unknown target 'end'"),
     "a constant that wanders": (
         ("--target", "constant", "--noise", "N 0.001 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
         2,
-        "wander without bound",
+        "drift is unbounded",
     ),
     "a rate that the earth does not have": (("--horizontal", "--latitude", "80"), 3, "more than the earth turns"),
     "a second file that is the output": (("--second", "x.json", "--json", "x.json"), 2, "would overwrite"),
@@ -165,10 +165,10 @@ def test_lost_readings_are_named_or_split(folder):
     how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate", "--noise", "N 0.0053 deg/sqrt(h)", "--interval", "60")
     refused = run(path, *how)
     assert refused.exit_code == 3
-    assert "1 of 4000 readings of 'z' are not finite, the first at sample 1234" in refused.stderr
+    assert "1 of 4000 samples of 'z' are not finite, the first is sample 1234" in refused.stderr
     split = run(path, *how, "--split-gaps")
     assert split.exit_code == 0, split.stderr
-    assert "1 readings are lost" in split.stdout
+    assert "1 sample missing" in split.stdout
 
 
 def test_the_recipe_repeats_the_run(vertical, folder, tmp_path):

@@ -1,4 +1,4 @@
-"""Harmonic errors of angle sensors: of a gimbal's, estimated in service, and of any encoder against a reference."""
+"""Harmonic errors of angle sensors: of a gimbal, estimated in service, and of any encoder against a reference."""
 
 from .calibration import Calibration as Calibration
 from .calibration import estimate as estimate

@@ -24,7 +24,7 @@ from .solve import System, solve
 Prior = tuple[float, float]
 
 LARGE = 0.2
-"""Phase of a harmonic, rad, that the error itself may amount to before the linear model is doubtful."""
+"""Phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,7 +36,7 @@ class Calibration(Value):
     harmonics : tuple of Harmonics
         One for each angle; each is a Correction of that sensor's record.
     solution : Solution
-        All constants, their covariance and history, the tests of what is left.
+        All constants, their covariance and history, the tests of the residuals.
     gimbals : Gimbals
         The angles they were estimated at.
     """
@@ -52,7 +52,7 @@ class Calibration(Value):
 
     def __getitem__(self, angle: str) -> Harmonics:
         if angle not in self.angles:
-            raise UsageError(f"no angle {angle!r} was estimated; there are {', '.join(self.angles)}")
+            raise UsageError(f"no angle {angle!r} was estimated; angles: {', '.join(self.angles)}")
         return self.harmonics[self.angles.index(angle)]
 
     def __iter__(self) -> Iterator[Harmonics]:
@@ -65,7 +65,7 @@ class Calibration(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written; the solution, stored once, belongs to each angle."""
+        """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
         found = super().from_dict(data)
         return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
 
@@ -92,7 +92,7 @@ def estimate(
     prior: Prior | None = None,
     method: str = "recursive",
 ) -> Calibration:
-    """Estimate the harmonics of the angle sensors while the earth turns the gimbals, or the ship sways.
+    """Estimate the harmonics of the angle sensors while the earth's rotation, or a ship's sway, moves the gimbals.
 
     The measured cosine of the angle between the momentum vectors less the computed one is ``z = sum of f_a e_a(a)``,
     with the partial derivative f_a of the cosine and the harmonic error e_a of each angle a, plus the auto-compensation
@@ -107,18 +107,18 @@ def estimate(
     orders : sequence of int, or mapping of angle to such
         Harmonics; by default 128 and 256 of h and q of the equatorial gyro.
     nuisance : sequence of str
-        What is estimated along: keys of `design.NUISANCES`. There is no constant among the usual ones.
+        Parameters estimated jointly: keys of `design.NUISANCES`. The default has no constant.
     sigma : float, optional
-        Standard deviation of a reading's white noise, rad; estimated if not given.
+        Standard deviation of a sample's white noise, rad; by default it is estimated.
     prior : (amplitudes, rest), optional
-        Standard deviations about 0 before the readings, rad (rad/s for A3). None: nothing is known.
+        Prior standard deviations about 0, rad (rad/s for A3). None: no prior.
     method : {"recursive", "batch"}
         See `solve.solve`.
 
     Raises
     ------
     DataError
-        Readings are not finite or too few, an angle does not move, or the readings do not tell the constants apart.
+        Samples are not finite or too few, an angle does not move, or the samples do not separate the constants.
     UsageError
         A choice is impossible.
 
@@ -135,7 +135,7 @@ def estimate(
     harmonics = harmonic_set(orders)
     z = column("the difference of cosines", difference, gimbals.time.size)
     if (largest := np.abs(z).max()) > 2:
-        raise DataError(f"the difference of two cosines lies within 2, but {largest:.4g} came; is it scaled?")
+        raise DataError(f"the difference of two cosines must be within 2, but is {largest:.4g}; is it scaled?")
     names, rows = design(gimbals, harmonics, nuisance)
     before = prior_of(prior, harmonics, len(names))
     solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
@@ -151,7 +151,9 @@ def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size
     try:
         amplitudes, rest = (float(v) for v in prior)
     except (TypeError, ValueError):
-        raise UsageError(f"prior is two standard deviations, of the amplitudes and the rest, not {prior!r}") from None
+        raise UsageError(
+            f"prior must be two standard deviations, of the amplitudes and the other parameters, not {prior!r}"
+        ) from None
     if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
         raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
     count = len(amplitude_names(harmonics))
@@ -174,14 +176,14 @@ def part(solution: Solution, angle: str, orders: tuple[int, ...], first: int) ->
 
 
 def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
-    """Amplitudes that are no longer small against the period of their harmonic."""
+    """Amplitudes that are not small relative to the period of their harmonic."""
     for h in harmonics:
         phase = h.amplitude * np.array(h.orders)
         worst = int(phase.argmax())
         if phase[worst] > LARGE:
             yield Finding(
                 "large",
-                f"harmonic {h.orders[worst]} of {h.name or 'the angle'} moves its own phase by {phase[worst]:.2g} rad",
-                "the linear model is doubtful for errors that are not small against their period",
+                f"harmonic {h.orders[worst]} of {h.name or 'the angle'} shifts its own phase by {phase[worst]:.2g} rad",
+                "the linear model is doubtful for errors that are not small relative to their period",
                 "check units; correct the angles by this estimate, and estimate again",
             )

@@ -1,4 +1,4 @@
-"""What must be known beside the numbers: how well the experiment tells its constants apart."""
+"""Findings about an experiment: how well it separates its constants."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -13,13 +13,13 @@ from .solution import correlation_of
 from .squareroot import SquareRoot
 
 ALIKE = 0.9
-"""Correlation above which two amplitudes are hardly told apart."""
+"""Correlation above which two amplitudes are hardly distinguished."""
 
 DISTURBED = 1.5
-"""Growth of a standard error by the auto-compensating turn that is worth a word."""
+"""Growth of a standard error by the auto-compensating rotation above which it is reported."""
 
 UNTOLD = 0.8
-"""Standard error over the prior's, above which the readings say little."""
+"""Standard error over the prior's, above which the samples say little."""
 
 
 def caveats(
@@ -29,7 +29,7 @@ def caveats(
     known: SquareRoot,
     prior: FloatArray | None,
 ) -> tuple[Finding, ...]:
-    """Findings about an experiment, whether done or planned.
+    """Findings about an experiment, performed or planned.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def caveats(
     names : tuple of str
         Of the constants, amplitudes first.
     known : SquareRoot
-        After all readings.
+        After all samples.
     prior : array or None
         Standard deviations before them.
     """
@@ -66,7 +66,7 @@ def _short(
                 "span",
                 f"the angle {angle} moves by {math.degrees(span):.3g} deg, less than one period of its harmonic "
                 f"{min(orders)} ({math.degrees(period):.3g} deg)",
-                f"its harmonics are hardly separable: {names[mine[i]]} correlates with {names[j]} by "
+                f"its harmonics can hardly be separated: {names[mine[i]]} correlates with {names[j]} by "
                 f"{correlation[mine[i], j]:+.3f}",
                 "choose a longer interval, or a part of the day where the angle moves faster",
             )
@@ -80,8 +80,9 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
         more = f" and {len(pairs) - 3} more pairs" if len(pairs) > 3 else ""
         yield Finding(
             "alike",
-            f"hardly told apart: {shown}{more}",
-            "their periods nearly coincide, so their errors are large and alike; their joint effect is known better",
+            f"hardly separable: {shown}{more}",
+            "their periods nearly coincide, so that their errors are large and correlated; their joint effect is "
+            "known better",
             "choose a range of angles where the periods differ, a longer interval, or sway",
         )
 
@@ -96,9 +97,10 @@ def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) ->
     if growth[worst] > DISTURBED:
         yield Finding(
             "turn",
-            f"the auto-compensating turn makes the standard error of {names[worst]} {growth[worst]:.2g} times as large",
+            f"the auto-compensating rotation increases the standard error of {names[worst]} by a factor of "
+            f"{growth[worst]:.2g}",
             "its period is near that of an error",
-            "choose another period of the turn, or another range of angles",
+            "choose another period of the rotation, or another range of angles",
         )
 
 
@@ -110,10 +112,11 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
         if moved[worst] > 0.25:
             yield Finding(
                 "sparse",
-                f"between two readings ({step[worst]:.4g} s) {angle} moves by up to {moved[worst]:.2g} periods of its "
-                f"harmonic {max(orders)}",
-                "an error between the readings is not seen, and angle and cosine must be read at the same instant",
-                "read at least four times in a period",
+                f"between two samples ({step[worst]:.4g} s) {angle} moves by up to {moved[worst]:.2g} periods of "
+                f"its harmonic {max(orders)}",
+                "an error between the samples is not observed, and angle and cosine must be sampled at the same "
+                "instant",
+                "sample at least four times per period",
             )
 
 
@@ -122,7 +125,8 @@ def _untold(names: tuple[str, ...], errors: FloatArray, prior: FloatArray) -> It
     if little:
         yield Finding(
             "untold",
-            f"the readings say little about {', '.join(little)}: what is known of them is mostly what was said before",
-            "their estimates are drawn towards zero",
+            f"the samples carry little information about {', '.join(little)}: their estimates depend mostly on the "
+            "prior",
+            "their estimates are biased towards zero",
             "choose a longer interval or another range of angles",
         )

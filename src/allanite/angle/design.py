@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.wording import spelled
 
 from .door import demand_motion
 from .geometry import ANGLES, EARTH_RATE, Gimbals, demand_angles
@@ -29,8 +30,12 @@ class Nuisance(NamedTuple):
 def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
     if g.rho is None:
         raise UsageError(
-            "ax and az need the angle rho of the auto-compensating rotation (turn_period=..., --turn-period); without "
-            "one leave them out: nuisance=('A1', 'A2', 'A3') (--nuisance A1,A2,A3)"
+            spelled(
+                "ax and az need the angle rho of the auto-compensating rotation (--rho or --turn-period); without "
+                "one omit them: --nuisance A1,A2,A3",
+                "ax and az need the angle rho of the auto-compensating rotation (turn_period=...); without one omit "
+                "them: nuisance=('A1', 'A2', 'A3')",
+            )
         )
     return np.sin(g.rho), np.cos(g.rho)
 
@@ -46,11 +51,11 @@ def _along(g: Gimbals) -> FloatArray:
 
 
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance("misalignment of the rotor's optical sensor with the turn, x", 0, _across),
+    "ax": Nuisance("misalignment of the rotor's optical sensor in the rotating frame, x", 0, _across),
     "az": Nuisance("the same, z", 0, _along),
     "A1": Nuisance("daily sine of the gyros' unknown drift", 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance("daily cosine of it", 0, lambda g: np.cos(EARTH_RATE * g.time)),
-    "A3": Nuisance("steady growth of it", 1, lambda g: g.time),
+    "A3": Nuisance("linear growth of it", 1, lambda g: g.time),
     "A0": Nuisance("a constant", 0, lambda g: np.ones(g.time.size)),
 }
 """What is estimated along with the harmonics; all but A0 unless others are named.
@@ -76,7 +81,7 @@ def harmonic_set(orders: Orders) -> dict[str, tuple[int, ...]]:
         chosen = dict.fromkeys(EQUATORIAL, orders_of(orders))
     demand_angles(chosen)
     if not chosen:
-        raise UsageError(f"no angle is chosen; there are {', '.join(ANGLES)}")
+        raise UsageError(f"no angle is selected; angles: {', '.join(ANGLES)}")
     return chosen
 
 
@@ -99,9 +104,9 @@ def design(
     """
     for name in nuisance:
         if name not in NUISANCES:
-            raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
+            raise UsageError(f"unknown nuisance {name!r}; known: {', '.join(NUISANCES)}")
     if len(set(nuisance)) < len(nuisance):
-        raise UsageError(f"a nuisance stands twice: {', '.join(nuisance)}")
+        raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
     for angle, orders in harmonics.items():
         demand_motion(f"the angle {angle}", gimbals.span(angle), orders, _remedy(angle))
     f = gimbals.partials
@@ -113,7 +118,7 @@ def design(
 def _remedy(angle: str) -> str:
     if "polar" in angle:
         return (
-            "The polar gyro's gimbals stand still on a fixed base (at the latitude and 0): its sensors can be "
-            "estimated under sway only"
+            "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors "
+            "can be estimated under sway only"
         )
     return "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"

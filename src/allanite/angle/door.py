@@ -1,4 +1,4 @@
-"""What comes in is checked here, once."""
+"""Checks of the input."""
 
 import math
 
@@ -18,25 +18,25 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
     Raises
     ------
     DataError
-        It is something else; the message names the first bad reading.
+        It is something else; the message names the first bad sample.
     """
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind not in "fiu":
         raise DataError(f"{name} must be real numbers of shape (n,), not {array.dtype} of shape {array.shape}")
     if size is not None and array.size != size:
-        raise DataError(f"{name} has {array.size} readings where {size} are expected: one for each of the others")
+        raise DataError(f"{name} has {array.size} samples instead of {size}, as many as the others")
     bad = ~np.isfinite(array)
     if bad.any():
         first = int(bad.argmax())
         raise DataError(
-            f"{int(bad.sum())} of {bad.size} readings of {name} are not finite, the first at sample {first}; "
-            "leave those rows out: the readings need not be evenly spaced"
+            f"{int(bad.sum())} of {bad.size} samples of {name} are not finite, the first is sample {first}; omit "
+            "those rows: the samples need not be evenly spaced"
         )
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
 def demand_increasing(time: FloatArray) -> None:
-    """Refuse a clock that stands still or runs back.
+    """Refuse times that are not increasing.
 
     Raises
     ------
@@ -46,10 +46,10 @@ def demand_increasing(time: FloatArray) -> None:
     steps = np.diff(time)
     if (steps <= 0).any():
         at = int((steps <= 0).argmax())
-        how = "goes back" if steps[at] < 0 else "stands still"
+        how = "decreases" if steps[at] < 0 else "does not increase"
         raise DataError(
-            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), {int((steps <= 0).sum())} "
-            "such steps in all; sort the rows by time and leave out repeated ones"
+            f"time {how} at sample {at + 1} ({time[at + 1]:.9g} s after {time[at]:.9g} s), "
+            f"{int((steps <= 0).sum())} such steps in all; sort the rows by time and remove repeated ones"
         )
 
 
@@ -64,7 +64,7 @@ def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) 
     period = 2 * math.pi / max(orders)
     if span < STILL * period:
         raise DataError(
-            f"{name} stays within {math.degrees(span):.3g} deg, a period of its harmonic {max(orders)} is "
-            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be told from a "
-            f"constant. {remedy}"
+            f"{name} stays within {math.degrees(span):.3g} deg, but a period of its harmonic {max(orders)} is "
+            f"{math.degrees(period):.3g} deg: the harmonics of an angle that does not move cannot be separated from "
+            f"a constant. {remedy}"
         )

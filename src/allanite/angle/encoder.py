@@ -13,6 +13,7 @@ from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 
 from .calibration import part, too_large
 from .door import column, demand_motion
@@ -24,7 +25,7 @@ SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""
 
 RARE = 1e-3
-"""Probability with which a further harmonic is announced that is not there."""
+"""Probability of a false detection of a further harmonic."""
 
 ABSURD = 0.5
 """Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
@@ -40,7 +41,7 @@ def calibrate(
     trend: int = 0,
     name: str = "",
 ) -> Harmonics:
-    """Harmonic errors of an angle sensor, from its readings and those of a better one.
+    """Estimate the harmonic errors of an angle sensor from its samples and those of a reference.
 
     Least squares of ``measured - reference``, wrapped into half a turn, on ``sin k a, cos k a`` of the measured angle a
     for each order k, and a constant.
@@ -48,17 +49,17 @@ def calibrate(
     Parameters
     ----------
     measured, reference : Record of kind "angle", or array of shape (n,)
-        At the same instants; both may wrap at a full turn, wherever they like.
+        Angles at the same instants; both may wrap at a full turn, at any angle.
     orders : sequence of int
         Harmonics of the angle; 1 is the eccentricity.
     unit : str
         Of arrays; records carry their own.
     sigma : float, optional
-        Standard deviation of a difference's white noise, in `unit` (rad for records); estimated if not given.
+        Standard deviation of a difference's white noise, in `unit` (rad for records); by default it is estimated.
     trend : int
-        Degree of a polynomial in the reading's number that is estimated along: 0 a constant, 1 a drift too.
+        Degree of a polynomial in the sample number that is estimated jointly: 0 a constant, 1 also a drift.
     name : str
-        Of the sensor; that of its record if left out.
+        Name of the sensor; by default that of its record.
 
     Returns
     -------
@@ -68,9 +69,9 @@ def calibrate(
     Raises
     ------
     DataError
-        Readings are not finite or too few, the angle does not move, or orders are not told apart.
+        Samples are not finite or too few, the angle does not move, or the orders cannot be separated.
     UnitError
-        The unit is none of an angle, or the numbers contradict it.
+        The unit is not that of an angle, or the numbers contradict it.
     UsageError
         Another choice is impossible.
 
@@ -86,9 +87,9 @@ def calibrate(
     angle, factor = _angle("measured", measured, unit)
     against, _ = _angle("reference", reference, unit)
     if against.size != angle.size:
-        raise DataError(f"reference has {against.size} readings where {angle.size} are expected: one for each measured")
+        raise DataError(f"reference has {against.size} samples instead of {angle.size}, as many as measured")
     if trend not in (0, 1, 2):
-        raise UsageError(f"trend is the degree 0, 1 or 2 of a polynomial, not {trend!r}")
+        raise UsageError(f"trend must be the degree 0, 1 or 2 of a polynomial, not {trend!r}")
     _demand_radians(angle, unit)
     z = _wrapped(angle - against)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
@@ -116,7 +117,7 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
         return column(what, values.values) * values.factor, 1.0
     size = unit_of(unit)
     if size.dimension != unit_of("rad").dimension:
-        raise UnitError(f"{unit!r} is no unit of an angle; for example rad, deg, arcsec")
+        raise UnitError(f"{unit!r} is not a unit of an angle; for example rad, deg, arcsec")
     return column(what, values) * size.factor, size.factor
 
 
@@ -131,20 +132,24 @@ def _demand_radians(angle: FloatArray, unit: str) -> None:
     steps = np.abs(np.diff(angle))
     if steps.size and np.any(np.abs(steps - 360.0) < 5.0) and np.median(steps) < 5.0:
         at = int(np.argmax(np.abs(steps - 360.0) < 5.0))
-        raise UnitError(f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? (unit={unit!r})")
+        raise UnitError(
+            f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
+            f"({spelled('--unit deg', f'unit={unit!r}')})"
+        )
 
 
 def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:
     spread = float(np.std(z))
     if spread * max(orders) > ABSURD:
         raise DataError(
-            f"measured and reference differ by {spread:.3g} rad about their mean, no longer small against a period of "
-            f"harmonic {max(orders)} ({2 * math.pi / max(orders):.3g} rad): are units, signs and columns right?"
+            f"measured and reference differ by {spread:.3g} rad about their mean, which is not small relative to a "
+            f"period of harmonic {max(orders)} ({2 * math.pi / max(orders):.3g} rad): are units, signs and columns "
+            "right?"
         )
 
 
 def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:
-    """The largest harmonic that was not asked for, where the sensor has seen its whole turn."""
+    """The largest harmonic that was not requested, where the sensor has seen its whole turn."""
     sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
     count = np.bincount(place, minlength=sectors)
@@ -160,8 +165,8 @@ def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> 
     if noise > 0 and sizes.size * math.exp(-left.size * (size / noise) ** 2 / 4) < RARE:
         yield Finding(
             "order",
-            f"harmonic {order} is there too, of about {size * 648_000 / math.pi:.3g} arcsec",
-            "it was not asked for, and makes the standard errors of the others wrong",
+            f"harmonic {order} is also present, with an amplitude of about {size * 648_000 / math.pi:.3g} arcsec",
+            "it was not requested, and makes the standard errors of the others wrong",
             f"add {order} to the orders",
         )
 
@@ -176,8 +181,8 @@ def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> 
             "span",
             f"the angle moves by {math.degrees(span):.3g} deg, less than one period of harmonic {min(orders)} "
             f"({math.degrees(period):.3g} deg)",
-            f"what is estimated is hardly separable: {pair}",
-            "turn further, or leave the lowest orders out",
+            f"the parameters can hardly be separated: {pair}",
+            "turn further, or omit the lowest orders",
         )
     elif abs(correlation[i, j]) > 0.9:
-        yield Finding("alike", f"hardly told apart: {pair}", "their errors are large and alike", "turn further")
+        yield Finding("alike", f"hardly separable: {pair}", "their errors are large and correlated", "turn further")

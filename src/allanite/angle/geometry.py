@@ -1,4 +1,4 @@
-"""Where the gimbals of two free gyros stand: the geometry of the earth's rotation and of a ship's sway.
+"""The gimbal angles of two free gyros: the geometry of the earth's rotation and of a ship's sway.
 
 Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, sin h): h is the angle of the inner
 gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator;
@@ -39,7 +39,7 @@ def demand_angles(names: Iterable[str]) -> None:
     """Refuse names that are none of `ANGLES`."""
     for name in names:
         if name not in ANGLES:
-            raise UsageError(f"unknown angle {name!r}; there are {', '.join(ANGLES)}")
+            raise UsageError(f"unknown angle {name!r}; angles: {', '.join(ANGLES)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,7 +75,7 @@ class Gimbals(Value):
     def __post_init__(self) -> None:
         time = column("time", self.time)
         if time.size < 2:
-            raise DataError(f"{time.size} readings are too few; the angles must move in the course of the record")
+            raise DataError(f"{time.size} samples are too few; the angles must move during the record")
         demand_increasing(time)
         object.__setattr__(self, "time", time)
         for name in (*ANGLES, *(["rho"] if self.rho is not None else [])):
@@ -88,7 +88,7 @@ class Gimbals(Value):
 
     @property
     def cosine(self) -> FloatArray:
-        """Cosine of the angle between the two momentum vectors, shape (n,); 0 but for errors."""
+        """Cosine of the angle between the two momentum vectors, shape (n,); 0 except for errors."""
         flat = np.cos(self.h) * np.cos(self.h_polar) * np.cos(self.q - self.q_polar)
         return np.asarray(flat + np.sin(self.h) * np.sin(self.h_polar))
 
@@ -134,10 +134,10 @@ def gimbals(
     sway: Sway | tuple[float, float] | None = None,
     turn_period: float | None = 300.0,
 ) -> Gimbals:
-    """Where the gimbals of an ideal pair of gyros stand.
+    """The gimbal angles of an ideal pair of gyros.
 
     On a still base ``h = asin(cos(latitude) sin(W t))`` and ``q = atan2(cos(W t), -sin(latitude) sin(W t))`` with the
-    earth's rate W; the polar gyro's stand at the latitude and 0.
+    earth's rate W; the polar gyro's angles are the latitude and 0.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def gimbals(
     sway : (amplitude, period) or Sway, optional
         rad and s. It moves the polar gyro's gimbals too.
     turn_period : float or None
-        Of the auto-compensating rotation, s; None: there is none.
+        Period of the auto-compensating rotation, s; None for no rotation.
 
     Raises
     ------
@@ -175,11 +175,13 @@ def gimbals(
     """
     clock = column("time", time)
     if not math.isfinite(latitude) or abs(latitude) > math.pi / 2 + 1e-12:
-        raise UnitError(f"a latitude lies within a right angle; {latitude!r} rad does not: is it in degrees?")
+        raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
     if q_law not in Q_LAWS:
-        raise UsageError(f"unknown law {q_law!r} of q; known are {', '.join(Q_LAWS)}")
+        raise UsageError(f"unknown law {q_law!r} of q; known laws: {', '.join(Q_LAWS)}")
     if turn_period is not None and not (math.isfinite(turn_period) and turn_period > 0):
-        raise UsageError(f"the period of the auto-compensating turn is a positive number of s, not {turn_period!r}")
+        raise UsageError(
+            f"the period of the auto-compensating rotation must be a positive number of s, not {turn_period!r}"
+        )
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)
     still = Gimbals(

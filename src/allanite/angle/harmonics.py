@@ -15,7 +15,7 @@ from allanite.core.record import Record, Recording
 from .solution import Solution, quantile
 
 FOUND = 0.01
-"""An amplitude is called found where one as large has a smaller probability than this if there is none."""
+"""p-value below which an amplitude is called identified."""
 
 
 def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
@@ -37,13 +37,13 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     except (TypeError, ValueError):
         found, fine = (), False
     if not fine or not found or len(set(found)) < len(found):
-        raise UsageError(f"{what} are different positive whole numbers such as [128, 256], not {orders!r}")
+        raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
     return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Harmonics(Correction):
-    """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its reading.
+    """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its sample.
 
     Attributes
     ----------
@@ -99,15 +99,15 @@ class Harmonics(Correction):
         return total
 
     def read(self, angle: FloatArray) -> FloatArray:
-        """What the sensor reads at a true angle, rad: the r for which ``r - at(r)`` is that angle.
+        """The output of the sensor at a true angle, rad: the r for which ``r - at(r)`` is that angle.
 
         Raises
         ------
         UsageError
-            The errors are so large against their periods that a reading stands for several angles.
+            The errors are so large relative to their periods that one output represents several angles.
         """
         if float((self.amplitude * np.array(self.orders)).sum()) >= 1:
-            raise UsageError("errors this large against their periods leave readings that stand for several angles")
+            raise UsageError("errors this large relative to their periods make the output of the sensor ambiguous")
         reading, step = angle, np.inf
         while step > 1e-15:
             before, reading = reading, angle + self.at(reading)
@@ -120,7 +120,7 @@ class Harmonics(Correction):
         Raises
         ------
         UsageError
-            The record holds something else than angles: rates and increments do not say where the sensor stands.
+            The record does not contain angles: rates and increments do not determine the position of the sensor.
         """
         if record.kind != "angle" or record.signal.name != "gyro":
             raise UsageError(
@@ -141,7 +141,7 @@ class Harmonics(Correction):
 
     @property
     def amplitude_error(self) -> FloatArray:
-        """Standard error of each amplitude, rad: of its projection on the direction found."""
+        """Standard error of each amplitude, rad: of its projection on the estimated direction."""
         size = np.where(self.amplitude > 0, self.amplitude, 1.0)
         along = np.stack([np.where(self.amplitude > 0, self.sine / size, 1.0), self.cosine / size])
         return np.array([math.sqrt(along[:, i] @ self._part(i) @ along[:, i]) for i in range(len(self.orders))])
@@ -150,7 +150,7 @@ class Harmonics(Correction):
         return self.covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
 
     def p(self, order: int) -> float:
-        """Probability of an amplitude as large if there is none (chi-square or F of S and C together)."""
+        """p-value of each amplitude (chi-square or F of S and C together)."""
         from scipy.special import fdtrc
 
         i = self._index(order)
@@ -161,18 +161,18 @@ class Harmonics(Correction):
         return math.exp(-square / 2) if math.isinf(self.freedom) else float(fdtrc(2, self.freedom, square / 2))
 
     def found(self, order: int) -> bool:
-        """Whether the harmonic is there beyond chance (p below 1 %)."""
+        """Whether the harmonic is significant (p below 1 %)."""
         return self.p(order) < FOUND
 
     def status(self, order: int) -> str:
-        """Found, not found; or doubtful: found against noise that is not what it was supposed to be."""
+        """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
         if not self.found(order):
-            return "not found"
+            return "absent"
         sound = self.solution is None or all(check.passed for check in self.solution.checks)
-        return "found" if sound else "doubtful"
+        return "identified" if sound else "weak"
 
     def upper(self, order: int) -> float:
-        """95 % upper limit of an amplitude, rad, all values of S and C being equally likely beforehand."""
+        """95 % upper limit of an amplitude, rad, for a flat prior of S and C."""
         from scipy.special import chndtrix
 
         i = self._index(order)
@@ -182,14 +182,14 @@ class Harmonics(Correction):
         return math.sqrt(variance * float(chndtrix(0.95, 2.0, self.amplitude[i] ** 2 / variance)))
 
     def interval(self, order: int, level: float = 0.95) -> tuple[float, float]:
-        """Two-sided confidence limits of an amplitude, rad."""
+        """Two-sided confidence interval of an amplitude, rad."""
         i = self._index(order)
         half = quantile(level, self.freedom) * float(self.amplitude_error[i])
         return max(0.0, float(self.amplitude[i]) - half), float(self.amplitude[i]) + half
 
     def _index(self, order: int) -> int:
         if order not in self.orders:
-            raise UsageError(f"order {order!r} was not asked for; there are {', '.join(map(str, self.orders))}")
+            raise UsageError(f"order {order!r} was not estimated; orders: {', '.join(map(str, self.orders))}")
         return self.orders.index(order)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
@@ -211,7 +211,7 @@ class Harmonics(Correction):
         keys = [heading.replace(" ", "_") for heading in headings]
         terms = [dict(zip(keys, row, strict=True)) for row in rows]
         for term in terms:
-            term["upper"] = self.upper(term["order"]) if term["status"] == "not found" else None
+            term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
         data: dict[str, Any] = {
             "allanite": 1,
             "type": "Harmonics",
@@ -226,7 +226,7 @@ class Harmonics(Correction):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Harmonics":
-        """The harmonics that `to_dict` has written; how they were estimated stays behind."""
+        """The harmonics written by `to_dict`, without their solution."""
         return cls(
             orders=tuple(term["order"] for term in data["terms"]),
             sine=np.array([term["S"] for term in data["terms"]], dtype=np.float64),

@@ -1,4 +1,4 @@
-"""How well an experiment would work before it is done, and where best: no data, no random numbers."""
+"""Expected accuracy of an experiment, and the best start: without data or random numbers."""
 
 import math
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from .squareroot import SquareRoot, batch
 from .sway import Sway, sway_of
 
 READINGS = 4096
-"""Readings of one window of a scan; more are thinned, their noise averaged."""
+"""Samples of one window of a scan; more are thinned, their noise averaged."""
 
 STEP = 300.0
 """Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
@@ -36,13 +36,13 @@ class AngleSettings(Value):
     latitude : float
         rad.
     duration, interval : float
-        Of the experiment and between readings, s.
+        Of the experiment and between samples, s.
     sigma : float
-        Standard deviation of a reading's white noise, in any unit; results are in the same.
+        Standard deviation of a sample's white noise, in any unit; results are in the same.
     q_law, turn_period, sway
         See `gimbals`.
     prior : (amplitudes, rest) or None
-        Standard deviations before the readings, in the unit of sigma; None: nothing is known.
+        Standard deviations before the samples, in the unit of sigma; None: nothing is known.
     orders, nuisance
         See `estimate`.
     """
@@ -63,29 +63,29 @@ class AngleSettings(Value):
         for name in ("duration", "interval", "sigma"):
             value = getattr(self, name)
             if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
-                raise UsageError(f"{name} is a positive number, not {value!r}")
+                raise UsageError(f"{name} must be a positive number, not {value!r}")
         if self.duration < 2 * self.interval:
-            raise UsageError(f"{self.duration:g} s hold fewer than 2 readings at an interval of {self.interval:g} s")
+            raise UsageError(f"{self.duration:g} s contain fewer than 2 samples at an interval of {self.interval:g} s")
 
     @property
     def count(self) -> int:
-        """Number of readings: the first at the start, the last an interval before the end."""
+        """Number of samples: the first at the start, the last an interval before the end."""
         return round(self.duration / self.interval)
 
     def thinned(self) -> "AngleSettings":
-        """The same with at most `READINGS` readings that carry the same information."""
+        """The same with at most `READINGS` samples that carry the same information."""
         stride = max(1, math.ceil(self.count / READINGS))
         return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
 
     def gimbals(self, start: float) -> Gimbals:
-        """Where the gimbals stand at the readings."""
+        """Where the gimbals stand at the samples."""
         time = start + self.interval * np.arange(self.count)
         return gimbals(time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AnglePlan(Value):
-    """What an experiment would bring.
+    """Expected accuracy of an experiment.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class AnglePlan(Value):
         Expected standard deviations, in the unit of sigma.
     correlation : array, shape (p, p)
     condition : float
-        Of the readings alone, columns scaled.
+        Of the samples alone, columns scaled.
     start : float
         s after h = 0.
     h : (low, high)
@@ -129,7 +129,7 @@ class AnglePlan(Value):
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:
-            raise UsageError(f"no constant {name!r}; there are {', '.join(self.names)}")
+            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
         return float(self.errors[self.names.index(name)])
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
@@ -143,13 +143,13 @@ class AnglePlan(Value):
 
 
 def plan(settings: AngleSettings, start: float) -> AnglePlan:
-    """Expected standard deviations of an experiment with these readings.
+    """Expected standard deviations of an experiment with these samples.
 
     Parameters
     ----------
     settings : AngleSettings
     start : float
-        First reading, s after the equatorial gyro's passage of h = 0.
+        First sample, s after the equatorial gyro's passage of h = 0.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     (1.14, [14.5, 20.7], 0.08)
     """
     if not math.isfinite(start):
-        raise UsageError(f"start is a time in s after h = 0, not {start!r}")
+        raise UsageError(f"start must be a time in s after h = 0, not {start!r}")
     angles = settings.gimbals(start)
     harmonics = harmonic_set(settings.orders)
     names, rows = design(angles, harmonics, settings.nuisance)
@@ -185,11 +185,11 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
 
 
 def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, SquareRoot]:
-    """From the readings alone, and with what was known before."""
+    """From the samples alone, and with what was known before."""
     alone = batch(rows, np.zeros(len(rows)))
     if before is None:
         if not alone.condition < 1e12:
-            raise UsageError("the readings alone do not tell these constants apart; give prior standard deviations")
+            raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
         return alone, alone
     return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)
 
@@ -223,13 +223,13 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     ----------
     settings : AngleSettings
     starts : sequence of float, optional
-        s after h = 0; if left out, every five minutes (half a duration, if that is less) from there until the interval
+        s after h = 0; if omitted, every five minutes (half a duration, if that is less) from there until the interval
         reaches the extreme of h, or begins there if it is longer than a quarter of the earth's turn.
 
     Raises
     ------
     DataError, UnitError, UsageError
-        As of `plan`.
+        As for `plan`.
 
     Examples
     --------
@@ -239,7 +239,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     """
     grid = _starts(settings.duration) if starts is None else np.asarray(starts, dtype=np.float64)
     if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
-        raise UsageError(f"starts are times in s after h = 0, not {starts!r}")
+        raise UsageError(f"starts must be times in s after h = 0, not {starts!r}")
     thin = settings.thinned()
     plans = [plan(thin, float(start)) for start in grid]
     totals = np.array([p.total for p in plans])

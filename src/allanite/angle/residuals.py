@@ -1,4 +1,4 @@
-"""Is what is left over pure noise? Tests of the innovations, as a table."""
+"""Whether the residuals are pure noise: tests of the innovations, as a table."""
 
 import math
 from collections.abc import Callable
@@ -12,12 +12,12 @@ from allanite.core.fit import chance
 from allanite.core.plain import Value
 
 PASSED = 0.01
-"""A p value below this says that the test has failed."""
+"""p-value below which a test has failed."""
 
 
 @dataclass(frozen=True, repr=False)
 class InnovationTest(Value):
-    """Outcome of a test of the innovations: `p` is the probability of worse by chance."""
+    """Result of a test of the innovations: `p` is the p-value."""
 
     _also: ClassVar[tuple[str, ...]] = ("passed",)
 
@@ -29,7 +29,7 @@ class InnovationTest(Value):
 
     @property
     def passed(self) -> bool:
-        """Whether chance explains it."""
+        """Whether the test is passed."""
         return self.p >= PASSED
 
     def __str__(self) -> str:
@@ -45,8 +45,8 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
     words = (
-        f"neighbouring innovations are correlated ({r[0]:+.2f}), so the standard deviations are too small; model "
-        "what is missing (another harmonic, a drift), or take readings further apart"
+        f"successive innovations are correlated ({r[0]:+.2f}), so that the standard deviations are too small; model "
+        "what is missing (another harmonic, a drift), or sample at longer intervals"
     )
     return q, float(gammaincc(lags / 2, q / 2)), words
 
@@ -60,8 +60,8 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
     words = (
-        f"the running sum of the innovations leaves its limits after {int(way.argmax()) + 1} of {left.size} readings: "
-        "what is estimated did not stay constant, or the readings drift"
+        f"the running sum of the innovations exceeds its limits after {int(way.argmax()) + 1} of {left.size} "
+        "samples: the constants changed, or the samples drift"
     )
     return a, float(min(p, 1.0)), words
 
@@ -74,14 +74,14 @@ def outlying(left: FloatArray) -> tuple[float, float, str]:
     worst = float(abs(left[at]))
     tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
     p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = f"reading {at} lies {worst:.3g} standard deviations off; look at it, or leave it out"
+    words = f"sample {at} deviates by {worst:.3g} standard deviations; inspect it, or omit it"
     return worst, p, words
 
 
 TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
     "white": ("the innovations are uncorrelated", True, white),
-    "steady": ("what is estimated stays constant", True, steady),
-    "outlying": ("no reading stands out", False, outlying),
+    "steady": ("the constants do not change", True, steady),
+    "outlying": ("no sample is an outlier", False, outlying),
 }
 """Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
 
@@ -100,7 +100,5 @@ def level_check(squares: float, freedom: int) -> InnovationTest:
 
     low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
     ratio = math.sqrt(squares / freedom)
-    words = (
-        f"what is left over is {ratio:.3g} times the sigma given; correct sigma, or leave it out to have it estimated"
-    )
-    return InnovationTest("level", "the noise is as large as sigma says", ratio, min(1.0, 2 * min(low, high)), words)
+    words = f"the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated"
+    return InnovationTest("level", "the noise is as large as sigma states", ratio, min(1.0, 2 * min(low, high)), words)

@@ -35,9 +35,9 @@ def simulate(
     nuisance : mapping of name to value, optional
         Keys of `design.NUISANCES`, rad (rad/s for A3).
     sigma : float
-        Standard deviation of the white noise of a reading, rad.
+        Standard deviation of the white noise of a sample, rad.
     walk : float
-        Step of a random walk from reading to reading, rad.
+        Step of a random walk from sample to sample, rad.
     rng : numpy.random.Generator
         The source of randomness.
 
@@ -49,7 +49,7 @@ def simulate(
     z = measured.cosine - gimbals.cosine
     for name, value in (nuisance or {}).items():
         if name not in NUISANCES:
-            raise UsageError(f"unknown nuisance {name!r}; known are {', '.join(NUISANCES)}")
+            raise UsageError(f"unknown nuisance {name!r}; known: {', '.join(NUISANCES)}")
         z += value * NUISANCES[name].column(gimbals)
     return z + readout_noise(z.size, sigma=sigma, walk=walk, rng=rng)
 

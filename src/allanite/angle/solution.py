@@ -1,4 +1,4 @@
-"""Solution: constants estimated from readings, how they were reached, and whether what is left is noise."""
+"""Solution: constants estimated from samples, the convergence of the estimates, and tests of the residuals."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from .squareroot import SquareRoot
 
 @dataclass(frozen=True, eq=False, repr=False)
 class History(Value):
-    """The estimate on its way: after `count` readings, at `time`, shape (c,); values and errors, shape (c, p)."""
+    """The estimates after `count` samples, at `time`, shape (c,); values and errors, shape (c, p)."""
 
     count: IntArray
     time: FloatArray
@@ -35,18 +35,18 @@ class Solution(Value):
     names, values : tuple and array, shape (p,)
     covariance : array, shape (p, p)
     sigma : float
-        Standard deviation of a reading's noise; `given` says whether the user said it, or it was estimated.
+        Standard deviation of a sample's noise; `given` says whether the user gave it, or it was estimated.
     freedom : float
         Degrees of freedom that intervals have: infinite where sigma was given.
     condition : float
-        Of the readings alone, columns scaled.
+        Of the samples alone, columns scaled.
     prior : array, shape (p,), or None
-        Standard deviations before the readings, where they were said.
+        Standard deviations before the samples, where they were said.
     history, innovations, checks, findings
         How the estimate was reached; what each reading added, in standard deviations, shape (n,); whether that is
         noise; what must be known beside the numbers.
     known : SquareRoot
-        What further readings (divided by sigma) can be added to.
+        What further samples (divided by sigma) can be added to.
     """
 
     _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
@@ -78,7 +78,7 @@ class Solution(Value):
     def index(self, name: str) -> int:
         """Place of a constant."""
         if name not in self.names:
-            raise UsageError(f"no constant {name!r}; there are {', '.join(self.names)}")
+            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
         return self.names.index(name)
 
     def __getitem__(self, name: str) -> float:
@@ -95,7 +95,7 @@ class Solution(Value):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What must stand beside the numbers: findings, and checks that failed."""
+        """Warnings to report with the results: findings, and checks that failed."""
         return (*map(str, self.findings), *(str(check) for check in self.checks if not check.passed))
 
     def shown(self, level: float = 0.95) -> dict[str, Any]:

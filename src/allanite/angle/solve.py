@@ -1,4 +1,4 @@
-"""Constants from readings: reading by reading, or all at once."""
+"""Constants from samples: sample by sample, or all at once."""
 
 import math
 from itertools import pairwise
@@ -24,7 +24,7 @@ CHECKPOINTS = 200
 
 
 class System(NamedTuple):
-    """Readings ``values = rows x + noise`` of constants x called `names`; `time` orders them."""
+    """Samples ``values = rows x + noise`` of constants x called `names`; `time` orders them."""
 
     names: tuple[str, ...]
     rows: FloatArray
@@ -35,15 +35,15 @@ class System(NamedTuple):
 def solve(
     system: System, *, sigma: float | None = None, prior: FloatArray | None = None, method: str = "recursive"
 ) -> Solution:
-    """Constants from readings.
+    """Constants from samples.
 
     Parameters
     ----------
     system : System
     sigma : float, optional
-        Standard deviation of a reading's white noise; estimated from what is left over if not given.
+        Standard deviation of a sample's white noise; estimated from what is left over if not given.
     prior : array, shape (p,), optional
-        Standard deviations of the constants about 0 before the readings.
+        Standard deviations of the constants about 0 before the samples.
     method : {"recursive", "batch"}
         Reading by reading with a history and innovations, or all at once: the same numbers, but then the history has
         one line and the tests are made of plain residuals.
@@ -51,7 +51,7 @@ def solve(
     Raises
     ------
     DataError
-        There are fewer readings than constants, nothing varies, or the readings do not tell the constants apart.
+        There are fewer samples than constants, nothing varies, or the samples do not tell the constants apart.
     UsageError
         Sigma or prior is impossible.
 
@@ -68,7 +68,7 @@ def solve(
     start = _start(system, spread, prior)
     rows, values = system.rows / spread, system.values / spread
     if method not in METHODS:
-        raise UsageError(f"unknown method {method!r}; known are {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {method!r}; known methods: {', '.join(METHODS)}")
     end, history, left = METHODS[method](start, rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
@@ -88,16 +88,16 @@ def solve(
 
 
 def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tuple[SquareRoot, float, int]:
-    """What the readings tell without a prior; the noise of one; the degrees of freedom that are left."""
+    """What the samples tell without a prior; the noise of one; the degrees of freedom that are left."""
     n, p = system.rows.shape
     if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
-        raise UsageError(f"sigma must be a positive number, not {sigma!r}; leave it out to have it estimated")
+        raise UsageError(f"sigma must be a positive number, not {sigma!r}; omit it to have it estimated")
     if prior is not None and not (prior > 0).all():
         raise UsageError(f"prior standard deviations must be positive, not {prior.tolist()}")
     if n <= p:
-        raise DataError(f"{n} readings are too few for {p} constants and their noise; record for longer")
+        raise DataError(f"{n} samples are too few for {p} constants and their noise; record for longer")
     if np.ptp(system.values) == 0:
-        raise DataError(f"the readings never change (always {system.values[0]:.10g}); check the column")
+        raise DataError(f"the samples are constant (always {system.values[0]:.10g}); check the column")
     alone = batch(system.rows, system.values)
     values, directions = alone.singular
     seen = int((values > SINGULAR * values[0]).sum())
@@ -108,15 +108,15 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
     spread = math.sqrt(squares / (n - seen)) if sigma is None else sigma
     if spread == 0:
-        raise DataError("the constants explain every reading exactly, so there is no noise to judge by; give sigma")
+        raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")
     return SquareRoot(alone.factor, squares, n), spread, n - seen
 
 
 def _undetermined(names: tuple[str, ...], seen: int, directions: FloatArray) -> str:
     mixed = [name for name, part in zip(names, np.abs(directions[-1]), strict=True) if part > 0.1]
     return (
-        f"the readings determine {seen} combinations of {len(names)} constants; not told apart are {', '.join(mixed)}: "
-        "leave one of them out, let the angles move further, or say what is known before (prior)"
+        f"the samples determine {seen} combinations of {len(names)} constants; {', '.join(mixed)} cannot be "
+        "separated: omit one of them, let the angles move further, or give a prior"
     )
 
 

@@ -17,7 +17,7 @@ BLOCK = 4096
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SquareRoot(Value):
-    """What is known of p constants x from n readings ``z = a x + v``, all divided by the deviation of v.
+    """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class SquareRoot(Value):
     squares : float
         Sum of the squares that are left: of the innovations over their standard deviation.
     count : int
-        Readings absorbed.
+        Samples absorbed.
 
     Examples
     --------
@@ -42,11 +42,11 @@ class SquareRoot(Value):
 
     @classmethod
     def before(cls, prior: FloatArray) -> "SquareRoot":
-        """What is known before the first reading: standard deviations `prior` about 0, shape (p,)."""
+        """What is known before the first sample: standard deviations `prior` about 0, shape (p,)."""
         return cls(np.column_stack([np.diag(1 / prior), np.zeros(prior.size)]))
 
     def absorb(self, rows: FloatArray, values: FloatArray) -> tuple["SquareRoot", FloatArray]:
-        """Take in readings one after the other, by Givens rotations.
+        """Take in samples one after the other, by Givens rotations.
 
         Parameters
         ----------
@@ -113,14 +113,14 @@ class SquareRoot(Value):
 
 
 def batch(rows: FloatArray, values: FloatArray, prior: FloatArray | None = None) -> SquareRoot:
-    """All readings at once, by Householder reflections of blocks: the twin of `SquareRoot.absorb`.
+    """All samples at once, by Householder reflections of blocks: the twin of `SquareRoot.absorb`.
 
     Parameters
     ----------
     rows : array, shape (n, p)
     values : array, shape (n,)
     prior : array, shape (p,), optional
-        Standard deviations about 0 before the readings; without them `factor` may be singular.
+        Standard deviations about 0 before the samples; without them `factor` may be singular.
     """
     p = rows.shape[1]
     triangle = np.zeros((p + 1, p + 1))

@@ -1,4 +1,4 @@
-"""A result about angle sensors, and how it came about."""
+"""A result about angle sensors, and its provenance."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +12,7 @@ from .plans import AnglePlan, Scan
 
 @dataclass(frozen=True, eq=False)
 class AngleStudy:
-    """A result, and how it came about.
+    """A result, and its provenance.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class AngleStudy:
     level : float
         Confidence level of intervals.
     notes : tuple of str
-        What was assumed when reading.
+        Assumptions made when reading.
     provenance : dict
         Version and inputs.
     """
@@ -34,7 +34,7 @@ class AngleStudy:
     provenance: dict[str, str] = field(default_factory=provenance_of)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         own = {key: list(v) if isinstance(v, tuple) else v for key, v in self.settings.items()}
         return dict(sorted((own | {"level": self.level}).items()))
 

@@ -1,4 +1,4 @@
-"""A ship's sway: how the base turns under what stands still."""
+"""A ship's sway: the rotation of the base."""
 
 import math
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class Sway(Value):
 
     def __post_init__(self) -> None:
         if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
-            raise UsageError(f"sway is two finite amplitudes in rad and a period in s above 0, not {self}")
+            raise UsageError(f"sway must be two finite amplitudes in rad and a period in s above 0, not {self}")
         if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
             raise UnitError(
                 f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
@@ -55,5 +55,5 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
     if sway is None or isinstance(sway, Sway):
         return sway
     if not isinstance(sway, (tuple, list)) or len(sway) != 2:
-        raise UsageError(f"sway is (amplitude in rad, period in s) or a Sway, not {sway!r}")
+        raise UsageError(f"sway must be (amplitude in rad, period in s) or a Sway, not {sway!r}")
     return Sway(float(sway[0]), float(sway[0]), float(sway[1]))

@@ -1,4 +1,4 @@
-"""The command line: parse, run a job, render. One verb is one function and one line of `VERBS`."""
+"""The command line: parse, run a job, render. Each verb is one function and one line of `VERBS`."""
 
 import click
 
@@ -22,11 +22,18 @@ VERBS: dict[str, str] = {
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
 }
-"""Name of a verb: module and name of its command. A verb's module is imported when it is asked for."""
+"""Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
+
+GROUPS = {
+    "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
+    "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
+    "Special jobs": ("rate", "angle", "budget", "compensate"),
+}
+"""Headings of the help, and the verbs below each."""
 
 
-@click.group(cls=Front, verbs=VERBS, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Front, verbs=VERBS, groups=GROUPS, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="allanite")
-@click.option("--debug", is_flag=True, envvar="ALLANITE_DEBUG", help="Show where a defect is.")
+@click.option("--debug", is_flag=True, envvar="ALLANITE_DEBUG", help="Show the traceback of an internal error.")
 def main(debug: bool) -> None:
-    """Noise coefficients of gyroscopes and accelerometers, with honest intervals."""
+    """Identify the noise of gyroscopes and accelerometers, with confidence intervals."""

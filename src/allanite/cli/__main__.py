@@ -1,4 +1,4 @@
-"""``python -m allanite.cli`` is the program `allanite`."""
+"""``python -m allanite.cli`` runs the program `allanite`."""
 
 from allanite.cli import main
 

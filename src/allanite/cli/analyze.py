@@ -1,4 +1,4 @@
-"""The main job, and the look at a file before it."""
+"""The main analysis, and the check of a file before it."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 @click.command()
 @options("file", *RECORDING, "json", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
-    """Say what is in FILE, and whether it is fit for the job."""
+    """Summarize FILE and check its quality."""
     out = outputs(choices, [file])
     from allanite.study.analysis import examine
 
@@ -24,9 +24,9 @@ def info(file: str, **choices: Any) -> None:
 @click.command()
 @options("file", *RECORDING, "statistic", "taus", *IDENTIFYING, "coefficients", *RESULTS)
 def analyze(file: str, **choices: Any) -> None:
-    """Find the noise coefficients of FILE, with intervals.
+    """Identify the noise coefficients of FILE.
 
-    Prints a table for each channel; --report writes the page with the figures.
+    Prints a table for each channel, with confidence intervals; --report writes a page with the figures.
     """
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.analysis import analyze as run

@@ -1,4 +1,4 @@
-"""``allanite angle``: harmonic errors of angle sensors, of a gimbal in service or of an encoder with a reference."""
+"""``allanite angle``: harmonic errors of a gimbal's angle sensors in service, or of an encoder with a reference."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,36 +20,44 @@ DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 PRIOR = Separated(float, "two standard deviations", 2, "3,10")
 SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
 
-ANGLES = click.option("--angles", type=NAMES, default="h,q", show_default=True, help="Sensors: h, q, h_polar, q_polar.")
+ANGLES = click.option(
+    "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar."
+)
 EXPERIMENT = (
     "latitude",
     "duration",
     "reading interval",
     click.option(
-        "--q-law", default="exact", show_default=True, help="Of the outer angle: exact, or linear as printed."
+        "--q-law",
+        default="exact",
+        show_default=True,
+        help="Motion of the outer angle: exact, or linear as printed in the paper.",
     ),
     click.option("--turn-period", type=float, default=300.0, show_default=True, metavar="S", help="Auto-compensation."),
-    click.option("--sway", type=SWAY, metavar="DEG,S", help="Roll and pitch."),
+    click.option(
+        "--sway", type=SWAY, metavar="DEG,S", help="Sway of the base in roll and pitch: amplitude and period."
+    ),
 )
 
 
 @click.group()
 def angle() -> None:
-    """Find, plan and simulate harmonic errors of angle sensors.
+    """Analyze harmonic errors of angle sensors.
 
-    `calibrate` compares any encoder with a reference; `estimate` finds the errors of a gimbal's sensors in service,
-    from the measured cosine between two gyros' momentum vectors; `plan` says where that works best, without data.
+    `calibrate` compares an encoder with a reference; `estimate` identifies the errors of a gimbal's angle sensors in
+    service, from the measured cosine between the momentum vectors of two gyros; `plan` predicts where that works best,
+    without data; `simulate` writes a test file.
     """
 
 
 @angle.command()
 @options(
     "file",
-    click.option("--measured", required=True, metavar="COLUMN", help="Angle of the sensor."),
+    click.option("--measured", required=True, metavar="COLUMN", help="Angle measured by the sensor under test."),
     "reference angle",
     "orders",
     "angle unit",
-    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference; estimated if left out."),
+    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference.  [default: estimated]"),
     "angle trend",
     "corrected angles",
     "level",
@@ -57,7 +65,7 @@ def angle() -> None:
     *RESULTS,
 )
 def calibrate(file: str, **choices: Any) -> None:
-    """Find the harmonic errors of an encoder in FILE."""
+    """Calibrate an encoder against a reference."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import calibrate as run
     from allanite.readers.columns.sheet import sheet
@@ -79,25 +87,34 @@ def calibrate(file: str, **choices: Any) -> None:
         help="Measured minus computed cosine between the momentum vectors.",
     ),
     "angle time",
-    click.option("--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle, equatorial gyro."),
     click.option(
-        "--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle, equatorial gyro."
+        "--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle of the equatorial gyro."
     ),
-    click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro; the latitude if left out."),
-    click.option("--q-polar", metavar="COLUMN", help="Its intermediate angle; 0 if left out."),
+    click.option(
+        "--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle of the equatorial gyro."
+    ),
+    click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
+    click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
     "latitude",
-    click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating turn."),
-    click.option("--turn-period", type=float, metavar="S", help="Its period, instead; it begins at time 0."),
+    click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
+    click.option(
+        "--turn-period", type=float, metavar="S", help="Or the period of that rotation, which starts at time 0."
+    ),
     "orders",
     ANGLES,
-    click.option("--nuisance", type=NAMES, metavar="A,B,...", help="Estimated along.  [ax,az,A1,A2,A3]"),
+    click.option(
+        "--nuisance",
+        type=NAMES,
+        metavar="A,B,...",
+        help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]",
+    ),
     "angle unit",
-    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a reading; estimated if left out."),
+    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a sample.  [default: estimated]"),
     click.option(
         "--prior",
         type=PRIOR,
         metavar="A,B",
-        help="Known before: deviation of amplitudes and of the rest, arcsec (arcsec/s for A3).",
+        help="Prior standard deviations: of amplitudes, and of the other parameters, arcsec (arcsec/s for A3).",
     ),
     "corrected angles",
     "level",
@@ -105,7 +122,7 @@ def calibrate(file: str, **choices: Any) -> None:
     *RESULTS,
 )
 def estimate(file: str, **choices: Any) -> None:
-    """Find the harmonic errors of a gimbal's angle sensors."""
+    """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.angle import estimate as run
     from allanite.angle.design import USUAL
@@ -137,11 +154,13 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     time = data.values(choices["time"], "s", given=None if has_unit else "s")
     latitude, period = choices["latitude"], choices["turn_period"]
     if choices["h_polar"] is None and latitude is None:
-        raise UsageError("give --latitude, where the polar gyro's gimbal stands, or its angle as --h-polar COLUMN")
+        raise UsageError(
+            "give the latitude of the polar gyro's gimbal (--latitude), or its inner angle (--h-polar COLUMN)"
+        )
     if choices["rho"] is not None and period is not None:
-        raise UsageError("--rho and --turn-period say the same thing: give one of them")
+        raise UsageError("--rho and --turn-period describe the same rotation: give only one of them")
     if period is not None and not period > 0:
-        raise UsageError(f"--turn-period is a positive number of s, not {period!r}")
+        raise UsageError(f"--turn-period must be a positive number of seconds, not {period!r}")
     turn = None if choices["rho"] is None else read("rho")
     rho = turn if period is None else 2 * math.pi / period * time
     polar = read("h_polar", (latitude or 0.0) * DEGREE), read("q_polar")
@@ -151,9 +170,11 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
 @angle.command()
 @options(
     *EXPERIMENT,
-    click.option("--start", type=float, metavar="S", help="Seconds after h = 0; all starts are tried if left out."),
     click.option(
-        "--sigma", type=float, default=1.0, show_default=True, help="Noise of a reading; results are in its unit."
+        "--start", type=float, metavar="S", help="Start, in seconds after h = 0.  [default: all starts are compared]"
+    ),
+    click.option(
+        "--sigma", type=float, default=1.0, show_default=True, help="Noise of a sample; results are in its unit."
     ),
     click.option(
         "--prior",
@@ -161,7 +182,7 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
         default="3,10",
         show_default=True,
         metavar="A,B",
-        help="Known before: deviation of amplitudes and of the rest, in the unit of sigma.",
+        help="Prior standard deviations: of amplitudes, and of the other parameters, in the unit of --sigma.",
     ),
     "orders",
     ANGLES,
@@ -170,14 +191,14 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     *RESULTS,
 )
 def plan(**choices: Any) -> None:
-    """Say how well a gimbal's errors would be known, and where."""
+    """Predict how accurately errors can be known."""
     out = outputs(choices, [choices["recipe"]])
     from allanite.angle import plan as run
     from allanite.angle import scan
 
     start = choices["start"]
     if start is not None and "plot" in out.paths:
-        raise UsageError("the figure compares all starts of the interval; leave --start out, or ask for --report")
+        raise UsageError("the figure compares all possible starts: omit --start, or write a --report instead")
     orders = dict.fromkeys(choices["angles"], choices["orders"])
     settings = _experiment(choices, sigma=choices["sigma"], prior=choices["prior"], orders=orders)
     _deliver(scan(settings) if start is None else run(settings, start), out, choices)
@@ -187,21 +208,33 @@ def plan(**choices: Any) -> None:
 @options(
     click.argument("out", type=click.Path()),
     *EXPERIMENT,
-    click.option("--start", type=float, default=0.0, show_default=True, metavar="S", help="Seconds after h = 0."),
+    click.option(
+        "--start", type=float, default=0.0, show_default=True, metavar="S", help="Start, in seconds after h = 0."
+    ),
     click.option(
         "--error",
         "errors",
         multiple=True,
         metavar="ANGLE:ORDER=S,C",
-        help="A harmonic, arcsec, as h:128=3,-1.5; may be given again.",
+        help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable.",
     ),
-    click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC", help="Noise of a reading."),
-    click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC", help="Step of a random walk."),
+    click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC", help="Noise of a sample."),
+    click.option(
+        "--walk",
+        type=float,
+        default=0.0,
+        show_default=True,
+        metavar="ARCSEC",
+        help="Standard deviation of a step of a random walk.",
+    ),
     "seed",
     "force",
 )
 def simulate(out: str, **choices: Any) -> None:
-    """Write a CSV file OUT of a system with known errors."""
+    """Simulate a system with known errors.
+
+    Writes a CSV file OUT.
+    """
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
@@ -232,9 +265,11 @@ def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
             s, c = (float(part) * ARCSEC for part in pair.split(","))
             found.setdefault(name.strip(), {})[int(order)] = (s, c)
         except ValueError:
-            raise UsageError(f"an error is ANGLE:ORDER=S,C in arcsec, as h:128=3,-1.5, not {text!r}") from None
+            raise UsageError(
+                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
+            ) from None
     if not found:
-        raise UsageError("give at least one --error, as h:128=3,-1.5 (arcsec)")
+        raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
     return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
 
 
@@ -243,7 +278,10 @@ def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
 
     for name in ("latitude", "duration"):
         if choices[name] is None:
-            raise UsageError(f"give --{name}, of the {'site' if name == 'latitude' else 'experiment'}")
+            raise UsageError(
+                f"--{name} is required: "
+                f"{'the latitude of the site' if name == 'latitude' else 'the length of the experiment'}"
+            )
     sway = choices["sway"]
     same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
     turned = None if sway is None else (sway[0] * DEGREE, sway[1])
@@ -253,7 +291,7 @@ def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
 def _deliver(
     result: Any, out: Outputs, choices: dict[str, Any], data: "Sheet | None" = None, /, *corrected: Mapping[str, Any]
 ) -> None:
-    """Deliver a result with the choices that made it, and the corrected angles."""
+    """Deliver a result together with the options that produced it, and the corrected angles."""
     from allanite.angle.study import AngleStudy
     from allanite.study.channels import provenance_of
 
@@ -265,7 +303,7 @@ def _deliver(
 
 
 def _csv(data: Mapping[str, Any]) -> str:
-    """Arrays of one length side by side; floats keep every digit."""
+    """Arrays of equal length as columns; floats keep every digit."""
     rows = zip(*(values.tolist() for values in data.values()), strict=True)
     return "".join(f"{','.join(map(str, row))}\n" for row in (data, *rows))
 

@@ -1,4 +1,4 @@
-"""``allanite budget``: a torquer's current as a rate, and what rounding adds to the noise of a rate."""
+"""``allanite budget``: the current of a torquer as a rate, and the noise that quantization adds to it."""
 
 from typing import Any
 
@@ -14,24 +14,24 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
     *RECORDING,
     click.option(
         "--stage", "stages", multiple=True, metavar="'NAME BITS SCALE'",
-        help="A place where numbers are rounded, as 'ADC 12 5V' or 'output 16 100deg/s'; may be given again.",
+        help="A quantizer in the signal path, e.g. 'ADC 12 5V' or 'output 16 100deg/s'; repeatable.",
     ),
     click.option(
         "--torquer", metavar="A=X,...",
         help="Constants of the torquer in SI: turns, field (T), span (m), radius (m), inertia (kg m^2), spin (rad/s), "
         "sides.",
     ),
-    click.option("--scale-factor", type=float, metavar="K", help="Its scale factor instead, rad/s per A."),
-    click.option("--sense", type=float, metavar="V/A", help="Gain of the current's sensor, for voltages."),
+    click.option("--scale-factor", type=float, metavar="K", help="Or the scale factor of the torquer, rad/s per A."),
+    click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
     *IDENTIFYING,
-    click.option("--rates", metavar="PATH", type=click.Path(), help="Write the rates as a recording: .csv, .npz ..."),
+    click.option("--rates", metavar="PATH", type=click.Path(), help="Write the rates as a recording: .csv, .npz, ..."),
     *RESULTS,
 )  # fmt: skip
 def budget(file: str, **choices: Any) -> None:
-    """Tell what rounding adds to the noise.
+    """Estimate the noise added by quantization.
 
-    Each stage of the signal path of FILE is compared with the noise that was recorded. A current (--unit A), a voltage
-    or codes (--unit 1) become rates by the constants of the torquer.
+    Compares each stage of the signal path of FILE with the recorded noise. A current (--unit A), a voltage or codes
+    (--unit 1) are converted to rates with the constants of the torquer.
     """
     out = outputs(choices, [file, choices["recipe"]], also=("rates",))
     demand_recording(out.paths.get("rates"))
@@ -41,7 +41,7 @@ def budget(file: str, **choices: Any) -> None:
 
     torquer, factor = choices["torquer"], choices["scale_factor"]
     if torquer is not None and factor is not None:
-        raise UsageError("the scale is given twice: by --torquer and by --scale-factor")
+        raise UsageError("the scale factor is given twice: use either --torquer or --scale-factor")
     scale = factor if torquer is None else TorqueScale.parse(torquer)
     settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"])
     extra = Extra(recordings={"rates": lambda study: study.rates})

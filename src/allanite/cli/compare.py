@@ -1,4 +1,4 @@
-"""Before and after, unit against unit, run against run."""
+"""``allanite compare``: before and after, unit against unit, run against run."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -18,18 +18,20 @@ if TYPE_CHECKING:
 @options(
     "files",
     *RECORDING,
-    click.option("--against", type=NAMES, metavar="A,B,...", help="Channels of the second file, for --channels."),
-    click.option("--part", type=float, metavar="S", help="Compare the first S seconds of one file with the rest."),
+    click.option(
+        "--against", type=NAMES, metavar="A,B,...", help="Channels of the second file to compare with --channels."
+    ),
+    click.option("--part", type=float, metavar="S", help="Compare the first S seconds of a file with the rest."),
     "statistic",
     "taus",
     *IDENTIFYING,
     *RESULTS,
 )
 def compare(files: tuple[str, ...], **choices: Any) -> None:
-    """Say what has changed between recordings.
+    """Compare the noise of recordings.
 
-    Two files: before and after. One file: its channels against each other, or with --part its beginning against the
-    rest. Three files or more (or channels of one file): what they have in common, and which one differs.
+    Two files: before and after. One file: its channels with each other, or with --part its beginning with the rest.
+    Three or more files (or channels of one file): their common noise, and which of them differs.
     """
     out = outputs(choices, [*files, choices["recipe"]])
     how = choices.pop("against"), choices.pop("part")
@@ -44,9 +46,9 @@ def _compare(
 
     against, part = how
     if part is not None and len(files) > 1:
-        raise UsageError(f"--part cuts one file, and {len(files)} were given")
+        raise UsageError(f"--part splits a single file, but {len(files)} files were given")
     if against is not None and len(files) != 2:
-        raise UsageError(f"--against names channels of the second of two files, and {len(files)} were given")
+        raise UsageError(f"--against names channels of the second of two files, but {len(files)} files were given")
     if part is not None:
         return study.truncation(files[0], part, recipe, progress=tell)
     if len(files) == 1:

@@ -1,4 +1,4 @@
-"""``allanite compensate``: the part of a rate that follows other channels, found, judged, taken off."""
+"""``allanite compensate``: estimate, test and remove the part of a rate that depends on other channels."""
 
 from typing import Any
 
@@ -14,33 +14,50 @@ SECONDS = Separated(float, "seconds", example="60,300")
 @options(
     "file",
     *RECORDING,
-    click.option("--regressors", type=NAMES, metavar="A,B,...", help="Columns that the rate may depend on."),
-    click.option("--rate-of", type=NAMES, metavar="A,B,...", help="Columns whose rate of change counts."),
-    click.option("--degree", type=int, default=1, show_default=True, help="Highest power that may be added."),
-    click.option("--lags", type=SECONDS, metavar="S,S,...", help="Earlier readings that may be added, seconds."),
+    click.option("--regressors", type=NAMES, metavar="A,B,...", help="Columns on which the rate may depend."),
+    click.option("--derivative-of", type=NAMES, metavar="A,B,...", help="Columns whose derivative is a regressor."),
+    click.option("--degree", type=int, default=1, show_default=True, help="Highest power of a regressor to try."),
+    click.option("--lags", type=SECONDS, metavar="S,S,...", help="Lags of the regressors to try, seconds."),
     "trend",
-    click.option("--every", is_flag=True, help="Keep all powers and lags, not only what held-back blocks gain from."),
-    click.option("--smooth", type=float, default=60.0, show_default=True, metavar="S", help="Window of --rate-of."),
-    click.option("--blocks", type=int, default=5, show_default=True, help="Blocks of the cross-validation."),
-    click.option("--least", type=float, default=10.0, show_default=True, help="Effective samples for each regressor."),
+    click.option("--every", is_flag=True, help="Keep all powers and lags; skip cross-validation."),
+    click.option(
+        "--smooth",
+        type=float,
+        default=60.0,
+        show_default=True,
+        metavar="S",
+        help="Smoothing window of --derivative-of.",
+    ),
+    click.option("--blocks", type=int, default=5, show_default=True, help="Number of blocks for cross-validation."),
+    click.option(
+        "--least", type=float, default=10.0, show_default=True, help="Effective samples required per regressor."
+    ),
     "split-gaps",
     click.option(
-        "--beside", metavar="FILE", type=click.Path(), help="The regressors are in this file, with units and times."
+        "--beside", metavar="FILE", type=click.Path(), help="Read the regressors from this file, with units and times."
     ),
-    click.option("--interpolate", is_flag=True, help="Bring regressors of another time base onto the record's."),
-    click.option("--use", metavar="FILE", type=click.Path(), help="Fit nothing; take what --save wrote."),
-    click.option("--apply", "apply_to", metavar="FILE", type=click.Path(), help="Correct this file too, held back."),
+    click.option(
+        "--interpolate", is_flag=True, help="Interpolate regressors of another time base to the record's samples."
+    ),
+    click.option("--use", metavar="FILE", type=click.Path(), help="Apply the regressions that --save wrote; no fit."),
+    click.option(
+        "--apply",
+        "apply_to",
+        metavar="FILE",
+        type=click.Path(),
+        help="Also correct this file, which is not used for the fit.",
+    ),
     *IDENTIFYING,
-    click.option("--save", metavar="PATH", type=click.Path(), help="Write the regressions, for --use."),
+    click.option("--save", metavar="PATH", type=click.Path(), help="Write the regressions, to be used with --use."),
     "corrected record",
     *RESULTS,
 )
 def compensate(file: str, **choices: Any) -> None:
-    """Find and remove what follows a temperature.
+    """Remove temperature-dependent errors.
 
-    Whatever part of the channels of FILE follows other columns is estimated and taken off. Prints the coefficients with
-    intervals and p values, and the Allan deviation before and after. The noise of the fit has the terms Q, N, B and K,
-    or those of --terms.
+    Estimates and removes the part of each channel of FILE that depends on other columns, such as a temperature. Prints
+    the coefficients with confidence intervals and p-values, and the Allan deviation before and after. The noise model
+    of the fit has the terms Q, N, B and K, or those given by --terms.
     """
     apply_to = choices.pop("apply_to")
     read = [file, apply_to, *(choices[key] for key in ("beside", "use", "recipe"))]

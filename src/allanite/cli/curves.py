@@ -1,4 +1,4 @@
-"""Any statistic, spectrum or dynamic curve of a file, as a table, CSV, JSON, a figure or a page."""
+"""Any statistic, spectrum or dynamic curve of a file, as a table, CSV, JSON, figure or page."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +20,17 @@ if TYPE_CHECKING:
     "m",
     "to",
     "threads",
-    click.option("--limits/--no-limits", default=True, help="Confidence limits; without, no noise is identified."),
+    click.option(
+        "--limits/--no-limits", default=True, help="Confidence intervals; without them no noise is identified."
+    ),
     *IDENTIFYING,
     *RESULTS,
 )
 def deviation(file: str, **choices: Any) -> None:
-    """Tabulate any statistic of FILE over averaging time."""
+    """Compute Allan and related deviations.
+
+    Tabulates statistics of FILE over averaging time.
+    """
     from allanite.study.survey import Deviations
 
     _survey(file, Deviations, choices)
@@ -35,23 +40,31 @@ def deviation(file: str, **choices: Any) -> None:
 @options(
     "file",
     *RECORDING,
-    click.option("--estimator", metavar="NAME", default="welch", show_default=True, help="welch or multitaper."),
-    click.option("--sides", metavar="NAME", default="one", show_default=True, help="one- or two-sided density."),
-    click.option("--bins", type=int, default=20, show_default=True, help="Values per decade; 0 keeps every frequency."),
-    click.option("--segment", type=float, metavar="S", help="Length of Welch's segments.  [an eighth of the record]"),
+    click.option(
+        "--estimator", metavar="NAME", default="welch", show_default=True, help="Estimator: welch or multitaper."
+    ),
+    click.option(
+        "--sides", metavar="NAME", default="one", show_default=True, help="One- or two-sided power spectral density."
+    ),
+    click.option("--bins", type=int, default=20, show_default=True, help="Values per decade; 0 keeps all frequencies."),
+    click.option(
+        "--segment", type=float, metavar="S", help="Length of Welch's segments.  [default: an eighth of the record]"
+    ),
     "segment window",
-    click.option("--bandwidth", type=float, metavar="NW", help="Half bandwidth of the tapers, in 1/T.  [4]"),
-    click.option("--tapers", type=int, metavar="K", help="Number of tapers.  [2 NW - 3]"),
-    click.option("--weights", metavar="NAME", help="Weights of the tapers: eigen or equal.  [eigen]"),
-    click.option("--fit", is_flag=True, help="Identify the noise, and draw its terms into the figure."),
+    click.option(
+        "--bandwidth", type=float, metavar="NW", help="Time-half-bandwidth product NW of the tapers.  [default: 4]"
+    ),
+    click.option("--tapers", type=int, metavar="K", help="Number of tapers.  [default: 2 NW - 3]"),
+    click.option("--weights", metavar="NAME", help="Weights of the tapers: eigen or equal.  [default: eigen]"),
+    click.option("--fit", is_flag=True, help="Identify the noise and draw its terms in the figure."),
     "to",
     *IDENTIFYING,
     *RESULTS,
 )
 def spectrum(file: str, **choices: Any) -> None:
-    """Tabulate the power spectral density of FILE.
+    """Compute the power spectral density.
 
-    N of IEEE 952 is the square root of the two-sided density of white noise.
+    N of IEEE 952 is the square root of the two-sided power spectral density of white noise.
     """
     from allanite.study.survey import Densities
 
@@ -64,7 +77,7 @@ def spectrum(file: str, **choices: Any) -> None:
     *RECORDING,
     "usual statistic",
     "sliding window",
-    click.option("--step", type=float, metavar="S", help="Distance of windows.  [an eighth of a window]"),
+    click.option("--step", type=float, metavar="S", help="Distance between windows.  [default: an eighth of a window]"),
     "taus",
     "m",
     "to",
@@ -72,7 +85,10 @@ def spectrum(file: str, **choices: Any) -> None:
     *RESULTS,
 )
 def dynamic(file: str, **choices: Any) -> None:
-    """Tabulate a statistic in windows that slide along FILE."""
+    """Compute a deviation in sliding windows.
+
+    Shows how the noise of FILE changes with time.
+    """
     from allanite.study.survey import Windows
 
     _survey(file, Windows, choices)

@@ -27,15 +27,15 @@ Progress = Callable[[str, float], None]
 
 STDOUT = "-"
 WIDTH = 120
-"""Columns of text that no terminal bounds."""
+"""Width of text where no terminal limits it."""
 
 PRINTED = ("json", "csv", "coefficients")
-"""What may go to standard output."""
+"""Options that may write to standard output."""
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where a result is to go: name of the option -> path, and how."""
+    """Where a result is written: name of the option -> path, and how."""
 
     paths: Mapping[str, str]
     force: bool = False
@@ -44,39 +44,39 @@ class Outputs:
 
     @property
     def piped(self) -> bool:
-        """Whether standard output is taken."""
+        """Whether a result is written to standard output."""
         return STDOUT in self.paths.values()
 
 
 def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequence[str] = ()) -> Outputs:
-    """Take the options of results out of `choices`, and refuse before the work what could not be written after it.
+    """Take the output options out of `choices`, and refuse before any work what could not be written afterwards.
 
     Parameters
     ----------
     choices : dict
-        Options of a verb; those of its results are removed.
+        Options of a verb; the output options are removed.
     inputs : sequence of path or None
-        Files that are read; they are never overwritten.
+        Input files; they are never overwritten.
     also : sequence of str
-        Other options that name a file to write.
+        Other options that name an output file.
 
     Raises
     ------
     UsageError
-        A file exists, cannot be written, or two things would go to the same place.
+        A file exists or cannot be written, or two outputs have the same destination.
     """
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
     found = Outputs(paths, *(choices.pop(name, False) for name in ("force", "quiet", "strict")))
     if list(paths.values()).count(STDOUT) > 1:
-        raise UsageError("only one thing can go to standard output; give the other one a file")
+        raise UsageError("only one result can be written to standard output; give a file for the other one")
     taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
     for name, path in paths.items():
         if path == STDOUT and name in PRINTED:
             continue
         where = os.path.realpath(path)
         if where in taken:
-            raise UsageError(f"--{name} would overwrite {taken[where]} {path!r}; give it another name")
+            raise UsageError(f"--{name} would overwrite {taken[where]} {path!r}; give another name")
         taken[where] = f"--{name}"
         _demand_place(name, path, force=found.force)
     return found
@@ -92,7 +92,7 @@ def _demand_place(name: str, path: str, *, force: bool) -> None:
 
 
 def demand_recording(path: str | None) -> None:
-    """Refuse before the work begins a recording that no format is written for."""
+    """Refuse, before any work, a recording whose format cannot be written."""
     from allanite.readers.formats.table import writer_for
 
     if path is not None:
@@ -100,7 +100,7 @@ def demand_recording(path: str | None) -> None:
 
 
 def recipe_of(choices: dict[str, Any], **usual: Any) -> "Recipe":
-    """Take the keys of a recipe out of `choices`; `usual` are other defaults than the recipe's."""
+    """Take the keys of a recipe out of `choices`; `usual` holds defaults that differ from the recipe's."""
     from allanite.study.recipe import Recipe
 
     choices.pop("recipe", None)
@@ -109,18 +109,18 @@ def recipe_of(choices: dict[str, Any], **usual: Any) -> "Recipe":
 
 
 def settings_of(kind: "type[Settings]", choices: dict[str, Any]) -> "Settings":
-    """Take the settings of this kind out of `choices`; those left open keep their defaults."""
+    """Take the settings of this class out of `choices`; those not given keep their defaults."""
     named = [f.name for f in fields(kind) if f.name in choices]  # type: ignore[arg-type]  # a dataclass
     return kind(**given({name: choices.pop(name) for name in named}))
 
 
 def given(choices: dict[str, Any]) -> dict[str, Any]:
-    """What was not left open."""
+    """The options that were given."""
     return {key: value for key, value in choices.items() if value is not None}
 
 
 def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
-    """Do a job that tells its progress, and deliver its result."""
+    """Run a job that reports its progress, and deliver its result."""
     with progress(out) as tell:
         found = job(tell)
     deliver(found, out, extra)
@@ -130,7 +130,7 @@ def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra |
 
 
 def _demand_explained(found: Any) -> None:
-    """End with the exit code of bad data where a channel has no result, or no model explains its noise."""
+    """Exit with the code for bad data if a channel has no result, or no model explains its noise."""
     if found.rejected:
         names = ", ".join(name or "the record" for name in found.rejected)
         click.echo(f"not explained, or without a result: {names}", err=True)
@@ -139,7 +139,7 @@ def _demand_explained(found: Any) -> None:
 
 @contextmanager
 def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
-    """A bar on stderr where it is a terminal, and warnings as sentences when they arise."""
+    """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
     from allanite.reporting.progress import bar
 
     shown = sys.stderr.isatty() and not (out is not None and out.quiet)
@@ -151,14 +151,14 @@ def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None
 
 @dataclass(frozen=True)
 class Extra:
-    """What a verb writes of its result besides the forms that each has: name of the option -> what makes it."""
+    """Outputs of a verb beyond the usual forms: name of the option -> function that makes it."""
 
     data: Mapping[str, Callable[[Any], str | bytes]] = field(default_factory=dict)
     recordings: "Mapping[str, Callable[[Any], Recording]]" = field(default_factory=dict)
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
-    """Print a result, unless standard output is taken or quiet was asked for, and write what was asked for."""
+    """Print a result, unless --quiet is given or standard output is taken, and write the requested files."""
     extra = extra or Extra()
     if not (out.quiet or out.piped):
         print_result(value)
@@ -175,7 +175,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
 
 def encoded(value: Any, name: str, path: str) -> str | bytes:
-    """A result as the option `name` writes it."""
+    """A result in the form that option `name` writes."""
     from allanite import reporting
     from allanite.reporting.json import to_json
 
@@ -200,12 +200,12 @@ def put(path: str, data: str | bytes, *, force: bool) -> None:
 
 
 def print_result(value: Any) -> None:
-    """Print a result as wide as the terminal is."""
+    """Print a result at the width of the terminal."""
     from allanite.reporting import table
 
     terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if terminal else WIDTH
     text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ)
-    # a terminal that does not know a letter gets its number, not an error
+    # characters that the terminal cannot encode are escaped, not an error
     encoding = sys.stdout.encoding or "utf-8"
     click.echo(text.encode(encoding, "backslashreplace").decode(encoding), nl=False)

@@ -1,4 +1,4 @@
-"""The options of ``allanite simulate`` that put faults into a record."""
+"""The options of ``allanite simulate`` that add faults to a record."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 
 def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, ...] = ()) -> list[tuple[float, str]]:
-    """As many numbers with units as the example has; those at the end that are left out are `defaults`."""
+    """As many numbers with units as `example` has; trailing ones that are omitted take `defaults`."""
     from allanite.core.errors import UsageError
     from allanite.core.notation import split_quantities
 
     found = split_quantities(text.split())
     missing = len(split_quantities(example.split())) - len(found)
     if not 0 <= missing <= len(defaults):
-        raise UsageError(f"--{option} is given as {example!r}, not {text!r}")
+        raise UsageError(f"--{option} has the form {example!r}, not {text!r}")
     found += [(value, "") for value in defaults[len(defaults) - missing :]]
     return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in found]
 
@@ -38,7 +38,7 @@ def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
 
     (cutoff, _unit), (order, _unit) = _quantities(text, "low-pass", "20 Hz 4", defaults=(1.0,))
     if not order.is_integer():
-        raise UsageError(f"the order of a filter is an integer, not {order:g}")
+        raise UsageError(f"the order of a filter must be an integer, not {order:g}")
     return faults.low_pass(record, cutoff, order=int(order))
 
 
@@ -79,12 +79,12 @@ def _quantizer(text: str) -> tuple[str, float, str]:
     what, *rest = text.split() or [""]
     found = split_quantities(rest) if what in ("rate", "angle") else []
     if len(found) != 1 or not found[0][1]:
-        raise UsageError(f"--quantize is given as 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
+        raise UsageError(f"--quantize has the form 'rate 0.01 deg/s' or 'angle 0.2 arcsec', not {text!r}")
     return what, *found[0]
 
 
 def quantizer_unit(text: str | None) -> str | None:
-    """Rates are rounded in the unit of their step, so that they are multiples of it to the last digit."""
+    """Round in the unit of the step, so that the rates are exact multiples of it."""
     what, _, unit = ("", 0.0, "") if text is None else _quantizer(text)
     return unit if what == "rate" else None
 
@@ -115,4 +115,4 @@ FAULTS: "dict[str, Fault]" = {
     "quantize": _quantize,
     "gaps": _gaps,
 }
-"""What each option does, in the order in which it happens in a sensor and its logger."""
+"""The function of each option, in the order in which the faults occur in a sensor and its logger."""

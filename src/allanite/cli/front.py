@@ -1,23 +1,24 @@
-"""How the program ends: with a sentence and an exit code, never with a traceback."""
+"""How the program ends: with a message and an exit code, never with a traceback."""
 
 import errno
 import os
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
 import click
 
 from allanite.core.errors import AllaniteError
+from allanite.core.wording import command_line
 
 DEFECT, DATA, INTERRUPTED = 1, 3, 130
 TRACKER = "https://github.com/allanite/allanite/issues"
 
 
 class Failure(click.ClickException):
-    """What ends the program with a sentence on stderr and the exit code `status`; `trace` is for who asked for it."""
+    """Ends the program with a message on stderr and the exit code `status`; `trace` is printed with ``--debug``."""
 
     def __init__(self, message: str, status: int, trace: str = "") -> None:
         super().__init__(message)
@@ -25,26 +26,33 @@ class Failure(click.ClickException):
 
 
 class Front(click.Group):
-    """A group of verbs that ends with a sentence and the exit codes of the design, never with a traceback."""
+    """A group of verbs that ends with a message and the documented exit codes, never with a traceback."""
 
-    def __init__(self, *args: Any, verbs: Mapping[str, str], **extra: Any) -> None:
+    def __init__(self, *args: Any, verbs: Mapping[str, str], groups: Mapping[str, Sequence[str]], **extra: Any) -> None:
         super().__init__(*args, **extra)
-        self.verbs = verbs
+        self.verbs, self.groups = verbs, groups
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order of their table."""
         return list(self.verbs)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a verb; its module is imported now."""
+        """The command of a verb, whose module is imported now."""
         if cmd_name not in self.verbs:
             return None
         module, _, name = self.verbs[cmd_name].partition(".")
         command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
         return command
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the verbs below the headings of their groups."""
+        for heading, verbs in self.groups.items():
+            found = ((name, self.get_command(ctx, name)) for name in verbs)
+            with formatter.section(heading):
+                formatter.write_dl([(name, verb.get_short_help_str()) for name, verb in found if verb is not None])
+
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the verb; whatever goes wrong becomes a `Failure`."""
+        """Run the verb; any exception becomes a `Failure`."""
         try:
             super().invoke(ctx)
             sys.stdout.flush()
@@ -60,7 +68,8 @@ class Front(click.Group):
         """Parse, run, and end the program."""
         extra["standalone_mode"] = False
         try:
-            code = super().main(*args, **extra) or 0
+            with command_line():
+                code = super().main(*args, **extra) or 0
         except click.exceptions.NoArgsIsHelpError as error:
             error.show()
             code = error.exit_code
@@ -87,12 +96,12 @@ def _failure(error: Exception, *, debug: bool) -> Failure:
         return Failure(str(error), error.exit_code)
     if isinstance(error, MemoryError):
         advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
-        return Failure(f"there is not enough memory; {advice}", DATA)
+        return Failure(f"not enough memory; {advice}", DATA)
     what = f"{type(error).__name__}: {error}".removesuffix(": ")
-    report = f"this is a defect of allanite ({what}); please report it with the command and the file: {TRACKER}"
+    report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
     return Failure(report, DEFECT, "".join(traceback.format_exception(error)) if debug else "")
 
 
 def _close_stdout() -> None:
-    """The reader has seen enough: nothing more is written, not even at exit."""
+    """Nothing more can be written, not even at exit: the reading end of the pipe is closed."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""The options of the command line, each declared once, and how their texts are read."""
+"""The options of the command line, each declared once, and how their values are parsed."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -12,24 +12,24 @@ Decorator = Callable[[Any], Any]
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any]
 else:
-    ParamType = click.ParamType  # generic in newer versions only
+    ParamType = click.ParamType  # generic only in newer versions
 
 
 class Separated(ParamType):
-    """Words or numbers between commas; a recipe may hold a list."""
+    """Words or numbers separated by commas; a recipe may hold a list."""
 
     def __init__(self, kind: type, name: str, count: int | None = None, example: str = "") -> None:
         self.kind, self.name, self.count, self.example = kind, name, count, example
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
-        """The parts of the text, or what a recipe gives."""
+        """The parts of the text, or the list of a recipe."""
         parts = value.split(",") if isinstance(value, str) else value
         try:
             found = tuple(self.kind(part.strip() if isinstance(part, str) else part) for part in parts)
         except (TypeError, ValueError):
             found = ()
         if not found or (self.count is not None and len(found) != self.count):
-            self.fail(f"{self.name} are wanted, as {self.example}, not {value!r}", param, ctx)
+            self.fail(f"expected {self.name}, e.g. {self.example}, not {value!r}", param, ctx)
         return found
 
 
@@ -39,12 +39,12 @@ INTEGERS = Separated(int, "integers", example="1,10,100")
 
 
 class Taus(ParamType):
-    """The name of a grid, or seconds between commas."""
+    """The name of a grid, or seconds separated by commas."""
 
     name = "grid"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Seconds where they are numbers, and a name otherwise."""
+        """Seconds if they are numbers, otherwise a name."""
         try:
             return NUMBERS.convert(value, param, ctx)
         except click.BadParameter:
@@ -72,7 +72,7 @@ class Scale(ParamType):
     name = "scale"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | str:
-        """A float where it is one."""
+        """A float if it is one."""
         try:
             return float(value)
         except ValueError:
@@ -80,7 +80,7 @@ class Scale(ParamType):
 
 
 class Duration(ParamType):
-    """Seconds, or a length of time with its unit; several between commas where `several`."""
+    """Seconds, or a duration with its unit; several separated by commas if `several`."""
 
     name = "duration"
 
@@ -107,13 +107,13 @@ def seconds_of(text: str) -> float:
 
     found = split_quantities(text.split())
     if len(found) != 1 or not found[0][0] > 0:
-        raise click.BadParameter(f"a duration is wanted, as 3600, '10 min' or 24h, not {text!r}")
+        raise click.BadParameter(f"a duration has the form 3600, '10 min' or 24h, not {text!r}")
     value, unit = found[0]
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
 def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -> str | None:
-    """Take the keys of a TOML file as defaults: what the command line says wins."""
+    """Take the keys of a TOML file as defaults, which the command line overrides."""
     if path is None:
         return None
     from allanite.study.recipe import load_toml
@@ -127,7 +127,9 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
     choices = load_toml(path)
     for key in choices:
         if key not in known:
-            raise UsageError(f"unknown key {key!r} in the recipe; known are {', '.join(sorted(k for k in known if k))}")
+            raise UsageError(
+                f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(k for k in known if k))}"
+            )
     ctx.default_map = {**(ctx.default_map or {}), **choices}
     return path
 
@@ -137,112 +139,117 @@ def _path(name: str, help: str) -> Decorator:  # noqa: A002 - the word of click
 
 
 OUTPUTS = ("report", "plot", "csv", "json")
-"""Names of the options by which a result is written."""
+"""Names of the options that write a result."""
 
 FLAGS = ("force", "quiet", "strict")
-"""How it is written, and what the exit code says; no recipe holds them."""
+"""Options about writing and the exit code, which a recipe does not hold."""
 
 OPTIONS: dict[str, Decorator] = {
     "file": click.argument("file", type=click.Path()),
     "optional file": click.argument("file", required=False, type=click.Path()),
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
-    "rate": click.option("--rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
-    "unit": click.option("--unit", help="Unit of the readings: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
-    "kind": click.option("--kind", help="What a reading is: rate, increment, angle or count."),
+    "rate": click.option("--rate", "--fs", "rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
+    "unit": click.option("--unit", help="Unit of the samples: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
+    "kind": click.option("--kind", help="What a sample is: rate, increment, angle or count."),
     "scale": click.option("--scale", type=Scale(), metavar="STEP",
-        help="Size of one step of the readings: 0.01 (in --unit) or 0.01deg/s."),
+        help="Scale factor per count: 0.01 (in --unit) or 0.01deg/s."),
     "channels": click.option("--channels", type=NAMES, metavar="A,B,...",
-        help="Columns by name or number; by default all that fit."),
-    "time": click.option("--time", help="Column of time stamps."),
+        help="Columns by name or number.  [default: all recognized]"),
+    "time": click.option("--time", help="Column of the time stamps."),
     "dtype": click.option("--dtype", metavar="TYPE",
         help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows."),
-    "columns": click.option("--columns", type=int, metavar="N", help="Numbers in a row of raw binary."),
+    "columns": click.option("--columns", type=int, metavar="N", help="Numbers per row of raw binary."),
     "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
     "from": click.option("--from", "start", type=float, metavar="S",
         help="Start of the window, s after the first sample."),
-    "until": click.option("--until", type=float, metavar="S", help="End of the window."),
+    "until": click.option("--until", type=float, metavar="S", help="End of the window, s after the first sample."),
     "quiet-window": click.option("--quiet-window", type=float, metavar="S",
-        help="Use the quietest stretch of this length, seconds."),
+        help="Use the most stationary window of this length."),
     "outliers": click.option("--outliers", metavar="WORD",
-        help="mark: exclude everywhere; keep: include everywhere.  [exclude from the fit only]"),
-    "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [auto]"),
+        help="mark: exclude everywhere; keep: use everywhere.  [default: exclude from the fit only]"),
+    "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [default: auto]"),
     "method": click.option("--method", metavar="NAME",
-        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [whittle]"),
+        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [default: whittle]"),
     "band": click.option("--band", type=Band(), metavar="BAND",
-        help="Frequencies of the fit: auto finds them, and a filter; all; or LO,HI in Hz.  [auto]"),
-    "level": click.option("--level", type=float, help="Confidence level of intervals.  [0.95]"),
+        help="Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.  [default: auto]"),
+    "level": click.option("--level", type=float, help="Confidence level of intervals.  [default: 0.95]"),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
-        help="Read options from a file; those given here win."),
-    "statistic": click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [oadev]"),
+        help="Read options from a file; the command line overrides them."),
+    "statistic": click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [default: oadev]"),
     "taus": click.option("--taus", type=Taus(), metavar="GRID",
-        help="octave, decade, log, all, or seconds as 1,10,100."),
-    "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, in place of --taus."),
-    "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [deg/h, ug]"),
-    "model": click.option("--model", metavar="TERMS", help="The noise, as 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
-    "sensor": click.option("--sensor", metavar="NAME", help="Or a typical gyro: mems, fog or rlg."),
+        help="octave, decade, log, all, or seconds, e.g. 1,10,100."),
+    "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, instead of --taus."),
+    "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [default: deg/h, ug]"),
+    "model": click.option("--model", metavar="TERMS",
+        help="Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
+    "sensor": click.option("--sensor", metavar="NAME", help="Or the model of a typical gyro: mems, fog or rlg."),
     "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
     "samples": click.option("--samples", type=int, metavar="N", help="Or the number of samples."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
-        help="Of the random numbers."),
+        help="Seed of the random number generator."),
     "threads": click.option("--threads", type=click.IntRange(1), default=1, show_default=True,
-        help="Most threads to use."),
-    "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat the stretches between gaps one by one."),
+        help="Maximum number of threads."),
+    "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat each stretch between gaps separately."),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
-        help="Harmonics of the angle."),
-    "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site, degrees."),
-    "report": _path("report", "Write the HTML page."),
+        help="Harmonics of the angle to estimate."),
+    "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site."),
+    "report": _path("report", "Write an HTML report."),
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
-    "json": _path("json", "Write everything as JSON; - is standard output."),
+    "json": _path("json", "Write all results as JSON; - is standard output."),
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
-    "coefficients": _path("coefficients", "Write coefficients and curve readings as CSV; - is standard output."),
+    "coefficients": _path("coefficients",
+        "Write the coefficients and values read off the curve as CSV; - is standard output."),
     "strict": click.option("--strict", is_flag=True,
         help="Exit with code 3 if a channel has no result, or no model explains its noise."),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
-    "quiet": click.option("--quiet", is_flag=True, help="Print nothing but errors and what goes to standard output."),
-    # of the same name, where a verb means something else by it
+    "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
+    # options of the same name whose meaning differs between verbs
     "several statistics": click.option("--statistic", type=NAMES, metavar="A,B,...", default="oadev",
         show_default=True, help="Statistics."),
     "usual statistic": click.option("--statistic", metavar="NAME", default="oadev", show_default=True,
         help="Statistic."),
-    "simulated rate": click.option("--rate", type=float, required=True, metavar="HZ", help="Sampling rate."),
-    "simulated unit": click.option("--unit", help="Of the readings.  [deg/h, ug]"),
+    "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
+        help="Sampling rate."),
+    "simulated unit": click.option("--unit", help="Unit of the samples.  [default: deg/h, ug]"),
     "simulated channels": click.option("--channels", type=int, default=1, metavar="N",
-        help="Independent channels of this model.  [1]"),
+        help="Number of independent channels."),
     "simulated outliers": click.option("--outliers", metavar="SHARE SIZE",
-        help="Spikes: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
+        help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
-        help="Before rounding, removed after: 'random' or '400 Hz 20' (steps)."),
+        help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
     "dither lines": click.option("--dither", type=NUMBERS, metavar="HZ,...",
-        help="Frequencies of the dither's residual, taken out."),
-    "segment window": click.option("--window", metavar="NAME", help="Welch's window.  [hann]"),
+        help="Frequencies of the residual dither to remove."),
+    "segment window": click.option("--window", metavar="NAME", help="Window of the Welch estimator.  [default: hann]"),
     "sliding window": click.option("--window", type=float, metavar="S",
-        help="Length of a window.  [a tenth of the record]"),
-    "rate window": click.option("--window", metavar="NAME", help="Window of the estimator hamming.  [hamming]"),
+        help="Length of a window.  [default: a tenth of the record]"),
+    "rate window": click.option("--window", metavar="NAME",
+        help="Window of the hamming estimator.  [default: hamming]"),
     "planned durations": click.option("--durations", type=Duration(several=True), metavar="A,B,...",
-        help="Lengths.  [10 min,1 h,6 h,24 h]"),
+        help="Record lengths.  [default: 10 min,1 h,6 h,24 h]"),
     "measuring durations": click.option("--durations", type=NUMBERS, metavar="S,...",
-        help="Measuring times that are compared."),
-    "measuring interval": click.option("--interval", type=float, metavar="S", help="Measuring time.  [120]"),
+        help="Measuring times to compare."),
+    "measuring interval": click.option("--interval", type=float, metavar="S", help="Measuring time.  [default: 120]"),
     "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
-        help="Between readings."),
+        help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE",
-        help="The true rate, in deg/h or as '12.4 deg/h'."),
-    "reference angle": click.option("--reference", required=True, metavar="COLUMN", help="Angle of a better one."),
-    "angle unit": click.option("--unit", help="Of angles, over the header: deg, rad, arcsec ..."),
+        help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
+    "reference angle": click.option("--reference", required=True, metavar="COLUMN",
+        help="Angle of the reference encoder."),
+    "angle unit": click.option("--unit", help="Unit of angles, overrides the header: deg, rad, arcsec ..."),
     "angle time": click.option("--time", default="time", show_default=True, metavar="COLUMN",
         help="Seconds after h = 0."),
     "angle trend": click.option("--trend", type=int, default=0, show_default=True,
-        help="Degree of a drift that is estimated along."),
-    "trend": click.option("--trend", is_flag=True, help="Estimate a steady drift too; it is not taken off."),
+        help="Degree of a polynomial drift estimated jointly."),
+    "trend": click.option("--trend", is_flag=True, help="Estimate a linear drift jointly; it is not removed."),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
-    "corrected record": _path("corrected", "Write the corrected record (of --apply)."),
+    "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
-"""Options that say what is in a file."""
+"""Options that describe the contents of a file."""
 
 SELECTING = ("from", "until", "quiet-window", "outliers")
-"""Options that select readings."""
+"""Options that select samples."""
 
 IDENTIFYING = ("terms", "method", "band", "level", "strict")
 """Options of every verb that identifies noise."""

@@ -1,4 +1,4 @@
-"""What follows from a noise model, written out, of a typical sensor, or of a recording: plans, checks, state spaces."""
+"""Uses of a noise model, given explicitly, of a typical sensor or of a recording: plans, self-checks, state spaces."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from allanite.study.modelling import Use
 
 EXCEEDED = 4
-"""Exit code where a limit is exceeded."""
+"""Exit code if a limit is exceeded."""
 
 NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
 """A recording, or a model of its noise."""
@@ -22,14 +22,17 @@ NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
 @options(
     *NOISE,
     "planned durations",
-    click.option("--accuracy", type=float, metavar="PERCENT", help="Wanted relative standard error.  [10]"),
-    click.option("--ramp/--no-ramp", default=None, help="Allow for a ramp of unknown size.  [if the model has one]"),
+    click.option("--accuracy", type=float, metavar="PERCENT", help="Relative standard error to reach.  [default: 10]"),
+    click.option(
+        "--ramp/--no-ramp", default=None, help="Assume a rate ramp of unknown size.  [default: if the model has one]"
+    ),
     *RESULTS,
 )
 def plan(file: str | None, **choices: Any) -> None:
-    """Say how long to record for a wanted accuracy.
+    """Predict accuracy against record length.
 
-    The noise is that of --model or --sensor, or what a first recording FILE shows. Nothing is simulated.
+    Uses the Cramer-Rao bound; nothing is simulated. The noise is that of --model or --sensor, or is identified from a
+    recording FILE.
     """
     from allanite.study.modelling import PlanSettings
 
@@ -41,20 +44,22 @@ def plan(file: str | None, **choices: Any) -> None:
     *NOISE,
     "duration",
     "samples",
-    click.option("--records", type=int, metavar="N", help="Records that are simulated.  [100]"),
+    click.option("--records", type=int, metavar="N", help="Number of records to simulate.  [default: 100]"),
     "seed",
-    click.option("--max-bias", type=float, metavar="PERCENT", help="Limit: bias of the coefficients."),
-    click.option("--min-coverage", type=float, metavar="PERCENT", help="Limit: coverage of the intervals."),
-    click.option("--max-false", type=float, metavar="PERCENT", help="Limit: records with absent terms reported."),
-    click.option("--max-missed", type=float, metavar="PERCENT", help="Limit: records with terms not found."),
+    click.option("--max-bias", type=float, metavar="PERCENT", help="Limit on the bias of the coefficients."),
+    click.option("--min-coverage", type=float, metavar="PERCENT", help="Limit on the coverage of the intervals."),
+    click.option(
+        "--max-false", type=float, metavar="PERCENT", help="Limit on the records in which absent terms are reported."
+    ),
+    click.option("--max-missed", type=float, metavar="PERCENT", help="Limit on the records in which terms are missed."),
     *(option for option in RESULTS if option != "plot"),
 )
 def selfcheck(file: str | None, **choices: Any) -> None:
-    """Check the identification on simulated records.
+    """Test the identification by simulation.
 
     Prints bias, spread, coverage and errors beside the Cramer-Rao bound. The noise is that of --model or --sensor, or
-    what a recording FILE shows, whose length is then taken. If a limit is given and exceeded by more than two
-    Monte-Carlo standard errors, the exit code is 4.
+    is identified from a recording FILE, whose length is then used. If a given limit is exceeded by more than two Monte
+    Carlo standard errors, the exit code is 4.
     """
     from allanite.study.modelling import SelfCheckSettings
 
@@ -68,18 +73,24 @@ def selfcheck(file: str | None, **choices: Any) -> None:
 @click.command()
 @options(
     *NOISE,
-    click.option("--tau", type=Duration(several=True), metavar="LO,HI", help="Where flicker is matched.  [1,1000]"),
-    click.option("--ripple", type=float, metavar="PERCENT", help="Wanted deviation from flicker.  [2]"),
-    click.option("--order", type=int, metavar="N", help="Gauss-Markov processes for flicker, instead."),
-    click.option("--turn-on", metavar="RATE", help="Standard deviation of the bias at switch-on, as '3 deg/h'."),
-    click.option("--measurement", metavar="NAME", help="auto, mean (exact) or sample.  [auto]"),
+    click.option(
+        "--tau",
+        type=Duration(several=True),
+        metavar="LO,HI",
+        help="Averaging times between which flicker is matched.  [default: 1,1000]",
+    ),
+    click.option("--ripple", type=float, metavar="PERCENT", help="Largest deviation from flicker.  [default: 2]"),
+    click.option("--order", type=int, metavar="N", help="Or the number of Gauss-Markov processes for flicker."),
+    click.option("--turn-on", metavar="RATE", help="Standard deviation of the turn-on bias, e.g. '3 deg/h'."),
+    click.option("--measurement", metavar="NAME", help="Measurement: auto, mean (exact) or sample.  [default: auto]"),
     *RESULTS,
 )
 def statespace(file: str | None, **choices: Any) -> None:
-    """Print the noise as states for a Kalman filter.
+    """Export the noise as a state-space model.
 
-    Transition, covariances, measurement. The noise is that of --model or --sensor, or what a recording FILE shows.
-    Flicker becomes a sum of Gauss-Markov processes that is right between two averaging times.
+    Prints the transition, covariance and measurement matrices of a Kalman filter. The noise is that of --model or
+    --sensor, or is identified from a recording FILE. Flicker is approximated by a sum of Gauss-Markov processes between
+    two averaging times.
     """
     from allanite.study.modelling import StateSpaceSettings
 

@@ -1,4 +1,4 @@
-"""``allanite rate``: the constant rate of a gyro by every method, with confidence limits."""
+"""``allanite rate``: the constant rate of a gyro by every estimator, with confidence intervals."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -19,40 +19,52 @@ if TYPE_CHECKING:
     "file",
     *RECORDING,
     "measuring interval",
-    click.option("--methods", type=NAMES, metavar="A,B,...", help="Names of estimators, as mean,optimal.  [all]"),
-    click.option("--target", metavar="WHAT", help="If the rate wanders: its mean, centre or start.  [mean]"),
-    click.option("--noise", metavar="TERMS", help="The noise, as 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [identified]"),
+    click.option("--methods", type=NAMES, metavar="A,B,...", help="Estimators, e.g. mean,optimal.  [default: all]"),
+    click.option(
+        "--target",
+        metavar="WHAT",
+        help="What is estimated of a drifting rate: its mean, centre or start.  [default: mean]",
+    ),
+    click.option(
+        "--noise", metavar="TERMS", help="Noise model, e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [default: identified]"
+    ),
     "latitude",
     "reference rate",
-    click.option("--bias", metavar="RATE", help="A known bias to subtract, in deg/h or as '3 ug'."),
-    click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north at --latitude."),
-    click.option("--second", metavar="FILE", type=click.Path(), help="The same gyro, turned: removes the bias."),
-    click.option("--turned", type=float, metavar="DEG", help="How far it was turned.  [180]"),
+    click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
+    click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north (needs --latitude)."),
+    click.option(
+        "--second", metavar="FILE", type=click.Path(), help="The same gyro in a second position: removes the bias."
+    ),
+    click.option("--turned", type=float, metavar="DEG", help="Rotation between the two positions.  [default: 180]"),
     click.option(
         "--near",
         type=float,
         metavar="DEG",
-        help="Approximate heading, degrees; resolves the two north solutions.  [90]",
+        help="Approximate heading, which selects one of the two solutions for north.  [default: 90]",
     ),
-    click.option("--position-method", metavar="NAME", help="Estimator for north and the bias.  [optimal]"),
+    click.option("--position-method", metavar="NAME", help="Estimator for north and the bias.  [default: optimal]"),
     "dither lines",
     "rate window",
-    click.option("--lines", type=int, metavar="N", help="Lines of the estimator conditional."),
-    click.option("--allowed", metavar="RATE", help="Deviation of a line of conditional that is kept."),
-    click.option("--quantum", type=float, help="Step of the angle in --unit, where readings are not counts."),
-    click.option("--certified", is_flag=True, help="Search the staircase until none can be better."),
+    click.option("--lines", type=int, metavar="N", help="Number of regression lines of the conditional estimator."),
+    click.option(
+        "--allowed", metavar="RATE", help="Largest deviation of a regression line that the conditional estimator keeps."
+    ),
+    click.option(
+        "--quantum", type=float, help="Quantization step of the angle in --unit, if the samples are not counts."
+    ),
+    click.option("--certified", is_flag=True, help="Search the staircase for the proven optimum."),
     "split-gaps",
-    click.option("--most", type=int, metavar="N", help="Most intervals that are measured."),
+    click.option("--most", type=int, metavar="N", help="Maximum number of intervals to measure."),
     "measuring durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     *RESULTS,
 )
 def rate(file: str, second: str | None, **choices: Any) -> None:
-    """Measure the constant rate of every channel of FILE.
+    """Estimate the constant rate of a gyro.
 
-    Measures it in short intervals, by every method. Prints how the methods scatter, the errors that the noise predicts,
-    and which method to use.
+    Measures the rate of every channel of FILE in short intervals with every estimator. Prints the scatter of each
+    estimator, the standard error predicted by the noise model, and the recommended estimator.
     """
     out = outputs(choices, [file, second, choices["recipe"]])
     from allanite.rate.study import measure_rates
@@ -63,13 +75,13 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
 
 
 def _settings(given: dict[str, Any]) -> "RateSettings":
-    """The settings of a study from the options that were given, which are taken out of `given`."""
+    """The settings of a study from the options given, which are taken out of `given`."""
     from allanite.core.notation import parse_model
     from allanite.rate import EstimatorSettings, ExperimentSettings
     from allanite.rate.study import RateSettings
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:
-        raise UsageError("the true rate is given twice: by --latitude and by --reference")
+        raise UsageError("the true rate is given twice: use either --latitude or --reference")
     signals = _rates(given)
     if given.pop("no_times"):
         given["durations"] = ()
@@ -82,14 +94,14 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
 
 
 def _rates(given: dict[str, Any]) -> "list[Signal]":
-    """Replace the texts of rates by their SI values; the signals that they are of."""
+    """Replace the texts of rates by their SI values; returns the signals that their units belong to."""
     signals = []
     for key in ("reference", "bias", "allowed"):
         if key in given:
             given[key], signal = _quantity(str(given[key]))
             signals.append(signal)
     if len({signal.name for signal in signals}) > 1:
-        raise UsageError("the true rate and the bias are given in units of different sensors")
+        raise UsageError("the true rate and the bias have units of different sensors")
     return signals
 
 
@@ -105,4 +117,4 @@ def _quantity(text: str) -> "tuple[float, Signal]":
     try:
         return float(number) * found.factor, signal
     except ValueError:
-        raise UsageError(f"a rate is a number and its unit, as '12.4 deg/h', not {text!r}") from None
+        raise UsageError(f"a rate is a number with its unit, e.g. '12.4 deg/h', not {text!r}") from None

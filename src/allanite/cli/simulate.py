@@ -1,4 +1,4 @@
-"""``allanite simulate``: a recording whose truth is known, in any format that is written."""
+"""``allanite simulate``: a recording with known noise, in any format that can be written."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -28,24 +28,26 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     "simulated channels",
     "seed",
     "simulated unit",
-    click.option("--rounding", is_flag=True, help="Make Q by rounding the angle to steps of Q sqrt(12)."),
-    click.option("--constant", metavar="RATE", help="A bias or the earth's rate, as '10 deg/h'."),
-    click.option("--low-pass", metavar="HZ", help="A first-order filter; '20 Hz 4' has order 4."),
-    click.option("--noise-step", metavar="FACTOR", help="The second half has this times the noise."),
+    click.option("--rounding", is_flag=True, help="Generate Q by rounding the angle to steps of Q sqrt(12)."),
+    click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
+    click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
+    click.option("--noise-step", metavar="FACTOR", help="Multiply the noise of the second half by this."),
     "simulated outliers",
-    click.option("--clip", metavar="RATE", help="The range, as '300 deg/s'."),
-    click.option("--quantize", metavar="WHAT STEP", help="'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."),
+    click.option("--clip", metavar="RATE", help="Full-scale range, e.g. '300 deg/s'."),
+    click.option(
+        "--quantize", metavar="WHAT STEP", help="Quantizer: 'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."
+    ),
     "simulated dither",
-    click.option("--gaps", metavar="SHARE LENGTH", help="Lost stretches, as '1% 5 s'."),
+    click.option("--gaps", metavar="SHARE LENGTH", help="Missing stretches, e.g. '1% 5 s'."),
     "json",
     "force",
     "quiet",
 )
 def simulate(**choices: Any) -> None:
-    """Simulate a recording of known noise and write it to OUT.
+    """Simulate a recording of known noise.
 
-    The suffix says the format: .csv, .npz, .parquet, .h5 or .mat. The faults are put in in the order in which they are
-    listed here. The same seed gives the same file.
+    Writes it to OUT, whose suffix selects the format: .csv, .npz, .parquet, .h5 or .mat. Faults are applied in the
+    order in which they are listed here. The same seed gives the same file.
     """
     path = choices["out"]
     out = outputs(choices, [], also=["out"])
@@ -56,7 +58,7 @@ def simulate(**choices: Any) -> None:
 
     model = NoiseSettings(choices["model"], choices["sensor"]).given()
     if model is None:
-        raise UsageError("give the noise by --model or --sensor")
+        raise UsageError("give the noise with --model or --sensor")
     n = readings(choices["rate"], choices["duration"], choices["samples"])
     with progress(out) as tell:
         recording = _recording(model, n, choices, tell)
@@ -73,9 +75,9 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
 
     count = choices["channels"]
     if not count >= 1:
-        raise UsageError(f"there is at least one channel, not {count}")
+        raise UsageError(f"--channels must be at least 1, not {count}")
     if choices["dither"] is not None and choices["quantize"] is None:
-        raise UsageError("a dither is for a quantizer: give --quantize too")
+        raise UsageError("--dither needs a quantizer: give --quantize too")
     rng = np.random.default_rng(choices["seed"])
     unit = choices["unit"] or quantizer_unit(choices["quantize"]) or model.signal.sheet[0]
     records = []

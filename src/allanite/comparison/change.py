@@ -1,4 +1,4 @@
-"""Change: one coefficient before and after. Homogeneity: whether several records have one noise."""
+"""Change: one coefficient before and after. Homogeneity: whether several records have the same noise."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,29 +19,31 @@ if TYPE_CHECKING:
 Limits = Callable[[float], tuple[float, float]]
 
 RESOLVED = 2.0
-"""Where the limits of a ratio hold this factor or its inverse, the record does not resolve the coefficient."""
+"""If the interval of a ratio contains this factor or its inverse, the record does not resolve the coefficient."""
 
 OUTCOMES = {
-    "smaller": "the coefficient is smaller afterwards; by chance that happens with the adjusted p",
-    "larger": "the coefficient is larger afterwards; by chance that happens with the adjusted p",
-    "no change": "no change is seen, and one by a factor of 2 would lie outside the limits",
-    "not resolvable": "no change is seen, and one by a factor of 2 would not be either: a longer record would tell",
+    "smaller": "the coefficient is smaller afterwards, with the adjusted p-value",
+    "larger": "the coefficient is larger afterwards, with the adjusted p-value",
+    "no change": "no significant change, and a change by a factor of 2 is excluded by the interval",
+    "not resolvable": (
+        "no significant change, but a change by a factor of 2 is not excluded either: a longer record would decide"
+    ),
 }
 """What each outcome means."""
 
 
 @dataclass(frozen=True, repr=False)
 class Homogeneity(Value):
-    """Whether the noise of several records is one and the same.
+    """Test of whether several records have the same noise.
 
     Attributes
     ----------
     statistic : float
-        Twice the log-likelihood that a model for each gains over one common model.
+        Twice the gain in log-likelihood of separate models over one common model.
     dof : int
-        Coefficients that it has more.
+        Number of additional coefficients.
     p : float
-        Probability of as much by chance: by bootstrap as far as its draws reach, by chi-square beyond.
+        p-value: by bootstrap as far as its draws permit, by chi-square beyond.
     draws : int
         Number of draws; 0 where chi-square was clear enough.
     """
@@ -64,15 +66,15 @@ class Change(Value):
     ratio : float
         The coefficient after over that before, with its sign for a ramp; NaN where neither record has any.
     p, adjusted : float
-        Probability of such a difference by chance, where there is none; the same after Holm's correction for all terms.
+        p-value of the difference; the same after Holm's correction for all terms.
     limits : level -> (low, high)
         Of the ratio.
     alpha : float
-        Adjusted p up to which the change is called one.
+        Adjusted p below which the change is significant.
     frequency : float or None
         Of a sinusoid, Hz.
     needed : float or None
-        Length of each record, s, from which on a change by a factor of 2 would be seen, where it is not in these.
+        Length of each record, s, needed to detect a change by a factor of 2, if these records do not resolve it.
     """
 
     _keys: ClassVar = {"adjusted": "p_holm"}
@@ -108,7 +110,7 @@ class Change(Value):
 
     @property
     def significant(self) -> bool:
-        """Whether the change is more than chance, all terms considered."""
+        """Whether the change is significant, all terms considered."""
         return self.adjusted <= self.alpha
 
     @property
@@ -180,8 +182,8 @@ def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
     if not math.isfinite(change.ratio):
-        return f"{change.label} is there only afterwards"
+        return f"{change.label} is detected only afterwards"
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
-        return f"{change.symbol} has turned its sign"
+        return f"{change.symbol} has changed its sign"
     limits = f" ({low:+.3g} to {high:+.3g} %)" if math.isfinite(low) and math.isfinite(high) else ""
     return f"{change.label} {change.percent:+.3g} %{limits}"

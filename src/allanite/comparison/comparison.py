@@ -1,4 +1,4 @@
-"""Comparison: what has changed between two records of one kind of sensor, and whether that means anything."""
+"""Comparison: what has changed between two records of the same type of sensor, and whether it is significant."""
 
 import math
 from collections.abc import Callable
@@ -33,7 +33,7 @@ class Ratios(Value):
     before, after : Curve
         With their limits, at the same averaging times.
     p : array, shape (k,)
-        Probability of a ratio as far from 1 by chance, each time by itself.
+        p-value of each ratio, separately for each averaging time.
     limits : level -> (low, high)
         Of the ratio of the variances: the law of a ratio of two weighted sums of chi-squares, which is Fisher's F with
         both equivalent degrees of freedom where these are many.
@@ -107,7 +107,7 @@ class Pair(Value):
     explained : tuple of bool
         Whether each fit explains its record.
     grades : tuple of str
-        How well, in words.
+        How well, as text.
     records : (Record, Record) or None
         Only the header of each where the comparison was stored.
     alerts : tuple of str
@@ -115,7 +115,7 @@ class Pair(Value):
     whole : Fit or None
         Of the record of which both are parts, in a study of truncation.
     paired : bool
-        Whether both hold the same noise, and are compared reading by reading.
+        Whether both hold the same noise, and are compared sample by sample.
     """
 
     _keys: ClassVar = {"changes": "terms"}
@@ -148,7 +148,7 @@ class Pair(Value):
 
     @property
     def changed(self) -> bool:
-        """Whether the records differ by more than chance: their noise, a sinusoid, or their curves at some time."""
+        """Whether the records differ significantly: in their noise, a sinusoid, or their curves at some time."""
         lines = any(change.significant for change in self.changes if change.frequency is not None)
         return self.p <= self.alpha or lines or bool(self._curves)
 
@@ -160,10 +160,10 @@ class Pair(Value):
         named = ", ".join(told(change) for change in self.changes if change.significant)
         same = [c.label for c in self.changes if c.outcome == "no change"]
         open_ = [c for c in self.changes if c.outcome == "not resolvable"]
-        detail = named or ("no single coefficient shows it" if self.changed else "")
+        detail = named or ("no single coefficient changes significantly" if self.changed else "")
         parts = [self._headline + (f"{': ' if self.changed else '; by itself '}{detail}" if detail else "")]
         parts += [self._curves] if self._curves else []
-        parts += [f"unchanged within their limits: {', '.join(same)}"] if same else []
+        parts += [f"unchanged within their intervals: {', '.join(same)}"] if same else []
         longer = "not resolvable in these records, but in longer ones: "
         parts += [longer + ", ".join(map(_open, open_))] if open_ else []
         return "; ".join(parts)
@@ -176,19 +176,19 @@ class Pair(Value):
         if self.p <= self.alpha:
             return f"the noise has changed, {p}{how}"
         if self.changed:
-            return f"the records differ, though the noise as a whole does not show it, {p}{how}"
-        return f"no change of the noise is seen, {p}{how}"
+            return f"the records differ, although the noise as a whole shows no change, {p}{how}"
+        return f"no change of the noise is detected, {p}{how}"
 
     @property
     def _curves(self) -> str:
-        """Where the curves differ, all averaging times considered; empty where they do not."""
+        """Where the curves differ, all averaging times considered; empty if they do not."""
         most = None if self.ratios is None else self.ratios.apart(self.alpha)
         if self.ratios is None or most is None:
             return ""
         at, p = most
         return (
             f"the curves differ, most at {self.ratios.tau[at]:.4g} s (variance ratio {self.ratios.ratio[at]:.3g}, "
-            f"{chance(p)} with {self.ratios.tau.size} averaging times considered)"
+            f"{chance(p)}, adjusted for {self.ratios.tau.size} averaging times)"
         )
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
@@ -205,7 +205,7 @@ def _open(change: Change) -> str:
         return change.label
     if math.isinf(change.needed):
         return f"{change.label} (of no practical length)"
-    return f"{change.label} (from {duration(change.needed)} on)"
+    return f"{change.label} (at {duration(change.needed)} or more)"
 
 
 def _coefficients(count: int) -> str:
@@ -256,7 +256,7 @@ class Comparison(Together[Pair]):
         return tuple(change for pair in self.pairs for change in pair.changes)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data; of two fits only the level counts."""
+        """The recipe that was actually used, as plain data; for two fits only the level applies."""
         if not any(pair.records for pair in self.pairs):
             return self.recipe.to_dict(("level",))
         own = {"against": self.settings.against and list(self.settings.against), "part": self.settings.part}

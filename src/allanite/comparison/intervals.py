@@ -1,4 +1,4 @@
-"""Two fits whose records are not at hand: the ratios of coefficients of which only the intervals are known."""
+"""Comparison of two fits without their records: the ratios of coefficients from their intervals alone."""
 
 import math
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class IntervalContrast:
         for estimate in (self.first, self.second):
             if estimate.limits is None:
                 raise UsageError(
-                    f"the method {estimate.method!r} gives no intervals, and so no comparison; use method='whittle'"
+                    f"the method {estimate.method!r} gives no intervals, which a comparison needs; use method='whittle'"
                 )
 
     @property
@@ -105,7 +105,7 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
         They are of different kinds of sensor.
     """
     if not (isinstance(before, Fit) and isinstance(after, Fit)):
-        raise UsageError("a fit can be compared with a fit only; give both records, which tell more")
+        raise UsageError("a fit can only be compared with a fit; pass both records, which carry more information")
     if before.signal is not after.signal:
         raise DataError(
             f"only sensors of one kind can be compared, not {before.signal.name} and {after.signal.name} signals"
@@ -114,6 +114,6 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
     contrasts = {s: IntervalContrast(before[s], after[s]) for s in common}
     changes = changes_of(contrasts, (before, after), recipe.level)
     pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
-    notes = ("compared by the intervals of the coefficients only: the records would tell more",)
+    notes = ("compared by the intervals of the coefficients only; a comparison of the records is more sensitive",)
     used = Recipe(level=recipe.level)  # nothing else of it counts
     return Comparison((pair,), used, (), notes, provenance_of(), ("before", "after"))

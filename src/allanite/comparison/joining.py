@@ -1,4 +1,4 @@
-"""Records are made ready for a joint likelihood: no outliers, no sinusoids, the same terms and frequencies in each."""
+"""Preparation of records for a joint likelihood: no outliers, no sinusoids, the same terms and frequencies in each."""
 
 import math
 from collections.abc import Sequence
@@ -43,14 +43,14 @@ class Joined:
 
     @property
     def grades(self) -> tuple[str, ...]:
-        """How well each fit explains its record, in words."""
+        """How well each fit explains its record, as text."""
         return tuple(graded(noise.validity, noise.fit.scope) for noise in self.noises)
 
     @property
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers: models that do not explain their records, and what was done."""
         doubts = (
-            f"record {i}: {doubt}; a difference of what it leaves out may pass for one of its terms"
+            f"record {i}: {doubt}; a difference in what the model omits may appear as a change of one of its terms"
             for i, noise in enumerate(self.noises, 1)
             for doubt in noise.doubts
         )
@@ -60,7 +60,7 @@ class Joined:
 def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     """The joint likelihood of records of one kind of sensor.
 
-    Outliers are left out, and sinusoids taken out as the fits found them. Where one record has Gauss-Markov noise it is
+    Outliers are omitted, and sinusoids removed as the fits found them. Where one record has Gauss-Markov noise it is
     asked of all, and compared at one time constant.
 
     Raises
@@ -77,12 +77,12 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
     quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
-        f"record {i}: sinusoids were taken out, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
+        f"record {i}: sinusoids were removed, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]
     if constant is not None:
-        notes.append(f"Gauss-Markov noise is compared at one time constant, {constant:.3g} s")
+        notes.append(f"Gauss-Markov noise is compared at a common time constant, {constant:.3g} s")
     both = joint(quiet, shown, asked_band(recipe), constant=constant, scopes=[fit.scope for fit in fits])
     return Joined(both, noises, tuple(notes), tuple(records))
 
@@ -91,7 +91,7 @@ def _demand_different(records: Sequence[Record]) -> None:
     for j, record in enumerate(records):
         for i, other in enumerate(records[:j]):
             if len(other.values) == len(record.values) and np.array_equal(other.values, record.values):
-                raise DataError(f"records {i + 1} and {j + 1} hold the same readings; there is nothing to compare")
+                raise DataError(f"records {i + 1} and {j + 1} have identical samples; there is nothing to compare")
 
 
 def asked_band(recipe: Recipe) -> tuple[float, float] | None:
@@ -100,7 +100,7 @@ def asked_band(recipe: Recipe) -> tuple[float, float] | None:
 
 
 def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[Noise, ...], tuple[str, ...]]:
-    """The noise of each record, of the same terms, in the common band where that leaves out a part of one."""
+    """The noise of each record, of the same terms, in the common band where that omits a part of one."""
     low, high = common_band(records, asked_band(recipe))
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
@@ -118,7 +118,7 @@ def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[R
         return list(records), []
     found = [outliers(record) for record in records]
     notes = [
-        f"record {i}: {some.words(record)}: left out of the comparison"
+        f"record {i}: {some.words(record)}: excluded from the comparison"
         for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
         if some.at.size
     ]

@@ -23,6 +23,7 @@ from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.scope import Scope
 from allanite.core.units import Signal
+from allanite.core.wording import plural, spelled
 from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.portion import Tuned
@@ -165,8 +166,8 @@ def common_band(
         spans = ", ".join(f"{1 / (2 * r.duration):.3g} to {r.rate / 2:.3g} Hz" for r in records)
         within = "" if band is None else f" within {band[0]:g} to {band[1]:g} Hz"
         raise DataError(
-            f"the records have no band of frequencies in common{within}: they reach from {spans}; record longer, or at "
-            "more alike rates"
+            f"the records have no frequency band in common{within}: they cover {spans}; record longer, or at more "
+            "similar rates"
         )
     return low, high
 
@@ -183,14 +184,15 @@ def demand_one_kind(records: Sequence[Record]) -> None:
     if len(signals) > 1:
         kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
         raise DataError(
-            f"only sensors of one kind can be compared, not {kinds}; name channels of one kind (--channels)"
+            f"only sensors of one type can be compared, not {kinds}; select channels of one type with "
+            f"{spelled('--channels', 'channels=...')}"
         )
 
 
 def _in_band(
     seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
 ) -> Likelihood:
-    """The bins within a band and outside the masks; coefficient k stands for frequencies from k - 1/2 to k + 1/2."""
+    """The bins within a band and outside the masks; coefficient k represents frequencies from k - 1/2 to k + 1/2."""
     low, high = band
     half = seen.rate / (4 * seen.size)
     first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
@@ -199,8 +201,9 @@ def _in_band(
         inside &= (last < mask[0]) | (first > mask[1])
     if inside.sum() < FEWEST:
         raise DataError(
-            f"the records have hardly a band of frequencies in common: from {low:.3g} to {high:.3g} Hz one of them "
-            f"has {inside.sum()} bins of the spectrum, fewer than {FEWEST}; record longer, or at more alike rates"
+            f"the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+            f"has {plural(int(inside.sum()), 'bin')} of the spectrum, fewer than {FEWEST}; record longer, or at "
+            "more similar rates"
         )
     return whole if inside.all() else whole.only(inside)
 

@@ -1,8 +1,8 @@
-"""Two records of the same noise, such as raw and corrected readings: compared as a pair.
+"""Two records of the same noise, such as raw and corrected samples, compared as a pair.
 
 Two series of equal variance have a sum and a difference that do not correlate, whatever the correlation of the two
-themselves (E. J. G. Pitman, W. A. Morgan, Biometrika 31 (1939) 9, 13). Independent records are told apart by their own
-scatter; these by that of their difference only.
+themselves (E. J. G. Pitman, W. A. Morgan, Biometrika 31 (1939) 9, 13). Independent records are distinguished by their
+own scatter; these by that of their difference only.
 """
 
 from dataclasses import dataclass, replace
@@ -18,14 +18,14 @@ from .change import Homogeneity
 from .contrast import chi_square
 
 ALIKE = 0.7
-"""Correlation of the readings, or of their steps, from which on two records are a pair."""
+"""Correlation of the samples, or of their steps, from which on two records are a pair."""
 
 FEWEST = 8
 """Coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it."""
 
 
 def resemblance(records: tuple[Record, Record]) -> float:
-    """Correlation of two records' readings or steps, whichever is larger; 0 where they are not reading by reading."""
+    """Correlation of two records' samples or steps, whichever is larger; 0 where they are not sample by sample."""
     if records[0].size != records[1].size or records[0].rate != records[1].rate:
         return 0.0
     first, second = _together(records)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 
 PAIRED = (
-    "both records hold the same noise, as raw and corrected readings do (they correlate by {:.3g}): they are compared "
-    "as a pair; limits of the coefficients are those of independent records, wider than need be"
+    "both records contain the same noise, like raw and corrected samples (their correlation is {:.3g}): they are "
+    "compared as a pair; the intervals of the coefficients are those of independent records, wider than necessary"
 )
 
 
@@ -89,7 +89,7 @@ def _changes(both: Joint, fits: tuple[Fit, Fit], level: float, lines: tuple[Line
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
-    """What is supposed of each record for the law of the ratio: coefficients that are not told apart are common.
+    """What is supposed of each record for the law of the ratio: coefficients that are not distinguished are common.
 
     What scatters at the longest averaging times is hardly seen by one record alone.
     """

@@ -1,4 +1,4 @@
-"""Pool: what several runs of one kind of sensor have in common, how they scatter, and which of them lies apart."""
+"""Pool: what several runs of one type of sensor have in common, how they scatter, and which of them is an outlier."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -100,14 +100,14 @@ class PooledChannel(Value):
     p : array, shape (k,)
         Of the variances being the same at each averaging time (Bartlett's test with the degrees of freedom).
     apart : dict
-        Runs that lie apart and the adjusted p of that, in the order in which they were taken out.
+        Runs that lie apart and the adjusted p of that, in the order in which they were removed.
     rest : float
         p of one common model for the runs that are left.
     fits : tuple of Fit
     explained : tuple of bool
         Whether each fit explains its record.
     grades : tuple of str
-        How well, in words.
+        How well, as text.
     records : tuple of Record
     band : (low, high) or None
         Frequencies that were compared, Hz.
@@ -148,17 +148,17 @@ class PooledChannel(Value):
             return f"not pooled: {self.refusal}"
         runs = len(self.fits)
         if self.alike and not self.apart:
-            return f"one noise describes all {runs} runs ({chance(self.test.p)})"
-        first = f"the {runs} runs do not have one noise ({chance(self.test.p)})"
+            return f"one noise model describes all {runs} runs ({chance(self.test.p)})"
+        first = f"the {runs} runs do not have the same noise ({chance(self.test.p)})"
         apart = ", ".join(f"{name} ({chance(p)})" for name, p in self.apart.items())
-        parts = [first if not self.alike else f"one noise describes the {runs} runs ({chance(self.test.p)})"]
+        parts = [first if not self.alike else f"one noise model describes the {runs} runs ({chance(self.test.p)})"]
         if apart:
-            parts.append(f"apart from the others: {apart}")
-            more = "have one noise" if self.rest > self.alpha else "still differ"
-            parts.append(f"the runs that are left {more} ({chance(self.rest)})")
+            parts.append(f"different from the others: {apart}")
+            more = "have the same noise" if self.rest > self.alpha else "still differ"
+            parts.append(f"the remaining runs {more} ({chance(self.rest)})")
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(f"the scatter between runs is more than that within them in {', '.join(named)}")
+            parts.append(f"the scatter between runs exceeds that within them in {', '.join(named)}")
         return "; ".join(parts)
 
     def _summary(self) -> str:
@@ -167,7 +167,7 @@ class PooledChannel(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pool(Together[PooledChannel]):
-    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as of `Together`."""
+    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as for `Together`."""
 
     _channel = PooledChannel
 

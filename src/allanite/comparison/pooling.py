@@ -99,7 +99,7 @@ def _scatter(together: Joint, which: int, alone: Sequence[FloatArray]) -> tuple[
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
-    """Runs that differ from all others, the worst one taken out at a time, and what is left."""
+    """Runs that differ from all others, the worst one removed at a time, and what is left."""
     apart: dict[str, float] = {}
     left = list(range(len(names)))
     rest = together

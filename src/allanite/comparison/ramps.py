@@ -79,7 +79,7 @@ class RampContrast:
     def limits(self, level: float) -> tuple[float, float]:
         """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954).
 
-        From minus to plus infinity where the first ramp itself is not told from zero.
+        From minus to plus infinity where the first ramp itself is not distinguished from zero.
         """
         from scipy.optimize import brentq
 

@@ -173,12 +173,14 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     row = statistic_named(statistic)
     if row.parts or row.extreme or row.order < 2:
         raise UsageError(
-            f"curves of {row.name} have no law of their ratio; compare oadev, ohdev, mdev, totdev or theo1"
+            f"the ratio of curves of {row.name} has no known distribution; compare oadev, ohdev, mdev, totdev or theo1"
         )
     slow = min(records, key=lambda record: record.rate)
     if isinstance(taus, str):
         if taus not in GRIDS:
-            raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
+            raise UsageError(
+                f"unknown grid of averaging times {taus!r}; known grids: {', '.join(GRIDS)}, or give seconds"
+            )
         longest = min(row.largest(r.size) / r.rate for r in records)
         wanted = GRIDS[taus](max(int(longest * slow.rate + 1e-9) // row.step, 1)) * row.step / slow.rate
     else:
@@ -189,5 +191,5 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
         fits &= (np.abs(m / record.rate / wanted - 1) <= ALIKE) & (m <= row.largest(record.size))
     if not fits.any():
         spans = ", ".join(f"{row.step / r.rate:.3g} to {row.largest(r.size) / r.rate:.3g} s" for r in records)
-        raise DataError(f"the records have no averaging time in common: {row.name} reaches from {spans}")
+        raise DataError(f"the records have no averaging time in common: {row.name} covers {spans}")
     return [m[fits] for m in steps]

@@ -17,7 +17,7 @@ LIKELY = 0.8
 """Probability with which records of the length that is named resolve the coefficient."""
 
 LONGEST = 1e13
-"""Readings beyond which no length is given."""
+"""Samples beyond which no length is given."""
 
 
 def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
@@ -31,7 +31,7 @@ def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, 
     rate : float
         Sampling rate, Hz.
     size : int
-        Readings of the shorter record.
+        Samples of the shorter record.
     """
     return tuple(
         replace(c, needed=_needed(c, common, rate, size)) if c.outcome == "not resolvable" else c for c in changes

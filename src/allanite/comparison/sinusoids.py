@@ -24,7 +24,7 @@ SEEN = 4.0
 
 @dataclass(frozen=True)
 class Amplitude:
-    """Amplitude of a sinusoid in one record and its standard error, SI; `found` says whether it is told from noise."""
+    """Amplitude of a sinusoid in one record and its standard error, SI; `found` says whether it is significant."""
 
     value: float
     error: float
@@ -84,7 +84,7 @@ class LineContrast:
 def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:
     """The sinusoids of two records, each looked for in the other.
 
-    One that lies beyond the frequencies of the other record is left out.
+    One that lies beyond the frequencies of the other record is omitted.
     """
     width = WIDTH / min(record.duration for record in records)
     found = sorted(line.frequency for fit in fits for line in fit.lines)

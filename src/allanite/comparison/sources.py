@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
+from allanite.core.wording import spelled
 from allanite.study.channels import (
     Inspected,
     Job,
@@ -95,7 +96,7 @@ def open_source(source: Source | Job[Any], recipe: Recipe) -> Recording:
         made = source.provenance.get("source", ""), source.provenance.get("sha256", "")
         records = tuple(c.record for c in source.channels if isinstance(c.record, Record))
         if len(records) < len(source.channels):
-            raise UsageError("a study that was stored has no readings; compare its file instead")
+            raise UsageError("a stored study has no samples; compare its file instead")
         source = Recording(records, *made, source.notes, source.findings)
     if not isinstance(source, (Recording, Record, str, os.PathLike)):
         raise UsageError(f"a {type(source).__name__} cannot be compared; give records, recordings, studies or paths")
@@ -131,8 +132,11 @@ def pair_channels(
         return [(name, tuple(recording[name] for recording in recordings)) for name in common], notes
     if len({len(some) for some in names}) > 1 or (len(recordings) > 2 and len(names[0]) > 1):
         shown = "; ".join(", ".join(some) for some in names)
-        why = "they differ in number" if ordered else "the recordings have no channel in common"
-        raise UsageError(f"the channels do not pair ({shown}): {why}; name as many of each (--channels, --against)")
+        why = "their numbers differ" if ordered else "the recordings have no channel in common"
+        raise UsageError(
+            f"the channels cannot be paired ({shown}): {why}; select the same number of each "
+            f"({spelled('--channels, --against', 'channels, against')})"
+        )
     matched = list(zip(*recordings, strict=True))
     unlike = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
     said = tuple(f"channel {first} is compared with {', '.join(rest)}" for first, *rest in filter(None, unlike) if rest)

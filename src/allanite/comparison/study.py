@@ -9,6 +9,7 @@ import numpy as np
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 from allanite.prepare import trim
 from allanite.study import channels
 from allanite.study.analysis import Study
@@ -35,13 +36,13 @@ def compare(
     rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """What has changed between two records, and whether that is more than chance.
+    """Compare the noise of two records, and test whether it has changed.
 
-    The verdict is the likelihood ratio of one common noise model against two, calibrated by drawing; each coefficient
-    has its change in percent with profile limits and a p adjusted (Holm) for the number of coefficients; at each
-    averaging time stands the ratio of the variances with its limits. The records are supposed to be independent; two
-    that hold the same noise, as raw and corrected readings do, are recognised and compared as a pair. Sinusoids have
-    rows of their own.
+    The verdict is the likelihood ratio of one common noise model against two, calibrated by a parametric bootstrap.
+    Each coefficient has its change in percent with a profile interval and a p-value adjusted (Holm) for the number of
+    coefficients; each averaging time has the ratio of the variances with its interval. The records are assumed to be
+    independent; two records of the same noise, such as raw and corrected samples, are recognized and compared as a
+    pair. Sinusoids have rows of their own.
 
     Parameters
     ----------
@@ -51,16 +52,16 @@ def compare(
     recipe : Recipe, optional
         How to read, which terms and averaging times to compare (those of the octaves by default), the level.
     against : sequence of str, optional
-        Channels of `after` that are compared with those of `before`, in this order.
+        Channels of `after` to compare with those of `before`, in this order.
     rng : numpy.random.Generator, optional
         For the calibration; ``default_rng(1)`` by default, so that the same records have the same verdict.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Returns
     -------
     Comparison
-        Channels that cannot be compared carry the reason and no numbers.
+        Channels that cannot be compared have a reason instead of results.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def compare(
         A file cannot be read, or no channel can be compared: sensors of different kinds, no band of frequencies in
         common, records that are too short, constant, or the same.
     UsageError
-        An option is wrong, or the channels do not pair.
+        An option is wrong, or the channels cannot be paired.
 
     Examples
     --------
@@ -104,8 +105,11 @@ def compare_channels(
     recording = open_source(source, recipe)
     if len(recording) == 1:
         raise UsageError(
-            f"there is one channel, {recording[0].name!r}, and nothing to compare it with; give a second file, more "
-            "channels, or --part to hold its beginning against the rest"
+            f"there is only one channel, {recording[0].name!r}; "
+            + spelled(
+                "give a second file, more channels, or --part to compare its beginning with the rest",
+                "give a second recording, more channels, or use truncation to compare its beginning with the rest",
+            )
         )
     sources = Sources((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
@@ -120,7 +124,7 @@ def pool(
     rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
 ) -> Pool:
-    """What several runs, or several units, have in common: coefficients, curve, scatter, and runs that lie apart.
+    """Pool several runs, or several units: common coefficients and curve, scatter, and outlying runs.
 
     Parameters
     ----------
@@ -131,12 +135,12 @@ def pool(
     rng : numpy.random.Generator, optional
         For the calibration of the test; ``default_rng(1)`` by default.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Returns
     -------
     Pool
-        Channels that cannot be pooled carry the reason and no numbers.
+        Channels that cannot be pooled have a reason instead of results.
 
     Raises
     ------
@@ -160,7 +164,7 @@ def pool(
     """
     recipe = _ready(recipe, progress)
     if len(runs) < 3:
-        raise UsageError(f"runs are pooled from three on, and {len(runs)} came; of two, compare(before, after)")
+        raise UsageError(f"pooling needs at least three runs, not {len(runs)}; use compare(before, after) for two")
     return _pool(open_sources(runs, recipe), recipe, rng=rng, progress=progress)
 
 
@@ -172,7 +176,7 @@ def truncation(
     rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Whether a shorter record would have said the same: the first part held against the rest, with the whole beside.
+    """Test whether a shorter record would have given the same result: compare its first part with the rest.
 
     Part and rest are independent, part and whole are not: the part agrees with the whole where it agrees with the rest.
 
@@ -182,7 +186,7 @@ def truncation(
     until : float
         Where the part ends, seconds after the first sample.
     recipe, rng, progress
-        As of `compare`.
+        As for `compare`.
 
     Returns
     -------
@@ -220,7 +224,7 @@ def _ready(recipe: Recipe | None, progress: Progress | None) -> Recipe:
     """The recipe of a comparison, before anything is read."""
     recipe = recipe or Recipe(taus="octave")
     if recipe.method != "whittle":
-        raise UsageError(f"records are compared by their likelihood, method 'whittle', not by {recipe.method!r}")
+        raise UsageError(f"records are compared by their likelihood, method 'whittle', not {recipe.method!r}")
     if progress is not None:
         progress("reading", 0.0)
     return recipe

@@ -16,7 +16,7 @@ def of_symbol(found: Sequence[Compared], symbol: str, done: str) -> Compared:
     for one in found:
         if one.symbol == symbol:
             return one
-    raise UsageError(f"{symbol!r} was not {done}; there are {', '.join(one.symbol for one in found)}")
+    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(one.symbol for one in found)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,7 +29,7 @@ class Together(Job[Compared]):
     names : tuple of str
         Of the recordings.
     recipe, findings, notes, provenance
-        As of `Job`; ``source 2`` and so on are the other recordings.
+        As for `Job`; ``source 2`` and so on are the other recordings.
     """
 
     names: tuple[str, ...]
@@ -50,9 +50,9 @@ class Together(Job[Compared]):
         return all(channel.explained)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`; at the recipe's by default."""
+        """Plain data, with limits at `level`, by default that of the recipe."""
         return super().to_dict(level) | {"verdict": self.verdict}

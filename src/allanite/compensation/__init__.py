@@ -1,4 +1,4 @@
-"""Compensation by regressors: the part of a rate that follows a temperature, a displacement, a flux, taken off."""
+"""Compensation: estimates and removes the part of a rate that follows a temperature or another channel."""
 
 from .clocks import aligned as aligned
 from .fit import compensate as compensate

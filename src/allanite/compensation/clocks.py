@@ -1,4 +1,4 @@
-"""Bringing channels onto a record's clock, if that is asked for."""
+"""Resampling of channels to the sample times of a record, if requested."""
 
 from dataclasses import replace
 
@@ -11,10 +11,10 @@ from .regressor import FloatArray
 
 
 def aligned(along: Recording, record: Record) -> Recording:
-    """The channels at the intervals of `record`: means where they are faster, else on lines between their readings.
+    """The channels at the intervals of `record`: means if they are faster, otherwise linear interpolation.
 
-    What lies before the first reading or behind the last one is NaN, and so is what has a lost reading beside it.
-    Times are those of `start`, zero where none is said.
+    Values before the first sample or after the last one are NaN, and so are values next to a missing sample. Times are
+    those of `start`, or zero.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def aligned(along: Recording, record: Record) -> Recording:
 
 def _aligned(other: Record, record: Record) -> Record:
     if other.kind != "rate":
-        raise DataError(f"{other.name!r} holds {other.kind}s; only readings can be brought onto another clock")
+        raise DataError(f"{other.name!r} is of kind {other.kind}; only plain samples can be resampled")
     when = np.arange(record.size) / record.rate
     since = (record.start or 0.0) - (other.start or 0.0)
     x = np.asarray(other.values, dtype=np.float64)
@@ -41,9 +41,9 @@ def _aligned(other: Record, record: Record) -> Record:
     at = when + since
     values = _means(x, other.rate, at, record.rate) if faster else _lines(x, other.rate, at)
     if np.isnan(values).all():
-        raise DataError(f"{other.name!r} and {record.name!r} have no time in common")
-    way = "means" if faster else "straight lines"
-    what = f"brought from {other.rate:.9g} Hz onto the clock of {record.name!r} by {way}"
+        raise DataError(f"{other.name!r} and {record.name!r} do not overlap in time")
+    way = "means" if faster else "linear interpolation"
+    what = f"resampled from {other.rate:.9g} Hz to the times of {record.name!r} by {way}"
     return Record(
         values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
         history=(*other.history, what),

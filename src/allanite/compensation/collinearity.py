@@ -1,23 +1,24 @@
-"""Whether the columns of a regression can be told apart, and from a ramp, as the noise sees them: whitened."""
+"""Whether the whitened columns of a regression can be separated from each other and from a ramp."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.wording import spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 
 from .design import Design
 from .restricted import FloatArray
 
 CONDITION = 30.0
-"""Scaled condition number above which coefficients cannot be told apart (Belsley, Kuh, Welsch 1980)."""
+"""Scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)."""
 
 TRENDING = 0.9
-"""Share of a ramp that the regressors explain, above which they are confounded with it."""
+"""Share of a ramp explained by the regressors above which they are confounded with it."""
 
 
 class Collinearity(NamedTuple):
-    """Scaled condition number, variance inflation of each column, and what must be said of them."""
+    """Scaled condition number, variance inflation of each column, and warnings."""
 
     condition: float
     inflation: FloatArray
@@ -36,15 +37,15 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> C
         factors = zip(design.labels, inflation, strict=True)
         worst = ", ".join(f"{label} ({factor:.3g})" for label, factor in factors if factor > 10)
         notes.append(
-            f"the regressors can hardly be told apart: scaled condition number {condition:.3g}, above {CONDITION:g}; "
-            f"variance inflation {worst or 'spread over all'}. Their sum may be right where none of them is"
+            f"the regressors can hardly be separated: scaled condition number {condition:.3g}, above {CONDITION:g}; "
+            f"variance inflation {worst or 'spread over all'}. Their sum may be accurate although none of them is"
         )
     ramp = _of_ramp(design, likelihood.expectation(theta), A)
     if ramp > TRENDING:
         notes.append(
-            f"the regressors trend: they explain {100 * ramp:.3g} % of a steady drift, so that a rate ramp R "
-            "cannot be told from their effect in this record (trend=True, --trend, estimates one along); a record in "
-            "which they come back would tell"
+            f"the regressors have a trend: they explain {100 * ramp:.3g} % of a linear drift, so that a rate ramp R "
+            f"cannot be separated from their effect in this record ({spelled('--trend', 'trend=True')} estimates "
+            "one jointly); a record in which they return to their initial values would separate them"
         )
     return Collinearity(condition, inflation, tuple(notes))
 

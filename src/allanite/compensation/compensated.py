@@ -1,4 +1,4 @@
-"""What comes of a compensation of files."""
+"""Results of a compensation of files."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -27,9 +27,9 @@ class Compensated(RecordResult):
     corrected : Record or None
     before, after : Curve or None
     noise : Noise or None
-        Of the record before, on which the limits of `before` rest.
+        Noise of the uncorrected record, assumed by the intervals of `before`.
     gain : Gain or None
-        What it brought on a record that was not fitted.
+        Gain on a record that was not used for the fit.
     alerts : tuple of str
     refusal : str
     """
@@ -45,7 +45,7 @@ class Compensated(RecordResult):
 
     @property
     def rates(self) -> tuple[FloatArray, FloatArray] | None:
-        """Rate before and after, SI; None without a correction, or without readings: they are not stored."""
+        """Rate before and after, SI; None without a correction, or without samples, which are not stored."""
         if not (isinstance(self.record, Record) and isinstance(self.corrected, Record)):
             return None
         return self.record.rate_values, self.corrected.rate_values
@@ -80,6 +80,6 @@ class CompensationStudy(Job[Compensated]):
         return Recording(kept)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe and the settings that were really used, as plain data."""
+        """The recipe and the settings that were actually used, as plain data."""
         other = self.provenance.get("applied to")
         return super().choices() | self.settings.choices() | ({"apply_to": other} if other else {})

@@ -1,4 +1,4 @@
-"""The columns of a regression: what was asked for, what may be added, and whether they can be told apart."""
+"""The columns of a regression: those requested, those that may be added, and whether they can be separated."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
+from allanite.core.wording import plural, spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.prepare.view import stretches
 
@@ -17,7 +18,7 @@ from .restricted import FloatArray, Stretch, restricted
 from .settings import CompensationSettings
 
 SHORTEST = 64
-"""Readings of a stretch between gaps below which it is left out."""
+"""Minimum number of samples of a stretch between gaps."""
 
 SAME = 1e-10
 """Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
@@ -52,7 +53,7 @@ class Design:
     notes: tuple[str, ...]
 
     def only(self, kept: Sequence[int]) -> "Design":
-        """The design with some of the columns, at all readings where these have values."""
+        """The design with some of the columns, at all samples where these have values."""
         some = list(kept)
         X, regressors = self.X[:, some], tuple(self.regressors[i] for i in some)
         parts, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
@@ -70,7 +71,7 @@ class Design:
 
     @property
     def count(self) -> int:
-        """Readings that count."""
+        """Samples that count."""
         return sum(b - a for a, b in self.stretches)
 
     def likelihood(self, symbols: str, *, y: FloatArray | None = None, parts: Sequence[Stretch] = ()) -> Likelihood:
@@ -87,9 +88,10 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     UsageError
         A regressor is missing.
     DataError
-        One never changes, or is a sum of others; readings are lost and not split at; nothing is left.
+        A regressor is constant or a linear combination of others; samples are missing and the record is not split;
+        nothing remains.
     """
-    named = dict.fromkeys((*settings.regressors, *settings.rate_of))
+    named = dict.fromkeys((*settings.regressors, *settings.derivative_of))
     channels = {name: _measured(name, record, along) for name in named}
     listed = list(_regressors(record, channels, settings))
     regressors, optional = tuple(r for r, _ in listed), np.array([o for _, o in listed])
@@ -99,8 +101,8 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
     if any(lost) and not settings.fit.split_gaps:
         raise DataError(
-            f"{lost[0]} readings of {record.name!r} and {lost[1]} of its regressors are lost; take the stretches "
-            "between them, each with its own constant, with FitSettings(split_gaps=True) (--split-gaps)"
+            f"{lost[0]} samples of {record.name!r} and {lost[1]} of its regressors are missing; use the stretches "
+            f"between them, each with its own constant: {spelled('--split-gaps', 'FitSettings(split_gaps=True)')}"
         )
     parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
@@ -113,17 +115,17 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
 
 
 def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool_]) -> FloatArray:
-    """Root mean square of each column about its mean."""
+    """RMS of each column about its mean."""
     inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
     size = np.sqrt((inner**2).sum(axis=0) / used.sum())
     for regressor, rms in zip(regressors, size, strict=True):
         if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
-            raise DataError(f"the regressor {regressor.label!r} never changes: it can explain nothing; leave it out")
+            raise DataError(f"the regressor {regressor.label!r} is constant and cannot explain anything; omit it")
     return np.asarray(size)
 
 
 class _Channel(NamedTuple):
-    """Unit, mean and readings of a channel."""
+    """Unit, mean and samples of a channel."""
 
     unit: str
     centre: float
@@ -136,7 +138,7 @@ def _regressors(
     """Each column, and whether it is optional."""
     for name in settings.regressors:
         yield Regressor(name, channels[name].unit, channels[name].centre), False
-    for name in settings.rate_of:
+    for name in settings.derivative_of:
         yield Regressor(name, channels[name].unit, smooth=settings.fit.smooth), False
     if settings.trend:
         yield Regressor(TREND, "s"), False
@@ -152,16 +154,16 @@ def _regressors(
 def _measured(name: str, record: Record, along: Recording) -> _Channel:
     """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
     if name not in along.channels:
-        raise UsageError(f"the regressor {name!r} is missing: there are {', '.join(along.channels)}")
+        raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
     channel = along[name]
     unit = channel.unit if channel.kind == "rate" else channel.signal.unit
     x = readings(name, unit, record, along)
     there = x[np.isfinite(x)]
     if not there.size:
-        raise DataError(f"the regressor {name!r} has no finite reading")
+        raise DataError(f"the regressor {name!r} has no finite sample")
     mean, spread = float(there.mean()), float(there.std())
     if there.min() == there.max():
-        raise DataError(f"the regressor {name!r} never changes (always {there[0]:g} {unit}): it can explain nothing")
+        raise DataError(f"the regressor {name!r} is constant (always {there[0]:g} {unit}) and cannot explain anything")
     return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
 
 
@@ -169,11 +171,16 @@ def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tu
     kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
     count = sum(b - a for a, b in kept)
     if not kept:
-        raise DataError(f"no stretch of {SHORTEST} readings is without a loss in the record or its regressors")
+        raise DataError(f"no stretch of {SHORTEST} samples is complete in the record and its regressors")
     if count == n:
         return kept, ()
-    words = f"{n - count} of {n} readings are lost, or have no regressors, or stand in stretches below {SHORTEST}"
-    return kept, (f"{words}; {len(kept)} stretch(es) are used" + (", each with its own constant" * (len(kept) > 1)),)
+    words = (
+        f"{n - count} of {n} samples are missing, have no regressors, or belong to stretches shorter than {SHORTEST}"
+    )
+    return kept, (
+        (f"{words}; {plural(len(kept), 'stretch', 'stretches')} used")
+        + (", each with its own constant" * (len(kept) > 1)),
+    )
 
 
 def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
@@ -183,4 +190,4 @@ def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
         return
     share = np.abs(vectors[:, 0])
     names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
-    raise DataError(f"the regressors {', '.join(map(repr, names))} are collinear: leave one of them out")
+    raise DataError(f"the regressors {', '.join(map(repr, names))} are collinear: omit one of them")

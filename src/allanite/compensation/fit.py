@@ -1,4 +1,4 @@
-"""From a record and the channels beside it to a regression."""
+"""From a record and the channels recorded with it to a regression."""
 
 import math
 from collections.abc import Sequence
@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record, Recording
+from allanite.core.wording import plural, spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
@@ -21,7 +22,7 @@ from .selection import Fold, choose, folds
 from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11
-"""What is left, over the record, at which only rounding is left."""
+"""Residual, relative to the record, at which only rounding errors remain."""
 
 
 USUAL = FitSettings()
@@ -34,33 +35,33 @@ def compensate(
     *,
     degree: int = 1,
     lags: Sequence[float] = (),
-    rate_of: Sequence[str] = (),
+    derivative_of: Sequence[str] = (),
     trend: bool = False,
     settings: FitSettings = USUAL,
 ) -> Regression:
-    """Fit the part of a record that follows other channels: temperature, displacement, flux, any.
+    """Estimate the part of a record that depends on other channels: temperature, displacement, flux or any other.
 
     The rate is a constant, a sum of coefficients times regressors, and noise of the terms Q, N, B and K, which is
-    identified along with the coefficients by the restricted likelihood. Coefficients are generalised least squares
-    estimates, averaged over what the slow noise may be; ordinary least squares shows an effect where there is none in
-    six records of ten. What is asked for by name is kept; powers up to `degree` and lags enter only where blocks that
-    are held back gain from them.
+    identified jointly with the coefficients by the restricted likelihood. Coefficients are generalized least-squares
+    estimates, averaged over the possible slow noise; ordinary least squares finds a nonexistent effect in six records
+    out of ten. Regressors named explicitly are kept; powers up to `degree` and lags are added only if cross-validation
+    improves.
 
     Parameters
     ----------
     record : Record
     along : Recording or Record
-        The channels, on the record's clock; `compensation.aligned` brings them there.
+        The channels, with the record's sample times; `compensation.aligned` resamples them.
     regressors : sequence of str
-        Channels whose readings, less their means, are regressors.
+        Channels whose samples, minus their means, are regressors.
     degree : int
-        Highest power that may be added.
+        Highest power to try.
     lags : sequence of float
-        Seconds: earlier readings that may be added.
-    rate_of : sequence of str
-        Channels whose rate of change is a regressor.
+        Lags to try, s.
+    derivative_of : sequence of str
+        Channels whose time derivative is a regressor.
     trend : bool
-        Estimate a steady drift along; it is not taken off.
+        Estimate a linear drift jointly; it is not removed.
     settings : FitSettings
         Noise terms, window of rates, blocks, gaps.
 
@@ -73,8 +74,8 @@ def compensate(
     UsageError
         A regressor is missing, or an option is impossible.
     DataError
-        A regressor never changes, is a sum of others or is on another clock; readings are lost; there are too few
-        effective samples for so many regressors.
+        A regressor is constant, a linear combination of others or has other sample times; samples are missing; there
+        are too few effective samples for the number of regressors.
 
     References
     ----------
@@ -94,12 +95,12 @@ def compensate(
     >>> found.apply(gyro, al.Recording((temp,))).history[-1]
     'corrected: regression on temp'
     """
-    if isinstance(regressors, str) or isinstance(rate_of, str):
-        raise UsageError("regressors and rate_of are sequences of names, for example ['temp']")
+    if isinstance(regressors, str) or isinstance(derivative_of, str):
+        raise UsageError("regressors and derivative_of are sequences of names, for example ['temp']")
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
-        raise DataError(f"{record.name!r} has {record.size} readings; a regression needs at least {SHORTEST}")
-    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(rate_of), trend, settings)
+        raise DataError(f"{record.name!r} has {record.size} samples; a regression needs at least {SHORTEST}")
+    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, settings)
     whole = design(record, beside, wanted)
     _demand_noise(whole, record)
     terms = settings.symbols
@@ -113,7 +114,7 @@ def compensate(
 
 
 def _held(whole: Design, blocks: Sequence[Fold], kept: list[int]) -> Gain:
-    """Mean squares of the blocks that were held back."""
+    """Mean squares of the held-back blocks."""
     taken = [i for i in kept if i in whole.taken]
     before, after = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0)
     return Gain(float(before) / whole.count, float(after) / whole.count, 0.0)
@@ -130,7 +131,7 @@ def _regression(
 ) -> Regression:
     part = whole.only(kept)
     first = _plain(part)
-    # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is taken out
+    # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed
     seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, found = mixture(seen, settings.symbols)
     alike = collinearity(part, seen, theta)
@@ -138,9 +139,10 @@ def _regression(
     effective = _effective(part, seen, theta)
     if effective < settings.least * len(part.taken):
         raise DataError(
-            f"the noise of {record.name!r} has {effective:.3g} effective samples, as a whole or where the regressors "
-            f"vary: too few for {len(part.taken)} regressors, of which each wants {settings.least:g}. Name fewer, "
-            "record for longer, or accept fewer samples for each with FitSettings(least=...) (--least)"
+            f"the noise of {record.name!r} has {effective:.3g} effective samples, as a whole or where the "
+            f"regressors vary: too few for {plural(len(part.taken), 'regressor')}, each of which needs "
+            f"{settings.least:g}. Use fewer regressors, record for longer, or require fewer samples per regressor "
+            f"with {spelled('--least', 'FitSettings(least=...)')}"
         )
     return Regression(
         record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
@@ -154,13 +156,13 @@ def _regression(
 
 def _demand_noise(part: Design, record: Record) -> None:
     if all(np.ptp(part.y[a:b]) == 0 for a, b in part.stretches):
-        raise DataError(f"{record.name!r} never changes (always {part.y[part.stretches[0][0]]:g} SI): check the sensor")
+        raise DataError(f"{record.name!r} is constant (always {part.y[part.stretches[0][0]]:g} SI): check the sensor")
     left = part.y - part.X @ _plain(part)
     rest, whole = (np.array([np.ptp(y[a:b]) for a, b in part.stretches]).max() for y in (left, part.y))
     if rest < WHOLLY * whole:
         raise DataError(
-            f"{', '.join(map(repr, part.labels))} explain {record.name!r} wholly: no noise is left. Is the record, or "
-            "what was made of it, among the regressors?"
+            f"{', '.join(map(repr, part.labels))} explain {record.name!r} completely: no noise remains. Is the "
+            "record, or something derived from it, among the regressors?"
         )
 
 
@@ -174,7 +176,7 @@ def _plain(part: Design) -> FloatArray:
 def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
     """Mean squares of the fitted record.
 
-    Generalised least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
+    Generalized least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
     of the noise.
     """
     taken = part.taken

@@ -1,4 +1,4 @@
-"""What a correction takes off: mean squares before and after, and what could be expected."""
+"""The effect of a correction: mean squares before and after, and the expected reduction."""
 
 import math
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class Gain(Value):
     ----------
     before, after : float
     expected : float
-        Reduction that could be expected: of the record that was fitted, by chance alone, if there were no dependence at
-        all; of another one, by the dependence that was found, less what its errors add.
+        Expected reduction: for the fitted record, by chance alone without any dependence; for another record, from the
+        estimated dependence minus the effect of its errors.
     low, high : float or None
         95 % limits of the reduction of another record; it may be negative.
 
@@ -36,15 +36,15 @@ class Gain(Value):
 
     @property
     def reduction(self) -> float:
-        """What was taken off, SI squared."""
+        """Reduction of the mean square, SI squared."""
         return self.before - self.after
 
     @property
     def explained(self) -> float:
-        """Share of the variance that was taken off; negative if the correction does harm."""
+        """Share of the variance that was removed; negative if the correction does harm."""
         return self.reduction / self.before if self.before > 0 else math.nan
 
     @property
     def met(self) -> bool | None:
-        """Whether the reduction lies within its limits; None where there are none."""
+        """Whether the reduction lies within its interval; None if there is none."""
         return None if self.low is None or self.high is None else self.low <= self.reduction <= self.high

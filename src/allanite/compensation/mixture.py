@@ -1,4 +1,4 @@
-"""What is known of the coefficients when the noise itself is known from the same record only."""
+"""The distribution of the coefficients if the noise is known only from the same record."""
 
 import math
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Mixture(Value):
     ----------
     weights : array, shape (k,)
     centres, spreads : arrays, shape (k, p)
-        Generalised least squares estimates and their standard errors.
+        Generalized least-squares estimates and their standard errors.
     covariance : array, shape (p, p)
         Of all together.
 
@@ -88,12 +88,12 @@ class Mixture(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The mixture that `to_dict` has written; DataError if it was changed so that it makes no sense."""
+        """The mixture written by `to_dict`; DataError if it was changed so that it makes no sense."""
         found = super().from_dict(data)
         (k, p), parts = found.centres.shape, (found.weights, found.centres, found.spreads, found.covariance)
         fine = [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
         if not (fine and all(np.isfinite(part).all() for part in parts)):
-            raise DataError("a mixture of such numbers makes no sense")
+            raise DataError("these numbers do not form a valid mixture")
         return found
 
     def _summary(self) -> str:
@@ -105,8 +105,8 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
 
     Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients of
     the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
-    over all that the restricted likelihood allows, each term between zero and where 2 L has risen by `REACH`, the
-    coefficients get the wide tails of Student's t, and the limits hold where the noise was not seen at all.
+    over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
+    coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     """
     every = np.ones(len(symbols), dtype=bool)
     best, least = likelihood.minimise(every)
-    # white noise of the rate or angle hides nothing slow
+    # white rate or angle noise hides nothing slow
     slow = [i for i, symbol in enumerate(symbols) if TERMS[symbol].slope >= 0]
     axes = [np.linspace(0.0, math.sqrt(_reach(likelihood, i, best, least)), NODES) for i in slow]
     thetas, excess = [best], [0.0]
@@ -131,7 +131,7 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     weight = np.exp(-0.5 * (np.array(excess) - min(excess)))
     for i, axis in zip(slow, axes, strict=True):
         size = np.sqrt([theta[i] for theta in thetas])
-        # the trapezoidal rule: the end of an axis has half a step, and stands for what lies between it and its half
+        # the trapezoidal rule: the end of an axis has half a step, and represents what lies between it and its half
         weight *= np.maximum(size, axis[1] / 4) ** PRIOR * np.where(size == 0, 0.5, 1.0)
     kept = weight > 1e-5 * weight.sum()
     weight = weight[kept] / weight[kept].sum()

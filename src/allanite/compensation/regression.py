@@ -1,4 +1,4 @@
-"""Regression: the part of a sensor's error that follows other channels, as a correction."""
+"""Regression: the part of a sensor's error that depends on other channels, as a correction."""
 
 import json
 import math
@@ -28,10 +28,10 @@ WITHIN = 1.959964
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Regression(Correction):
-    """Coefficients of regressors, how sure they are, and what they gained; see `compensate`.
+    """Coefficients of regressors, their uncertainties, and the variance reduction; see `compensate`.
 
-    Taking it off (`apply`) leaves the bias at the regressors' means in the record, and a steady drift that was
-    estimated along.
+    The correction (`apply`) keeps the bias at the regressors' means in the record, and a linear drift that was
+    estimated jointly.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Regression(Correction):
     inside : Gain
         Of the record that was fitted.
     held : Gain or None
-        Of its blocks, each compensated by what the rest of the record says.
+        Gain on its blocks, each compensated with a fit to the rest of the record.
     notes : tuple of str
     """
 
@@ -78,12 +78,12 @@ class Regression(Correction):
 
     @property
     def taken(self) -> list[int]:
-        """Columns that are taken off: all but a trend."""
+        """Columns that are subtracted: all but a trend."""
         return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
 
     @property
     def significant(self) -> bool:
-        """Whether the drop of the variance is more than chance makes, and an effect is."""
+        """Whether the variance reduction and at least one effect are significant."""
         found = any(self.effect(i).significant for i in self.taken)
         return found and self.inside.reduction > self.inside.expected
 
@@ -94,7 +94,7 @@ class Regression(Correction):
         for i, regressor in enumerate(self.regressors):
             if regressor.label == label:
                 return self.effect(i)
-        raise UsageError(f"no regressor {label!r}; there are {', '.join(r.label for r in self.regressors)}")
+        raise UsageError(f"no regressor {label!r}; regressors: {', '.join(r.label for r in self.regressors)}")
 
     def effect(self, which: int, level: float = 0.95) -> Effect:
         """The coefficient of a column, with limits at `level`."""
@@ -116,14 +116,14 @@ class Regression(Correction):
         """Error of the rate in each interval, SI, shape (record.size,); NaN where a regressor has no value."""
         if record.signal is not self.signal:
             raise UsageError(
-                f"this regression is of a {self.signal.name} ({self.signal.unit}), but {record.name!r} is of a "
+                f"this regression belongs to a {self.signal.name} ({self.signal.unit}), but {record.name!r} is of a "
                 f"{record.signal.name} ({record.signal.unit})"
             )
         columns = (self.mixture.values[i] * self.regressors[i].column(record, along) for i in self.taken)
         return np.asarray(sum(columns))
 
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
-        """Error of each reading, SI, shape of its values; see `Correction`."""
+        """Error of each sample, SI, shape of its values; see `Correction`."""
         rate = self.rate_error(record, along)
         if record.kind == "rate":
             return rate
@@ -131,8 +131,8 @@ class Regression(Correction):
             return rate / record.rate
         if np.isnan(rate).any():
             raise DataError(
-                f"{int(np.isnan(rate).sum())} readings of the regressors are lost, and with them every angle behind "
-                "them; correct the rates or increments instead"
+                f"{int(np.isnan(rate).sum())} samples of the regressors are missing, and therefore every later "
+                "angle; correct the rates or increments instead"
             )
         return np.concatenate(([0.0], np.cumsum(rate / record.rate)))
 
@@ -143,7 +143,7 @@ class Regression(Correction):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The regression that `to_dict` has written.
+        """The regression written by `to_dict`.
 
         Raises
         ------
@@ -153,11 +153,9 @@ class Regression(Correction):
         try:
             found = super().from_dict(data)
         except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration) as error:
-            raise DataError(
-                f"this is no regression that was saved, or it was changed ({type(error).__name__}: {error})"
-            ) from None
+            raise DataError(f"not a saved regression, or it was changed ({type(error).__name__}: {error})") from None
         if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
-            raise DataError("this regression has not as many coefficients as regressors: it was changed")
+            raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
         return found
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
@@ -181,7 +179,7 @@ class Regression(Correction):
         """
         found = load(path)
         if len(found) > 1:
-            raise DataError(f"{os.fspath(path)!r} holds {len(found)} regressions; take compensation.load")
+            raise DataError(f"{os.fspath(path)!r} contains {len(found)} regressions; use compensation.load")
         return found[0]
 
 
@@ -195,7 +193,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     Raises
     ------
     DataError
-        The record and its regressors have no readings in common.
+        The record and its regressors have no samples in common.
     """
     taken = regression.taken
     X = np.column_stack([regression.regressors[i].column(record, along) for i in taken])
@@ -203,7 +201,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     fine = np.isfinite(y) & np.isfinite(X).all(axis=1)
     count = int(fine.sum())
     if count < 2:
-        raise DataError(f"{record.name!r} and its regressors have no readings in common")
+        raise DataError(f"{record.name!r} and its regressors have no samples in common")
     X = np.where(fine[:, None], X - X[fine].mean(axis=0), 0.0)
     y = np.where(fine, y - y[fine].mean(), 0.0)
     b, V = regression.mixture.values[taken], regression.mixture.covariance[np.ix_(taken, taken)]
@@ -236,5 +234,5 @@ def load(path: str | os.PathLike[str]) -> tuple[Regression, ...]:
         raise DataError(f"{os.fspath(path)!r} cannot be read as a saved regression: {error}") from None
     listed = data.get("regressions") if isinstance(data, dict) else None
     if not isinstance(listed, list) or not listed or not all(isinstance(item, dict) for item in listed):
-        raise DataError(f"{os.fspath(path)!r} holds no saved regression")
+        raise DataError(f"{os.fspath(path)!r} contains no saved regression")
     return tuple(Regression.from_dict(item) for item in listed)

@@ -1,4 +1,4 @@
-"""Regressor: a column that an error may depend on, made of a channel by a few plain rules. Effect: its coefficient."""
+"""Regressor: a column on which an error may depend, derived from a channel. Effect: its coefficient."""
 
 import math
 from dataclasses import dataclass
@@ -10,13 +10,14 @@ from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.units import convert
+from allanite.core.wording import spelled
 
 from .slope import local_slope
 
 FloatArray = NDArray[np.float64]
 
 SIGNIFICANT = 0.05
-"""Probability below which an effect is not put down to chance."""
+"""p-value below which an effect is significant."""
 
 TREND = "time"
 """Name of the regressor that is no channel: seconds, counted from the middle of the record."""
@@ -24,20 +25,20 @@ TREND = "time"
 
 @dataclass(frozen=True, repr=False)
 class Regressor(Value):
-    """One column of a regression: a power of a channel less its centre, perhaps of earlier, or its rate of change.
+    """One column of a regression: a power of a channel minus its centre, optionally with a lag, or its time derivative.
 
     Attributes
     ----------
     channel, unit : str
-        Where it comes from, and in what unit its readings are taken.
+        Name of the channel, and the unit of its samples.
     centre : float
-        Reading at which the column is zero, in `unit`; 0 for a rate of change.
+        Value at which the column is zero, in `unit`; 0 for a derivative.
     power : int
         1, 2, 3 ...
     lag : float
-        The reading of so many seconds earlier counts.
+        Lag, s.
     smooth : float or None
-        Seconds of the Hann window in which a rate of change is the slope; None for readings.
+        Length of the Hann window in which the derivative is estimated, s; None for samples.
 
     Examples
     --------
@@ -61,16 +62,16 @@ class Regressor(Value):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.centre) and math.isfinite(self.lag) and self.power >= 1):
-            raise UsageError(f"a regressor has a finite centre and lag, and a power from 1 on, not {self!r}")
+            raise UsageError(f"a regressor needs a finite centre and lag, and a power of at least 1, not {self!r}")
 
     @property
     def is_trend(self) -> bool:
-        """Whether it is time itself, which is estimated along and never taken off."""
+        """Whether it is time itself, which is estimated jointly and never subtracted."""
         return self.channel == TREND
 
     @property
     def label(self) -> str:
-        """How it is called in tables."""
+        """Its name in tables."""
         name = self.channel if self.power == 1 else f"{self.channel}^{self.power}"
         name = name if self.smooth is None else f"d {name}/dt"
         return name if not self.lag else f"{name}, {self.lag:g} s before"
@@ -118,14 +119,13 @@ class Effect(Value):
     unit : str
         Of both.
     p : float
-        Probability of a coefficient as far from zero if there is no dependence; for a column that was chosen among
-        several, times their number.
+        p-value of no dependence; for a column that was chosen among several, multiplied by their number.
     low, high : float
-        Limits at `level`.
+        Confidence interval at `level`.
     inflation : float
         Variance inflation factor: how much the other regressors widen its variance.
     chosen : bool
-        Whether cross-validation chose the column; otherwise it was asked for.
+        Whether cross-validation chose the column; otherwise it was requested.
     """
 
     _also = ("label", "t", "significant", "taken_off")
@@ -153,25 +153,25 @@ class Effect(Value):
 
     @property
     def significant(self) -> bool:
-        """Whether it is not put down to chance."""
+        """Whether it is significant."""
         return self.p < SIGNIFICANT
 
     @property
     def taken_off(self) -> bool:
-        """Whether the correction takes it off: all but a steady drift."""
+        """Whether the correction subtracts it: all but a linear drift."""
         return not self.regressor.is_trend
 
 
 def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
-    """Readings of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
+    """Samples of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
     if along is None or channel not in along.channels:
-        there = "no channels came along" if along is None else f"there are {', '.join(along.channels)}"
+        there = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
         raise UsageError(f"the regressor {channel!r} is missing: {there}")
     found = along[channel]
     demand_clock(record, found)
     own = found.unit if found.kind == "rate" else found.signal.unit
     if unit != own and "degC" in (unit, own):
-        raise UnitError(f"{channel!r} was in {unit} and is in {own}: their zeros differ; give it in {unit}")
+        raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
     x = np.asarray(found.values if found.kind == "rate" else found.rate_values, dtype=np.float64)
     if found.kind == "rate" and found.scale is not None:
         x = x * found.scale
@@ -194,11 +194,11 @@ def demand_clock(record: Record, other: Record) -> None:
     if same_rate and apart < 0.5 / record.rate and other.size in lengths:
         return
     raise DataError(
-        f"{other.name!r} ({_clock(other)}) is not on the clock of {record.name!r} ({_clock(record)}); bring it there "
-        "with compensation.aligned (--interpolate), which interpolates"
+        f"{other.name!r} ({_clock(other)}) does not have the sample times of {record.name!r} ({_clock(record)}); "
+        f"interpolate it with {spelled('--interpolate', 'compensation.aligned')}"
     )
 
 
 def _clock(record: Record) -> str:
     start = "" if record.start is None else f" from {record.start:.9g} s"
-    return f"{record.rate:.9g} Hz, {record.size} readings{start}"
+    return f"{record.rate:.9g} Hz, {record.size} samples{start}"

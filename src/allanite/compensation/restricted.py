@@ -1,11 +1,11 @@
 r"""The likelihood of the noise with the regression's coefficients integrated out.
 
-Noise identified from a record that still holds the dependence takes the dependence for noise; identified from what a
-fit has left over, it takes too little, because the fit has taken some of the noise too. The restricted likelihood does
-neither: the coefficients are directions of any size in it (see `noise.likelihood`), and for given noise their
-generalised least squares estimates and covariance fall out of it. Fitting the noise to the residuals, and the
-coefficients under that noise, again and again, would end at its maximum but for the correction of degrees of freedom
-that it makes. Stretches between gaps have each its own constant.
+Noise identified from the uncorrected record includes the dependence; identified from the residuals of a fit it is too
+small, because the fit has removed some of the noise, too. The restricted likelihood avoids both: the coefficients are
+directions of any size in it (see `identification.likelihood`), and for given noise it yields their generalized
+least-squares estimates and covariance. Fitting the noise to the residuals, and the coefficients under that noise, again
+and again, would end at its maximum except for the correction of degrees of freedom that it makes. Stretches between
+gaps have each its own constant.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, ra
         Rates.
     X : array, shape (n, p)
     stretches : sequence of (first, behind last)
-        Readings that count.
+        Samples that count.
     rate : float
         Hz.
     symbols : str

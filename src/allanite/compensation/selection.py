@@ -44,7 +44,7 @@ class Fold:
     held: Products
 
     def coefficients(self, kept: Sequence[int]) -> FloatArray:
-        """Generalised least squares of the rest; the shortest ones where columns are alike there."""
+        """Generalized least squares of the rest; the shortest ones where columns are alike there."""
         some = list(kept)
         A, b = self.rest.A[np.ix_(some, some)], self.rest.b[some]
         size = np.sqrt(np.maximum(np.diag(A), 1e-300))
@@ -59,7 +59,7 @@ class Fold:
         return float(self.held.q - 2 * beta @ self.held.b[some] + beta @ self.held.A[np.ix_(some, some)] @ beta)
 
     def squares(self, taken: Sequence[int], kept: Sequence[int]) -> tuple[float, float]:
-        """Plain sums of squares of the held block, about its mean, before and after `taken` of `kept` are taken off."""
+        """Sums of squares of the held block, about its mean, before and after `taken` of `kept` are subtracted."""
         some = list(taken)
         beta = self.coefficients(kept)[[list(kept).index(i) for i in some]]
         after = self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta
@@ -67,7 +67,7 @@ class Fold:
 
 
 def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[Fold]:
-    """The record in so many blocks of equal length, each held back once; those without enough readings are left out."""
+    """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
     first, last = design.stretches[0][0], design.stretches[-1][1]
     edges = np.linspace(first, last, blocks + 1).astype(int)
     found = []
@@ -84,7 +84,7 @@ def _within(stretches: Sequence[Stretch], windows: Sequence[Stretch]) -> list[St
 
 
 def choose(design: Design, folds: Sequence[Fold]) -> list[int]:
-    """The columns that are kept: all that were asked for, and one after the other what held-back blocks gain from.
+    """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
 
     An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
     of that gain over the blocks; a power only after the one below it.

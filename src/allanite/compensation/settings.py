@@ -1,4 +1,4 @@
-"""What a regression is made of, and how."""
+"""The regressors of a regression, and the settings of the fit."""
 
 import math
 from dataclasses import asdict, dataclass, field
@@ -6,12 +6,13 @@ from typing import Any
 
 from allanite.core.errors import UsageError
 from allanite.core.plain import Value
+from allanite.core.wording import spelled
 from allanite.terms import TERMS
 
 from .regressor import TREND
 
 ORDINARY = "QNBK"
-"""Noise terms that may be there where none are named."""
+"""Noise terms that may be present if none are named."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -21,17 +22,17 @@ class FitSettings(Value):
     Attributes
     ----------
     terms : str
-        Noise terms that may be there, for example "NK"; "auto" stands for QNBK. A ramp is no noise, see `trend`.
+        Noise terms that may be present, for example "NK"; "auto" means QNBK. A ramp is not a noise, see `trend`.
     smooth : float
-        Seconds of the Hann window in which a rate of change is taken, 60 or more.
+        Length of the Hann window for derivatives, at least 60 s.
     blocks : int
         Blocks of the cross-validation.
     every : bool
-        Keep every column, whether held-back blocks gain from it or not.
+        Keep every column; skip the selection by cross-validation.
     split_gaps : bool
-        Where readings are lost, fit the stretches between them, each with its own constant.
+        Fit the stretches between gaps, each with its own constant.
     least : float
-        Effective samples that a regressor needs.
+        Effective samples required per regressor.
     """
 
     terms: str = "auto"
@@ -46,13 +47,13 @@ class FitSettings(Value):
         wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
         if wrong or not symbols or len(set(symbols)) < len(symbols):
             raise UsageError(
-                f"terms are different noise terms such as QNBK, not {self.terms!r}; a steady drift is estimated with "
-                "trend=True (--trend)"
+                f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift is estimated "
+                f"with {spelled('--trend', 'trend=True')}"
             )
         if not _whole(self.blocks, 3, 50):
-            raise UsageError(f"blocks of the cross-validation are a whole number from 3 to 50, not {self.blocks!r}")
+            raise UsageError(f"the number of blocks must be a whole number from 3 to 50, not {self.blocks!r}")
         if not (math.isfinite(self.least) and self.least > 0):
-            raise UsageError(f"the least number of effective samples is positive, not {self.least!r}")
+            raise UsageError(f"the least number of effective samples must be positive, not {self.least!r}")
 
     @property
     def symbols(self) -> str:
@@ -62,34 +63,34 @@ class FitSettings(Value):
 
 @dataclass(frozen=True, repr=False)
 class CompensationSettings(Value):
-    """What is fitted on what.
+    """The regressors and the settings of the fit.
 
     Attributes
     ----------
     regressors : tuple of str
-        Channels whose readings enter in the first power.
+        Channels that enter linearly.
     degree : int
-        Highest power that may be added.
+        Highest power to try.
     lags : tuple of float
-        Seconds by which earlier readings may be added.
-    rate_of : tuple of str
-        Channels whose rate of change enters.
+        Lags to try, s.
+    derivative_of : tuple of str
+        Channels whose time derivative enters.
     trend : bool
-        Estimate a steady drift along, which is never taken off.
+        Estimate a linear drift jointly, which is never subtracted.
     fit : FitSettings
         For files, its noise terms are those of the recipe, unless it names some.
     beside : path or None
-        File that holds the regressors, and says their units and times itself; the file of the record if left out.
+        File with the regressors, their units and times; by default the file of the record.
     interpolate : bool
-        Bring regressors of another time base onto the record's.
+        Interpolate regressors of another time base to the record's sample times.
     use : path or None
-        A saved regression, which is taken instead of a new fit.
+        A saved regression, used instead of a new fit.
     """
 
     regressors: tuple[str, ...] = ()
     degree: int = 1
     lags: tuple[float, ...] = ()
-    rate_of: tuple[str, ...] = ()
+    derivative_of: tuple[str, ...] = ()
     trend: bool = False
     fit: FitSettings = field(default_factory=FitSettings)
     beside: str | None = None
@@ -97,23 +98,26 @@ class CompensationSettings(Value):
     use: str | None = None
 
     def __post_init__(self) -> None:
-        named = self.regressors or self.rate_of
+        named = self.regressors or self.derivative_of
         if self.use is None and not named:
-            raise UsageError("name at least one regressor, for example regressors=('temp',) (--regressors temp)")
+            raise UsageError(
+                "name at least one regressor, for example " + spelled("--regressors temp", "regressors=('temp',)")
+            )
         if self.use is not None and named:
             raise UsageError(
-                "a saved regression (--use) has its own regressors: leave out regressors and rate_of (--regressors, "
-                "--rate-of)"
+                "a saved regression has its own regressors: omit "
+                + spelled("--regressors and --derivative-of", "regressors and derivative_of")
             )
-        for names in (self.regressors, self.rate_of):
+        for names in (self.regressors, self.derivative_of):
             if len(set(names)) < len(names):
                 raise UsageError(f"a regressor is named twice: {', '.join(names)}")
         if TREND in self.regressors:
-            raise UsageError("a steady drift is not taken off; it is estimated along with trend=True (--trend)")
+            trend = spelled("--trend", "trend=True")
+            raise UsageError(f"a linear drift is not subtracted; {trend} estimates it jointly")
         if not _whole(self.degree, 1, 6):
-            raise UsageError(f"a degree is a whole number from 1 to 6, not {self.degree!r}")
+            raise UsageError(f"a degree must be a whole number from 1 to 6, not {self.degree!r}")
         if len(set(self.lags)) < len(self.lags) or not all(math.isfinite(lag) and lag > 0 for lag in self.lags):
-            raise UsageError(f"lags are different positive numbers of seconds, not {self.lags!r}")
+            raise UsageError(f"lags must be different positive numbers of seconds, not {self.lags!r}")
 
     def choices(self) -> dict[str, Any]:
         """Plain data, under the names of the command line; the noise terms are the recipe's."""

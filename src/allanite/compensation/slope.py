@@ -1,4 +1,4 @@
-"""The rate of change of a slow channel: the slope of a line fitted in a window that slides along it."""
+"""The time derivative of a slow channel: the slope of a line fitted in a sliding window."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ SHORTEST = 60.0
 
 
 def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
-    """Slope of the least squares line in a Hann window around each reading, per second; shape of `x`.
+    """Slope of the least-squares line in a Hann window around each sample, per second; shape of `x`.
 
     At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
     its neighbours' windows, and has no slope of its own.
@@ -28,7 +28,7 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     Raises
     ------
     UsageError
-        The window is shorter than 60 s or holds fewer than 3 readings.
+        The window is shorter than 60 s or holds fewer than 3 samples.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     half = int(window * rate / 2)
     if not (np.isfinite(window) and window >= SHORTEST and half >= 1):
         raise UsageError(
-            f"a rate of change is taken in a window of {SHORTEST:g} s or more, and 3 readings, not {window!r} s"
+            f"the window of a derivative must have at least {SHORTEST:g} s and 3 samples, not {window!r} s"
         )
     from scipy.signal import oaconvolve
 
@@ -61,5 +61,5 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     spread = w * tt - t * t
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = (w * ty - t * y) / spread
-    # fewer than two readings in the window: the spread is rounding
+    # fewer than two samples in the window: the spread is rounding
     return np.where(there & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)

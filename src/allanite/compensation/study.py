@@ -1,4 +1,4 @@
-"""Compensation of files: every channel fitted on the channels beside it, what it gained here, and on another file."""
+"""Compensation of files: every channel fitted on other channels, and the effect on it and on another file."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -61,7 +61,7 @@ def compensate_file(
     apply_to: PathLike | None = None,
     progress: Progress | None = None,
 ) -> CompensationStudy:
-    """Fit every inertial channel of a file on the channels beside it, and apply what was found.
+    """Fit every inertial channel of a file on other channels, and apply the regressions.
 
     Parameters
     ----------
@@ -71,9 +71,9 @@ def compensate_file(
     settings : CompensationSettings
         The regressors, or a saved regression.
     apply_to : path, optional
-        Another file of the same channels, on which nothing is fitted.
+        Another file of the same channels, which is not used for the fit.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[R
 def _keys(settings: CompensationSettings, saved: Mapping[str, Regression]) -> tuple[str, ...]:
     """What the user calls the channels that are regressors."""
     wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
-    return tuple(dict.fromkeys((*settings.regressors, *settings.rate_of, *wanted)))
+    return tuple(dict.fromkeys((*settings.regressors, *settings.derivative_of, *wanted)))
 
 
 def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
@@ -191,16 +191,18 @@ def _each(
 
 
 def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
-    regressors, rate_of = ([source.named[key] for key in keys] for keys in (settings.regressors, settings.rate_of))
+    regressors, derivative_of = (
+        [source.named[key] for key in keys] for keys in (settings.regressors, settings.derivative_of)
+    )
     return compensate(
-        record, source.along, regressors, degree=settings.degree, lags=settings.lags, rate_of=rate_of,
+        record, source.along, regressors, degree=settings.degree, lags=settings.lags, derivative_of=derivative_of,
         trend=settings.trend, settings=settings.fit,
     )  # fmt: skip
 
 
 def _saved(there: Mapping[str, Regression], name: str) -> Regression:
     if name not in there:
-        raise DataError(f"no regression of this name; there are {', '.join(there)}")
+        raise DataError(f"no regression of this name; names: {', '.join(there)}")
     return there[name]
 
 
@@ -209,7 +211,7 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
     there = np.isfinite(regression.rate_error(record, along))
     before, after = (_longest(part, there) for part in (record, corrected))
     if before.size < SHORTEST:
-        raise DataError(f"no stretch of {SHORTEST} readings without a loss is in {record.name!r} and its regressors")
+        raise DataError(f"no stretch of {SHORTEST} samples is complete in {record.name!r} and its regressors")
     noise, alerts = _noise(before, recipe)
     curve = partial(deviation, statistic="oadev", taus="octave")
     curves = curve(before, noise=noise.fit if noise else regression.noise), curve(after, noise=regression.noise)
@@ -230,6 +232,6 @@ def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...
     try:
         noise = noise_of(record, recipe)
     except DataError as error:
-        return None, (f"the limits of the deviation before suppose the noise that was found with the fit: {error}",)
-    doubt = "the limits of the deviation before are in doubt: no model of these terms explains the record before"
+        return None, (f"the intervals of the deviation before assume the noise identified by the fit: {error}",)
+    doubt = "the intervals of the deviation before are doubtful: no model of these terms explains the record before"
     return noise, (doubt,) if noise.doubts else ()

@@ -1,1 +1,1 @@
-"""Values that everything speaks in: records, curves, models, fits; and the units, files and errors at the border."""
+"""The values of the package (records, curves, models, fits), units, files and errors."""

@@ -1,4 +1,4 @@
-"""Types of arrays that everything is annotated with."""
+"""Types of arrays used in annotations."""
 
 import numpy as np
 from numpy.typing import NDArray

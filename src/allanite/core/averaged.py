@@ -1,4 +1,4 @@
-"""Averaged: the models that a record leaves open, with their weights."""
+"""Averaged: the models that are consistent with a record, with their weights."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from .plain import Value
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Averaged(Value):
-    """Models that a record leaves open, each with its weight.
+    """Models that are consistent with a record, each with its weight.
 
     Attributes
     ----------
     terms : Model
-        Every term that is in one of the models.
+        Every term that occurs in at least one of the models.
     scale : array, shape (k, t)
         Power of each term in each model over its power in `terms`; 0 where the model lacks it.
     weight : array, shape (k,)
-        Of each model; their sum is 1.
+        Weight of each model; the weights sum to 1.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Averaged(Value):
 
     @property
     def model(self) -> Model:
-        """The model of the mean powers: what it expects of a variance or a spectrum is their weighted mean."""
+        """The model with the mean powers: what it predicts is the weighted mean of the predictions of the models."""
         return _scaled(self.terms, self.weight @ self.scale)
 
     def __iter__(self) -> Iterator[tuple[Model, float]]:
@@ -67,12 +67,12 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
     models : sequence of Model or Term
         Terms of one symbol and shape are one term, of several sizes.
     weights : sequence of float
-        Positive, of any sum.
+        Positive; they are normalized.
 
     Raises
     ------
     UsageError
-        There are no models, or not as many weights, or one is not positive.
+        There are no models, the number of weights differs, or a weight is not positive.
     """
     weight = np.asarray(weights, dtype=np.float64)
     if not models or weight.shape != (len(models),) or not (weight > 0).all():
@@ -93,16 +93,16 @@ def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray)
 
 
 def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Literal["auto"] | None:
-    """A choice of the noise that limits suppose: models, "auto" for what the record shows, None for no limits.
+    """The noise assumed for confidence intervals: models, "auto" for the noise of the record, None for no intervals.
 
-    A model or a term stands as it is given; of a fit all the models that it leaves open.
+    A model or a term is used as given; a fit represents all models that are consistent with its record.
     """
     if value is None or value == "auto":
         return value
     if isinstance(value, str):
         raise UsageError(
-            f"noise is a Model, a Term as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not {value!r}; "
-            "parse_model makes a model of a text"
+            "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
+            f"{value!r}; parse_model converts a text to a model"
         )
     found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
     return found if isinstance(found, Averaged) else averaged([value], [1.0])

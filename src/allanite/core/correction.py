@@ -1,4 +1,4 @@
-"""Correction: what turns a Record into a Record."""
+"""Correction: converts a Record to a corrected Record."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from .record import Record, Recording
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Correction(Value, ABC):
-    """A known error of a sensor's readings, to be taken off them.
+    """A known error of a sensor's samples, to be subtracted from them.
 
-    A child is a frozen value that holds what was estimated (amplitudes of harmonics, coefficients of a regression) and
-    says two things: `what` it takes off, and how large the `error` of each reading is. Taking it off, with a line in
-    the record's history, is the same for all.
+    A subclass is a frozen value that holds the estimates (amplitudes of harmonics, coefficients of a regression) and
+    defines two things: `what` is subtracted, and the `error` of each sample. Subtraction, with an entry in the record's
+    history, is common to all.
 
     Examples
     --------
@@ -33,11 +33,11 @@ class Correction(Value, ABC):
     @property
     @abstractmethod
     def what(self) -> str:
-        """What is taken off, in a few words for the record's history."""
+        """What is subtracted, in a few words for the record's history."""
 
     @abstractmethod
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
-        """Error of each reading of `record`, SI, shape of its values.
+        """Error of each sample of `record`, SI, with the shape of its values.
 
         Parameters
         ----------
@@ -48,16 +48,16 @@ class Correction(Value, ABC):
         Raises
         ------
         UsageError
-            The correction is not meant for such a record, or a channel that it needs is not in `along`.
+            The correction does not apply to this record, or a channel that it needs is missing in `along`.
         """
 
     def _summary(self) -> str:
         return self.what
 
     def apply(self, record: Record, along: Recording | None = None) -> Record:
-        """The record without this error; parameters and errors are those of `error`. NaN stays NaN.
+        """The record without this error. Parameters and exceptions are those of `error`; NaN stays NaN.
 
-        Counts become increments of the same size: what is left of a pulse is no integer.
+        Counts become increments of the same size, since corrected counts are not integers.
         """
         values = record.values - self.error(record, along) / record.factor
         return record.with_values(values, f"corrected: {self.what}", start=record.start)

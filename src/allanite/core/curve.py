@@ -1,4 +1,4 @@
-"""Curve: a statistic over averaging time."""
+"""Curve: a statistic as a function of averaging time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ Law = Callable[[float], tuple[FloatArray, FloatArray, FloatArray]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curve(Value):
-    """Values of one statistic, by averaging time.
+    """Values of one statistic as a function of averaging time.
 
     Attributes
     ----------
@@ -29,18 +29,19 @@ class Curve(Value):
     m, tau, variance, count : arrays, shape (k,)
         Averaging factor, averaging time (s), variance (unit squared), number of terms in the sum.
     factor : array, shape (k,)
-        What the plain variance was multiplied with: the bias ratio kf of theobr and theoh, or one over a bias.
+        Factor applied to the plain variance: the bias ratio kf of theobr and theoh, or the inverse of a bias.
     unit : str
         Unit of the deviation.
     name, rate, size, history
-        The record's channel, sampling rate, sample intervals (lost ones included; 0 if not known) and history.
+        Channel, sampling rate, number of sample intervals (missing ones included; 0 if unknown) and history of the
+        record.
     noise : Model, optional
-        The model supposed for the confidence limits; where that was a fit, its own model, while the limits are averaged
-        over all that it leaves open. None where the noise was identified only for the limits.
+        The model assumed for the confidence intervals. If a fit was given, its own model, although the intervals are
+        averaged over all models consistent with the record. None if the noise was identified for the intervals only.
     law : optional
-        Gives the limits; it is called when first asked.
+        Computes the limits; called on first use.
     supposes : optional
-        Gives what the limits suppose; see `supposed`.
+        Gives the assumptions of the limits; see `supposed`.
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
@@ -62,7 +63,7 @@ class Curve(Value):
 
     @property
     def supposed(self) -> str:
-        """The noise that the limits suppose, in words; empty where there are no limits."""
+        """The noise assumed for the intervals, as text; empty without intervals."""
         return self.supposes() if self.supposes else ""
 
     @property
@@ -74,7 +75,8 @@ class Curve(Value):
         demand_level(level)
         if self.law is None:
             raise UsageError(
-                "confidence needs the noise that is there: deviation(record, ..., noise=allanite.identify(record))"
+                "confidence intervals need the noise of the record: deviation(record, ..., "
+                "noise=allanite.identify(record))"
             )
         return self.law(level)
 
@@ -84,21 +86,21 @@ class Curve(Value):
         return self._limits(getattr(self.law, "level", None) or 0.95)[0]  # the same at every level
 
     def interval(self, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
-        """Two-sided confidence limits (low, high) of the deviation under `noise`.
+        """Two-sided confidence interval (low, high) of the deviation under `noise`.
 
-        Exact equivalent degrees of freedom of the model's mixture; where they are few, the law of its largest
-        eigenvalues instead of one chi-square, whose upper limit would be up to several times too wide. Of a fit the
-        laws of all models that it leaves open, averaged.
+        Uses the exact equivalent degrees of freedom of the model. Where they are few, the distribution of its largest
+        eigenvalues replaces the single chi-square, whose upper limit can be several times too wide. For a fit, the
+        distributions of all models consistent with the record are averaged.
         """
         _, low, high = self._limits(level)
         return np.sqrt(self.variance * low), np.sqrt(self.variance * high)
 
     def lower(self, level: float = 0.95) -> FloatArray:
-        """One-sided lower limit of the deviation, which the truth exceeds with this confidence; level above 0.5."""
+        """One-sided lower confidence limit of the deviation; level above 0.5."""
         return self.interval(2 * level - 1)[0]
 
     def upper(self, level: float = 0.95) -> FloatArray:
-        """One-sided upper limit of the deviation, below which the truth lies with this confidence; level above 0.5."""
+        """One-sided upper confidence limit of the deviation; level above 0.5."""
         return self.interval(2 * level - 1)[1]
 
     def to(self, unit: str) -> "Curve":
@@ -107,7 +109,7 @@ class Curve(Value):
         return replace(self, variance=self.variance * factor**2, unit=unit)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
-        """Headings and rows for any table; limits only where the noise is known."""
+        """Headings and rows of a table; limits are included if the noise is known."""
         headings = ["m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
         columns = [self.m, self.tau, self.deviation, self.count]
         if np.any(self.factor != 1):

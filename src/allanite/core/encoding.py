@@ -1,7 +1,7 @@
-"""Plain data of a field and back, by the field's type: what JSON can hold, and nothing lost.
+"""Conversion of a field to plain data for JSON and back, by the type of the field, without loss.
 
-A number that is not finite is not JSON: NaN becomes null, infinities the words "inf" and "-inf"; NaN where the field
-may be None as well becomes the word "nan".
+JSON has no non-finite numbers: NaN becomes null, infinities become "inf"
+and "-inf"; NaN becomes "nan" where the field may also be None.
 """
 
 import math
@@ -19,10 +19,11 @@ NOT_FINITE = ("nan", "inf", "-inf")
 
 
 class Form(NamedTuple):
-    """How one kind of type is written and read.
+    """How values of one kind of type are written and read.
 
     `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the arguments;
-    `holds` says whether a value, `written` whether plain data can be of this type: members of a union are told apart.
+    `holds` says whether a value, `written` whether plain data can be of this type, which distinguishes the members of a
+    union.
     """
 
     write: Callable[[Any, tuple[Any, ...], float], Any]
@@ -32,7 +33,7 @@ class Form(NamedTuple):
 
 
 def write(value: Any, hint: Any, level: float) -> Any:
-    """Plain data of a value whose type is `hint`; limits at `level`."""
+    """Plain data of a value of type `hint`, with limits at `level`."""
     return _form(hint).write(value, get_args(hint), level)
 
 
@@ -51,7 +52,7 @@ def _form(hint: Any) -> Form:
 
 
 def _value_form(kind: Any) -> Form:
-    """Of a value that writes itself; its own class, or a child of it, reads it."""
+    """A value that writes itself; it is read by its own class or a subclass of it."""
     return Form(
         lambda value, _, level: value.to_dict(level),
         lambda data, _: kind.from_dict(data),
@@ -81,7 +82,7 @@ def _scalar(value: Any) -> Any:
 
 
 def finite(value: float) -> float | None:
-    """The number, or None where it is not finite: for what is written for readers only."""
+    """The number, or None if it is not finite: for values that are not read again."""
     return value if math.isfinite(value) else None
 
 
@@ -95,7 +96,7 @@ def _numbers(array: Any) -> Any:
 
 
 def _array(data: Any, args: tuple[Any, ...]) -> Any:
-    """The array of nested lists, of the type of number that the annotation names."""
+    """The array from nested lists, with the number type given by the annotation."""
     if isinstance(data, dict):
         return _array(data["real"], ()) + 1j * _array(data["imag"], ())
     named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
@@ -148,7 +149,7 @@ def _read_union(data: Any, args: tuple[Any, ...]) -> Any:
 
 
 def _write_call(value: Any, args: tuple[Any, ...], level: float) -> Any:
-    """Limits are stored as numbers, at one level; what takes no level, as what it gives, and a text as it is."""
+    """Limits are stored as numbers at one level; functions without a level as their result, and texts as they are."""
     if args[0]:
         return {"level": level, "values": write(value(level), args[1], level)}
     return value() if args[1] is str else {"values": write(value(), args[1], level)}
@@ -204,4 +205,4 @@ FORMS: dict[Any, Form] = {
     types.UnionType: _union,
     Callable: Form(_write_call, _read_call, callable, _is(dict)),
 }
-"""By the type, or what it is made from."""
+"""The codec of a type, or of the type that it is derived from."""

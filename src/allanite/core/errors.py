@@ -1,24 +1,24 @@
-"""The errors of allanite: each says what came, what was expected, and what to do next."""
+"""The errors of allanite. Each message says what was given, what was expected, and what to do."""
 
 
 class AllaniteError(ValueError):
-    """Something the user gave cannot be used; the message says what to do. The command line ends with `exit_code`."""
+    """The input cannot be used; the message says what to do. `exit_code` is that of the command line."""
 
     exit_code = 3
 
 
 class UsageError(AllaniteError):
-    """An option, name or unit is wrong, or one that is needed is missing."""
+    """An option, name or unit is wrong, or a required one is missing."""
 
     exit_code = 2
 
 
 class UnitError(UsageError):
-    """A unit is unknown, or measures something else than is wanted here."""
+    """A unit is unknown, or has the wrong dimension."""
 
 
 class LongJobWarning(UserWarning):
-    """What was asked takes minutes or more; the message says how long, and what takes less."""
+    """The job takes minutes or more; the message says how long, and what is faster."""
 
 
 class DataError(AllaniteError):
@@ -26,6 +26,6 @@ class DataError(AllaniteError):
 
 
 def given(value: object) -> str:
-    """What came, as a message says it: numbers of NumPy look like those of Python."""
+    """The given value as a message shows it; numbers of NumPy look like those of Python."""
     number = value.item() if hasattr(value, "item") and not getattr(value, "shape", ()) else value
     return f"{number:g}" if isinstance(number, float) else repr(number)

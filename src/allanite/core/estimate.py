@@ -1,4 +1,4 @@
-"""Estimate: one coefficient that was found, or why it was not."""
+"""Estimate: the estimate of one coefficient and its status."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from .plain import Value
 from .units import Signal
 
 WEAK = 0.25
-"""Relative standard error above which a term that was found is called weak."""
+"""Relative standard error above which an identified term is called weak."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,29 +24,29 @@ class Estimate(Value):
     Attributes
     ----------
     value : float or None
-        The estimate; None where the term was not found.
+        The estimate; None if the term is absent.
     standard_error : float or None
-        Of `value`; None where the method gives none. Of the likelihood's never so small that the 95 % limits reach more
-        than 1.96 of it below the value.
+        Standard error of `value`; None if the method gives none. With the likelihood, at least so
+        large that the lower 95 % limit is at most 1.96 standard errors below the value.
     status : {"identified", "weak", "absent", "not observable", "not valid", "reported", "negative"}
-        "identified": found, relative standard error at most 25 %; "weak": found, above; "absent": not found, see
-        `upper`; "not observable": this record cannot tell, see `reason`; "not valid": the model does not explain the
-        record, or the measured curve contradicts the value, see `reason`; "reported": by a method that gives no
-        evidence; "negative": the method gives a negative square.
+        "identified": detected, with a relative standard error of at most 25 %; "weak": detected, with a larger error;
+        "absent": not detected, see `upper`; "not observable": cannot be determined from this record, see `reason`; "not
+        valid": the model does not explain the record, or the measured curve contradicts the value, see `reason`;
+        "reported": given by a method without a test; "negative": the method gives a negative square.
     upper : float or None
         One-sided 95 % upper limit of the size of the coefficient.
     limits : level -> (low, high)
-        Interval as `interval` gives it; None where the method has none.
+        Interval as returned by `interval`; None if the method has none.
     profile : level -> (low, high)
-        Two-sided limits, whether the term was found or not; None where the method has none.
+        Two-sided interval, whether or not the term was detected; None if the method has none.
     median : float or None
-        The best guess of the size, whether the term was found or not: as probably above as below, if the term is
-        there. It is no evidence that it is. None where the method has none.
+        Median estimate of the size, given that the term is present. It
+        is no evidence for the term. None if the method has none.
     shape : tuple of float
         Values of the `parameters` of the term's row: the time constant of GM, s.
     shape_limits : level -> (low, high) of each of them
     reason : str
-        Why nothing is known, or why the value is not valid.
+        Why the term is not observable, or why the value is not valid.
     """
 
     symbol: str
@@ -64,7 +64,7 @@ class Estimate(Value):
     reason: str = ""
 
     def invalid(self, reason: str) -> "Estimate":
-        """The same, not valid: the value stays to be looked at, its limits do not."""
+        """The same estimate with status "not valid": the value is kept, its interval is not."""
         return replace(
             self, status="not valid", reason=reason, standard_error=None, upper=None, limits=None, profile=None,
             median=None, shape_limits=None,
@@ -82,20 +82,20 @@ class Estimate(Value):
 
     @property
     def claimed(self) -> bool:
-        """Whether the term is said to be there."""
+        """Whether the term was detected."""
         return self.status in ("identified", "weak")
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
-        """Confidence limits (low, high) in SI; from 0 to `upper` for an absent term."""
+        """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""
         demand_level(level)
         return (math.nan, math.nan) if self.limits is None else self.limits(level)
 
     def to(self, unit: str) -> float:
-        """The value in `unit`; NaN where there is none."""
+        """The value in `unit`; NaN if there is none."""
         return math.nan if self.value is None else self.value / coefficient_factor(self.symbol, unit, self.signal)
 
     def words(self, unit: str | None = None, level: float = 0.95) -> str:
-        """What is known, in words: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
+        """The estimate as text: ``0.31 (0.30 .. 0.32) deg/sqrt(h)`` or ``not identified, below 2.1 deg/h``.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""Writing files: never over an existing one unless told to, and never half."""
+"""Writing files: never over an existing one unless asked to, and never partially."""
 
 import os
 import secrets
@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .errors import UsageError
+from .wording import spelled
 
 PathLike = str | os.PathLike[str]
 
@@ -17,24 +18,25 @@ def demand_writable(path: PathLike, *, force: bool = False) -> None:
     Raises
     ------
     UsageError
-        It is a folder, its folder is missing or closed to us, or it exists and `force` is not set.
+        The path is a folder, its folder is missing or not writable, or the file exists and `force` is not set.
     """
     target = Path(path)
     if target.is_dir():
-        raise UsageError(f"{str(target)!r} is a folder; give the name of a file in it")
+        raise UsageError(f"{str(target)!r} is a folder; give the name of a file")
     folder = target.parent
     if not folder.is_dir():
-        raise UsageError(f"the folder {str(folder)!r} of {target.name!r} does not exist; make it first")
+        raise UsageError(f"the folder {str(folder)!r} of {target.name!r} does not exist; create it first")
     if target.is_file() and not force:
         raise UsageError(
-            f"{str(target)!r} exists already; give another name, or overwrite it with --force (force=True)"
+            f"{str(target)!r} already exists; give another name, or overwrite it with "
+            f"{spelled('--force', 'force=True')}"
         )
     if not os.access(target if _is_device(target) else folder, os.W_OK):
-        raise UsageError(f"the folder {str(folder)!r} cannot be written; give a path in another one")
+        raise UsageError(f"the folder {str(folder)!r} is not writable; give a path in another folder")
 
 
 def write(path: PathLike, data: bytes, *, force: bool = False) -> None:
-    """Write `data` to `path` in one step: a reader sees the old file or the new one, never a part.
+    """Write `data` to `path` atomically: a reader sees the old file or the new one, never a part of it.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def write(path: PathLike, data: bytes, *, force: bool = False) -> None:
 
 @contextmanager
 def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
-    """A name beside `path` to write to; it takes the place of `path` in one step once all is written.
+    """A temporary name beside `path`, which replaces `path` atomically once everything is written.
 
     Raises
     ------
@@ -63,11 +65,11 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
         See `write`.
     """
     demand_writable(path, force=force)
-    # a link stays a link: what it points to is replaced
+    # a link stays a link: its target is replaced
     target = Path(os.path.realpath(path))
     part = target.with_name(f".allanite-{secrets.token_hex(6)}.part")
     try:
-        # made by open, unlike tempfile, the file gets the permissions that the user's umask grants to new files
+        # unlike tempfile, open gives the file the permissions of the user's umask
         part.open("xb").close()
         yield part
         os.replace(part, target)
@@ -82,5 +84,5 @@ def _unwritable(path: PathLike, error: OSError) -> UsageError:
 
 
 def _is_device(target: Path) -> bool:
-    """A device or pipe, such as /dev/stdout: written into, not replaced."""
+    """A device or pipe, such as /dev/stdout, which is written to, not replaced."""
     return target.exists() and not target.is_file()

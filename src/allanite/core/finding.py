@@ -1,4 +1,4 @@
-"""Finding: what the reader of a record's numbers must know before them. Quality: all of it, for one channel."""
+"""Finding: a property of a record that affects the results. Quality: all findings of one channel."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ from .plain import Value
 
 @dataclass(frozen=True, repr=False)
 class Finding(Value):
-    """Something about a record.
+    """A property of a record that affects the results.
 
     Attributes
     ----------
     name : str
-        One of few fixed words, for programs: "gaps", "stuck", "lines" ...
+        A fixed keyword for programs: "gaps", "stuck", "lines" ...
     what : str
-        What was found, with its numbers.
+        What was found, with numbers.
     consequence, remedy : str
-        What it does to the numbers, and what the user can do.
+        Its effect on the results, and what the user can do.
     place : (start, end) or None
         Seconds after the recording's first sample; None for the whole record.
     fatal : bool
@@ -36,7 +36,7 @@ class Finding(Value):
 
 @dataclass(frozen=True, repr=False)
 class Quality(Value):
-    """What was found about a record before anything was computed."""
+    """The findings about a record before anything is computed."""
 
     findings: tuple[Finding, ...] = ()
 
@@ -47,7 +47,7 @@ class Quality(Value):
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
-        """What must stand beside the numbers."""
+        """The findings to report together with the results."""
         return tuple(f for f in self.findings if not f.fatal)
 
     @property

@@ -1,4 +1,4 @@
-"""Fit: the coefficients found, each with its interval, and whether the model explains the data."""
+"""Fit: the estimated coefficients with their intervals, and whether the model explains the data."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -18,24 +18,24 @@ from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 from .units import Signal
 
 EXPLAINED = 0.01
-"""A goodness-of-fit p value below this says that the model does not explain the record."""
+"""p-value of the goodness of fit below which the model does not explain the record."""
 
 REJECTED = "the model does not explain the record"
-"""Reason why the coefficients of a model that does not are not valid."""
+"""Reason why the coefficients are not valid if the model does not explain the record."""
 
 
 def chance(p: float) -> str:
-    """A p value in words: ``p = 0.19``."""
+    """A p-value as text: ``p = 0.19``."""
     return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Goodness(Value):
-    """Does the model explain the data? By cells of frequency.
+    """Goodness of fit, by cells of frequency.
 
-    `frequency` (Hz, shape (cells + 1,)) bounds the cells, `ratio` is observed over expected power in each, `z` the same
-    as a standard normal deviate; `p` is the probability of worse by chance; `reasons` say in words what is wrong, and
-    `remarks` what is not noise but could be dealt with.
+    `frequency` (Hz, shape (cells + 1,)) holds the edges of the cells, `ratio` the observed over the expected power in
+    each, `z` the same as a standard normal deviate; `p` is the p-value. `reasons` describe the misfit; `remarks`
+    describe deviations from noise that do not affect the coefficients.
     """
 
     frequency: FloatArray
@@ -47,28 +47,29 @@ class Goodness(Value):
 
     @property
     def explained(self) -> bool:
-        """Whether the model can be believed."""
+        """Whether the model explains the data."""
         return self.p >= EXPLAINED and not self.reasons
 
     @property
     def grade(self) -> str:
-        """One of `GRADES`; a narrow peak that the test does not feel does no harm to the coefficients."""
+        """One of `GRADES`; a narrow peak that the test does not detect does not affect the coefficients."""
         return "explained" if self.explained else UNEXPLAINED if self.p < EXPLAINED else APPROXIMATE
 
     @property
     def verdict(self) -> str:
-        """One sentence."""
+        """A sentence that states the grade."""
         return "; ".join((f"{graded(self.grade)} (goodness of fit {chance(self.p)})", *self.reasons, *self.remarks))
 
 
 @dataclass(frozen=True, repr=False)
 class Line(Value):
-    """A sinusoid that was found in a record and taken out before its noise was identified.
+    """A sinusoid that was detected in a record and removed before its noise was identified.
 
     Attributes
     ----------
     frequency, amplitude, standard_error, phase : float
-        Hz; SI, of the rate itself and not of its mean over a sample interval; the amplitude's; rad at the start.
+        Frequency, Hz; amplitude, SI, of the rate itself, not of its mean over a sample interval; standard error of the
+        amplitude; phase at the start of the record, rad.
     signal : Signal
     """
 
@@ -82,7 +83,7 @@ class Line(Value):
 
     @property
     def term(self) -> Term:
-        """As a term of a model."""
+        """The sinusoid as a term of a model."""
         return Term("Sine", self.amplitude, self.signal, (self.frequency, self.phase))
 
     def words(self) -> str:
@@ -104,7 +105,7 @@ class Line(Value):
 
 @dataclass(frozen=True, repr=False)
 class Alternative(Value):
-    """Another model of the same record: `aic` is its Akaike criterion less that of the fit's own model."""
+    """Another model of the same record; `aic` is its Akaike information criterion minus that of the fit's model."""
 
     model: Model
     aic: float
@@ -115,16 +116,15 @@ class Alternative(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Value):
-    """Coefficients of a record or curve.
+    """Noise coefficients of a record or curve.
 
-    `lines` are sinusoids that were taken out first; they stand in the model. `alternatives` are other families of terms
-    for the wandering of the bias (flicker, Gauss-Markov, both, two of these), the best first; worked out when asked.
-    ``fit["N"]`` is the `Estimate` of a term; every term asked for is there, absent ones too. `model` is what describes
-    the record best, all terms together: a coefficient of it is not quite the estimate, which is averaged over several
-    models, and a term of it may still be called absent, where others could take its place (then `notes` say so).
-    `scope` says which frequencies were read and behind which filter.
-    `findings` name what is slow and no noise: a warm-up, or a power law that is not flicker's. `checked` is the grade
-    of what the model leaves of the record, where that was looked at.
+    `lines` are sinusoids that were removed first; they are part of the model. `alternatives` are other families of
+    terms for the bias drift (flicker, Gauss-Markov, both, two of these), the best first, computed on first use.
+    ``fit["N"]`` is the `Estimate` of a term; absent terms are included. `model` is the single best model. Its
+    coefficients differ slightly from the estimates, which are averaged over several models, and a term of it may be
+    called absent if other terms could take its place (`notes` then say so). `scope` states which frequencies were used,
+    and any low-pass filter in the model. `findings` name slow behaviour that the terms do not describe: a warm-up, or a
+    power law other than that of flicker. `checked` is the grade from the residuals, if they were computed.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
@@ -147,12 +147,12 @@ class Fit(Value):
 
     @property
     def averaged(self) -> Averaged:
-        """The models that the record leaves open, with their weights; `model` alone where the method knows no other."""
+        """The models consistent with the record, with their weights; only `model` if the method has no alternatives."""
         return self.nodes() if self.nodes else averaged([self.model], [1.0])
 
     @property
     def validity(self) -> str:
-        """Grade of the model, one of `GRADES`; empty where the method does not test it."""
+        """Grade of the model, one of `GRADES`; empty if the method does not test it."""
         if self.goodness is None:
             return ""
         slow = (UNEXPLAINED if finding.fatal else APPROXIMATE for finding in self.findings)
@@ -162,9 +162,9 @@ class Fit(Value):
 
     @property
     def valid(self) -> Model | None:
-        """The model to be used: every coefficient as estimated, without terms that are not valid or not observable.
+        """The model to use: every coefficient as estimated, without terms that are not valid or not observable.
 
-        None where the model does not explain the record.
+        None if the model does not explain the record.
         """
         if self.validity == UNEXPLAINED:
             return None
@@ -174,24 +174,26 @@ class Fit(Value):
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """The notes that still count: none of a model that explains nothing."""
+        """The notes that apply; none if the model does not explain the record."""
         return self.notes if self.validity != UNEXPLAINED else ()
 
     def invalid(self, reason: str, symbols: Iterable[str] | None = None) -> "Fit":
-        """The fit whose coefficients, all or those of the symbols, are not valid."""
+        """The fit with all coefficients, or those of the given symbols, marked as not valid."""
         wrong = tuple(e.symbol for e in self) if symbols is None else tuple(symbols)
         return replace(self, estimates=tuple(e.invalid(reason) if e.symbol in wrong else e for e in self))
 
     @property
     def alternatives(self) -> tuple[Alternative, ...]:
-        """Other models of the record; empty where the method knows none."""
+        """Other models of the record; empty if the method has none."""
         return self.rivals() if self.rivals else ()
 
     def __getitem__(self, symbol: str) -> Estimate:
         for estimate in self.estimates:
             if estimate.symbol == symbol:
                 return estimate
-        raise UsageError(f"{symbol!r} was not asked for; there are {', '.join(e.symbol for e in self.estimates)}")
+        raise UsageError(
+            f"{symbol!r} is not a term of this fit; its terms: {', '.join(e.symbol for e in self.estimates)}"
+        )
 
     def __iter__(self) -> Iterator[Estimate]:
         return iter(self.estimates)
@@ -220,7 +222,7 @@ class Fit(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Fit":
-        """The fit that `to_dict` has written; its limits are known for the stored level only."""
+        """The fit written by `to_dict`; its limits are known for the stored level only."""
         others = data.get("alternatives")
         nodes = data.get("averaged")
         kept = {

@@ -1,4 +1,4 @@
-"""What a stored result knows of a record."""
+"""What a stored result holds about its record."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +9,9 @@ from .units import Signal
 
 @dataclass(frozen=True, repr=False)
 class Header(Value):
-    """What is known of a record beside its readings; the attributes are those of `Record`.
+    """The properties of a record without its samples; the attributes are those of `Record`.
 
-    Results that were stored and read again have it in the place of their records.
+    Results that were stored and read again hold it instead of the record.
     """
 
     name: str
@@ -34,5 +34,5 @@ class Header(Value):
 
 
 def header_from(data: dict[str, Any]) -> Header:
-    """The header that `header_dict` has written among other keys."""
+    """The header that `header_dict` has written, among other keys."""
     return Header.from_dict({**data, "type": "Header"})

@@ -1,4 +1,4 @@
-"""Functions of a confidence level that are values: they can be pickled, remembered and stored."""
+"""Functions of a confidence level that are values: they can be pickled, cached and stored."""
 
 import math
 from collections.abc import Callable
@@ -11,15 +11,15 @@ T = TypeVar("T")
 
 
 def demand_level(level: float) -> None:
-    """Make sure that a confidence level is one.
+    """Check that a confidence level is valid.
 
     Raises
     ------
     UsageError
-        It does not lie between 0 and 1.
+        The level is not between 0 and 1.
     """
     if not 0 < level < 1:
-        raise UsageError(f"a confidence level lies between 0 and 1, not {given(level)}")
+        raise UsageError(f"a confidence level must be between 0 and 1, not {given(level)}")
 
 
 def quantile(p: float) -> float:
@@ -31,9 +31,9 @@ def quantile(p: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """Limits that were stored: `values` for one `level`; without a level, what is given whenever it is asked for.
+    """Stored limits: `values` for one `level`; without a level, they are returned for any.
 
-    `also` are those for another level, where a verdict needs them.
+    `also` holds those for another level, if a verdict needs them.
 
     Examples
     --------
@@ -46,17 +46,19 @@ class Stored:
     also: "Stored | None" = None
 
     def __call__(self, level: float | None = None) -> Any:
-        """The values; another level is refused."""
+        """The values; any other level is refused."""
         if level is None or self.level is None or math.isclose(level, self.level, rel_tol=1e-12):
             return self.values
         if self.also is not None:
             return self.also(level)
-        raise UsageError(f"stored with limits for {self.level:g}, not {level:g}: compute it again for another level")
+        raise UsageError(
+            f"the limits were stored for level {self.level:g}, not {level:g}: recompute them for another level"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Below:
-    """From zero to an upper limit: what is known of a coefficient that is not there."""
+    """From zero to an upper limit: the interval of an absent coefficient."""
 
     upper: Callable[[float], float]
 
@@ -67,7 +69,7 @@ class Below:
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Two-sided limits of a positive quantity whose estimate is normal; the lower one is 0 at least."""
+    """Two-sided limits of a positive quantity with a normally distributed estimate; the lower one is at least 0."""
 
     value: float
     error: float
@@ -80,7 +82,7 @@ class Normal:
 
 @dataclass(frozen=True, eq=False)
 class Remembered(Generic[T]):
-    """A function of numbers, or of nothing, that is called once for each.
+    """A function of numbers, or without arguments, that is called once for each argument.
 
     Examples
     --------
@@ -92,7 +94,7 @@ class Remembered(Generic[T]):
     known: dict[tuple[float, ...], T] = field(default_factory=dict, init=False, repr=False)
 
     def __call__(self, *at: float) -> T:
-        """What the function gives."""
+        """The result of the function."""
         if at not in self.known:
             self.known[at] = self.function(*at)
         return self.known[at]

@@ -1,4 +1,4 @@
-"""Term and Model: what a sensor's random error is supposed to be made of."""
+"""Term and Model: the noise terms that describe a sensor's random errors."""
 
 import math
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ class Term(Value):
 
     @property
     def row(self) -> NoiseTerm:
-        """The term's row of `TERMS`; of a term with a shape, its words alone: see `sampled`."""
+        """The term's row of `TERMS`; for a term with a shape only its texts: see `sampled`."""
         return TERMS[self.symbol]
 
     def sampled(self, rate: float) -> NoiseTerm:
@@ -62,7 +62,7 @@ class Term(Value):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """Plain data, SI, as they stand in a model: without the kind of sensor."""
+        """Plain data, SI, as part of a model: without the type of sensor."""
         shape = {p.name: value for p, value in zip(self.row.parameters, self.shape, strict=True)}
         return {"symbol": self.symbol, "value": self.value, "unit": self.unit, **shape}
 
@@ -72,7 +72,7 @@ class Term(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Term":
-        """The term that `to_dict` has written."""
+        """The term written by `to_dict`."""
         demand_type(data, "Term")
         shape = tuple(float(data[p.name]) for p in TERMS[data["symbol"]].parameters)
         return cls(data["symbol"], float(data["value"]), signal_named(data["signal"]), shape)
@@ -91,62 +91,56 @@ class Term(Value):
 
 
 def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> float:
-    """Size of `unit` in SI, once it is found to be a unit of the coefficient `symbol`.
+    """Size of `unit` in SI, after checking that it is a unit of the coefficient `symbol`.
 
     Raises
     ------
     UnitError
-        If `unit` is no unit of this coefficient; the message names the usual ones.
+        If `unit` is not a unit of this coefficient; the message names the usual ones.
     """
     found = unit_of(unit)
     fits = signal_with(found.dimension, TERMS[symbol].power)
     if fits is None or (signal is not None and fits is not signal):
         meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
         usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
-        raise UnitError(f"{unit!r} is no unit of {symbol} ({TERMS[symbol].title}); usual ones are {usual}")
+        raise UnitError(f"{unit!r} is not a unit of {symbol} ({TERMS[symbol].title}); usual units: {usual}")
     return found.factor
 
 
 def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) -> Term:
     """The term `symbol` with a coefficient in `unit` and the values of its row's `parameters`, if it has any."""
     if symbol not in TERMS:
-        raise UsageError(f"unknown noise term {symbol!r}; known are {', '.join(TERMS)}")
+        raise UsageError(f"unknown noise term {symbol!r}; known terms: {', '.join(TERMS)}")
     factor = coefficient_factor(symbol, unit)
     signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power)
     assert signal is not None  # noqa: S101 - coefficient_factor has found it
     if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
-        raise UsageError(f"the coefficient of {symbol} must be a finite number, not negative, but is {given(value)}")
+        raise UsageError(f"the coefficient of {symbol} must be finite and not negative, not {given(value)}")
     return Term(symbol, value * factor, signal, _shape(symbol, shape))
 
 
 def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
-    """The shape, completed by defaults, or the words that it is wrong."""
+    """The shape, completed by defaults; an error if it is wrong."""
     parameters = TERMS[symbol].parameters
     wanted = ", ".join(f"{p.name} in {p.unit}" for p in parameters) or "no shape"
     shape = (*given, *(p.default for p in parameters[len(given) :] if p.default is not None))
     if len(shape) != len(parameters):
-        raise UsageError(f"{symbol} has {wanted}, but {len(given)} values came")
+        raise UsageError(f"{symbol} has {wanted}, but {len(given)} values were given")
     for p, value in zip(parameters, shape, strict=True):
         if not math.isfinite(value) or (p.least is not None and value <= p.least):
             above = "" if p.least is None else f" above {p.least:g}"
-            raise UsageError(f"the {p.name} of {symbol} is a finite number{above}, not {value:g}")
+            raise UsageError(f"the {p.name} of {symbol} must be a finite number{above}, not {value:g}")
     return tuple(float(value) for value in shape)
 
 
 class Constructor(Protocol):
-    """A function that makes the term of one symbol: a coefficient, its unit, and the parameters by name."""
+    """A function that makes the term of one symbol from a coefficient, its unit, and the parameters by name."""
 
     def __call__(self, value: float, unit: str, **shape: float) -> Term: ...  # noqa: D102
 
 
 def constructor(symbol: str) -> Constructor:
-    """The function that makes a term of this symbol, from the term's row of `TERMS`.
-
-    Examples
-    --------
-    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
-    GM = 0.1 deg/h with time constant 20 s
-    """
+    """The function that makes a term of this symbol, from the term's row of `TERMS`."""
     row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
     named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
     named += [
@@ -180,7 +174,7 @@ R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
 class Model(Value):
     """A sum of terms of one signal; their structure functions and spectra add.
 
-    A symbol stands in it once, or, if its term has a shape, several times with different ones.
+    A symbol occurs once, or, if its term has a shape, several times with different shapes.
 
     Examples
     --------
@@ -196,26 +190,26 @@ class Model(Value):
         if not symbols:
             raise UsageError("a model needs at least one term, for example N(0.01, 'deg/sqrt(h)')")
         if len({(t.symbol, t.shape) for t in self.terms}) < len(symbols):
-            raise UsageError(f"each term may stand once in a model, but these came: {', '.join(symbols)}")
+            raise UsageError(f"each term may occur once in a model, but these were given: {', '.join(symbols)}")
         if len({t.signal.name for t in self.terms}) > 1:
             raise UnitError("terms of different signals cannot be added: " + ", ".join(map(str, self.terms)))
 
     @property
     def signal(self) -> Signal:
-        """What kind of sensor the model is of."""
+        """The type of sensor that the model describes."""
         return self.terms[0].signal
 
     @property
     def drifts(self) -> bool:
-        """Whether there is a ramp in it."""
+        """Whether the model contains a ramp."""
         return any(t.row.waveform is not None and not t.row.periodic for t in self.terms)
 
     def structure(self, t: FloatArray) -> FloatArray:
-        """D(t) = E[(x(s+t) - x(s))^2], SI, t in seconds, shape of `t`."""
+        """Structure function D(t) = E[(x(s+t) - x(s))^2] of the angle, SI, t in seconds, shape of `t`."""
         return np.asarray(sum(t_.value**2 * t_.sampled(1.0).structure(t) for t_ in self.terms))
 
     def spectrum(self, f: FloatArray, interval: float) -> FloatArray:
-        """Two-sided spectral density of the rate, SI, at `f` Hz for a sample interval in s."""
+        """Two-sided power spectral density of the rate, SI, at `f` Hz for a sample interval in s."""
         return np.asarray(sum(t.value**2 * t.sampled(1 / interval).spectrum(f, interval) for t in self.terms))
 
     def __add__(self, other: "Term | Model") -> "Model":
@@ -223,17 +217,17 @@ class Model(Value):
 
     @property
     def noise(self) -> "Model | None":
-        """The model without its sinusoids; None if nothing is left."""
+        """The model without its sinusoids; None if no term remains."""
         kept = tuple(t for t in self.terms if not t.row.periodic)
         return Model(kept) if kept else None
 
     def __getitem__(self, symbol: str) -> Term:
         found = [t for t in self.terms if t.symbol == symbol]
         if len(found) > 1:
-            raise UsageError(f"{symbol!r} stands {len(found)} times in this model: go through its terms")
+            raise UsageError(f"{symbol!r} occurs {len(found)} times in this model: iterate over its terms")
         if found:
             return found[0]
-        raise UsageError(f"no term {symbol!r} in this model; there are {', '.join(t.symbol for t in self.terms)}")
+        raise UsageError(f"no term {symbol!r} in this model; its terms: {', '.join(t.symbol for t in self.terms)}")
 
     def __iter__(self) -> Iterator[Term]:
         return iter(self.terms)
@@ -250,30 +244,24 @@ class Model(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Model":
-        """The model that `to_dict` has written."""
+        """The model written by `to_dict`."""
         demand_type(data, "Model")
         return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
 
 
 class Modelled(Protocol):
-    """What has a model, as the result of a fit has."""
+    """An object with a model, such as the result of a fit."""
 
     @property
     def model(self) -> Model: ...  # noqa: D102
 
 
 ModelLike = Model | Term | Modelled
-"""What is taken for a model wherever one is asked for."""
+"""What is accepted wherever a model is expected."""
 
 
 def model_of(value: ModelLike) -> Model:
-    """The model that a term, a model or a fit stands for; anything else is refused.
-
-    Examples
-    --------
-    >>> print(model_of(N(0.01, "deg/sqrt(h)")))
-    N = 0.01 deg/sqrt(h)
-    """
+    """The model that a term, a model or a fit represents; anything else is refused."""
     if isinstance(value, Model | Term):
         return value if isinstance(value, Model) else Model((value,))
     inner = getattr(value, "model", None)
@@ -281,6 +269,6 @@ def model_of(value: ModelLike) -> Model:
         return inner
     shown = f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
     raise UsageError(
-        f"a noise model is a Model, a Term as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; "
-        "parse_model makes a model of a text"
+        f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; parse_model "
+        "converts a text to a model"
     )

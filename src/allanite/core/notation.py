@@ -1,4 +1,4 @@
-"""A model as people write it: ``N 0.003 deg/sqrt(h), B 0.5 deg/h, GM 0.1 deg/h 20 s``."""
+"""Models as text: ``N 0.003 deg/sqrt(h), B 0.5 deg/h, GM 0.1 deg/h 20 s``."""
 
 import re
 
@@ -11,14 +11,14 @@ from .units import convert
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 _FILLERS = {"with", *(word for row in TERMS.values() for p in row.parameters for word in p.name.split("_"))}
-"""Words that a printed model has and that say nothing."""
+"""Words of a printed model that carry no information."""
 
 
 def parse_model(text: str) -> Model:
     """The model that a text describes.
 
-    Terms stand between commas. Each is a symbol, a number and a unit, and for a term with a shape the numbers of its
-    parameters, whose units may be left out if they are s, Hz and rad. What ``str(model)`` prints is understood too.
+    Terms are separated by commas. Each has a symbol, a number and a unit, followed by the parameters of a term
+    with a shape, whose units may be omitted if they are s, Hz and rad. The output of ``str(model)`` is accepted, too.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def parse_model(text: str) -> Model:
     parts: list[list[str]] = []
     for part in text.split(","):
         words = [word for word in part.replace("=", " ").split() if word not in _FILLERS]
-        if parts and words and _NUMBER.match(words[0]):  # another parameter of the term before
+        if parts and words and _NUMBER.match(words[0]):  # the previous term has another parameter
             parts[-1] += words
         else:
             parts.append(words)
@@ -49,16 +49,16 @@ def _term(words: list[str], text: str) -> Term:
     if not words or words[0] not in TERMS:
         what = repr(words[0]) if words else "nothing"
         raise UsageError(
-            f"{what} in {text!r} is no noise term; a term is a symbol ({', '.join(TERMS)}), a number and a unit, as in "
-            "'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
+            f"{what} in {text!r} is not a noise term; a term is a symbol ({', '.join(TERMS)}), a number and a unit, "
+            "e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
         )
     symbol, parameters = words[0], TERMS[words[0]].parameters
     quantities = split_quantities(words[1:])
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')} in {p.unit}" for p in parameters)
         raise UsageError(
-            f"{' '.join(words)!r} is no noise term: after {symbol} come a number and a unit{wanted}, as in "
-            "'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
+            f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
+            "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
         )
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit, p.unit) for (v, u), p in zip(rest, parameters, strict=False))
@@ -66,7 +66,7 @@ def _term(words: list[str], text: str) -> Term:
 
 
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:
-    """Numbers with the units that follow them, apart or glued on; the unit is empty where none does.
+    """Numbers with the units that follow them, with or without a space; the unit is empty if none follows.
 
     Examples
     --------
@@ -81,19 +81,12 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
         elif found and not found[-1][1]:
             found[-1] = (found[-1][0], word)
         else:
-            raise UsageError(f"{word!r} in {' '.join(words)!r} stands where a number is wanted, as in 0.1 deg/h")
+            raise UsageError(f"expected a number instead of {word!r} in {' '.join(words)!r}, e.g. 0.1 deg/h")
     return found
 
 
 def written(model: Model) -> str:
-    """The text from which `parse_model` makes the same model, to the last digit.
-
-    Examples
-    --------
-    >>> model = parse_model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
-    >>> parse_model(written(model)) == model
-    True
-    """
+    """The text from which `parse_model` makes exactly the same model."""
     return ", ".join(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *_shape(t)]) for t in model)
 
 

@@ -1,4 +1,4 @@
-"""Values that travel: every result can be pickled, written as plain data and read again, and printed in one line."""
+"""Storable values: every result can be pickled, written as plain data and read again, and has a one-line `repr`."""
 
 import importlib
 from dataclasses import MISSING, fields
@@ -10,10 +10,10 @@ from .encoding import plain, read, write
 from .errors import UsageError
 
 VERSION = 1
-"""Of the plain data; stands under "allanite"."""
+"""Version of the plain data, stored under "allanite"."""
 
 LONGEST = 120
-"""Characters of a `repr`, at most."""
+"""Maximum length of a `repr`."""
 
 _MODULES: dict[str, str] = {
     "angle.calibration": "Calibration",
@@ -74,7 +74,7 @@ TYPES: dict[str, str] = {name: module for module, names in _MODULES.items() for 
 
 
 class Portable:
-    """What is pickled by its fields alone: what was worked out and kept is worked out again."""
+    """A value that is pickled by its fields alone; cached results are computed again."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # a dataclass inherits it
@@ -84,10 +84,10 @@ class Portable:
 
 
 class Value(Portable):
-    """A frozen dataclass that can be stored and read again; declared with ``repr=False``, to keep the short one.
+    """A frozen dataclass that can be stored and read again; declared with ``repr=False`` to keep the short `repr`.
 
-    The form of the plain data follows from the types of the fields. `_keys` names fields that stand under another key,
-    `_also` properties that are written for the reader and not read again.
+    The form of the plain data follows from the types of the fields. `_keys` names
+    fields stored under another key, `_also` properties that are written for readers but not read again.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class Value(Portable):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value that `to_dict` has written; its limits are known for the stored level only.
+        """The value written by `to_dict`; its limits are known for the stored level only.
 
         Raises
         ------
@@ -128,7 +128,9 @@ class Value(Portable):
             if key in data:
                 found[name] = read(data[key], hint)
             elif name in missing:
-                raise UsageError(f"the stored {cls.__name__} has no {key!r}: it is not complete; store it again")
+                raise UsageError(
+                    f"the stored {cls.__name__} has no {key!r}: the data are incomplete; store the result again"
+                )
         return cls(**found)
 
     def __repr__(self) -> str:
@@ -136,19 +138,19 @@ class Value(Portable):
         return (text if len(text) < LONGEST else text[: LONGEST - 5] + " ...") + ">"
 
     def _summary(self) -> str:
-        """What `repr` says: the fields that are words or numbers."""
+        """The content of `repr`: the fields that are words or numbers."""
         shown = ((f.name, getattr(self, f.name)) for f in fields(self) if f.repr)  # type: ignore[arg-type]
         named = sorted(((n, short(item)) for n, item in shown if short(item)), key=lambda pair: pair[0] != "name")
         return " ".join(f"{name}={text}" for name, text in named)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows; only then is the renderer imported."""
+        """What a notebook shows; the renderer is imported only then."""
         render = getattr(importlib.import_module("allanite.reporting"), "html_of", None)
         return f"<pre>{escape(repr(self))}</pre>" if render is None else str(render(self))
 
 
 def short(item: object) -> str:
-    """A word or number for a `repr`; empty for whatever is larger, or not there."""
+    """A word or number for a `repr`; empty for anything larger or missing."""
     if isinstance(item, bool):
         return str(item)
     if isinstance(item, (int, float)):
@@ -157,7 +159,7 @@ def short(item: object) -> str:
 
 
 def stored_fields(cls: type[Value], beyond: type[Value] | None = None) -> tuple[tuple[str, Any], ...]:
-    """Name and type of each field that makes a value; only those `beyond` a base class, where it is given."""
+    """Name and type of each field of a value; only those `beyond` a base class, if one is given."""
     common = set() if beyond is None else {name for name, _ in _fields(cast(Any, beyond))}
     return tuple((name, hint) for name, hint in _fields(cast(Any, cls)) if name not in common)
 
@@ -169,31 +171,31 @@ def _fields(cls: Any) -> tuple[tuple[str, Any], ...]:
 
 
 def demand_type(data: dict[str, Any], name: str) -> None:
-    """Make sure that plain data are of this version and, where they say it, of this type.
+    """Check that plain data are of this version and, if they state it, of this type.
 
     Raises
     ------
     UsageError
-        They are not.
+        The version or the type differs.
     """
     if data.get("type", name) != name:
-        raise UsageError(f"these data are a {data['type']}, not a {name}; allanite.from_dict reads both")
+        raise UsageError(f"these data are a {data['type']}, not a {name}; use allanite.from_dict, which reads both")
     if data.get("allanite", VERSION) != VERSION:
-        raise UsageError(f"these data are of version {data['allanite']!r}; this program reads version {VERSION}")
+        raise UsageError(f"these data have version {data['allanite']!r}; this program reads version {VERSION}")
 
 
 def from_dict(data: dict[str, Any]) -> Any:
-    """Any result, from what its `to_dict` has written.
+    """Any result, from the data written by its `to_dict`.
 
     Parameters
     ----------
     data : dict
-        Its "type" says what it is.
+        Plain data; "type" names the class.
 
     Raises
     ------
     UsageError
-        The type is unknown, or the data are not complete.
+        The type is unknown, or the data are incomplete.
 
     Examples
     --------
@@ -205,15 +207,15 @@ def from_dict(data: dict[str, Any]) -> Any:
 
 
 def class_of(data: dict[str, Any]) -> type[Value]:
-    """The class of what was stored, by its "type".
+    """The class of a stored value, by its "type".
 
     Raises
     ------
     UsageError
-        There is none of that name.
+        No class has that name.
     """
     name = data.get("type") if isinstance(data, dict) else None
     if name not in TYPES:
-        raise UsageError(f"stored data of type {name!r} cannot be read; the types are {', '.join(sorted(TYPES))}")
+        raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(TYPES))}")
     found: type[Value] = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
     return found

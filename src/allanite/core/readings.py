@@ -1,4 +1,4 @@
-"""Readings: what is read off the Allan deviation without a model, as values."""
+"""Readings: values read off the Allan deviation without a noise model."""
 
 import math
 from collections.abc import Callable
@@ -13,10 +13,10 @@ from .plain import Value
 from .units import Signal, convert
 
 WHITE = 0.1
-"""Difference of the slope from -1/2 up to which the deviation at 1 s is an angle random walk."""
+"""Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""
 
 FLICKER = 1 / math.sqrt(TERMS["B"].level)
-"""Bias instability over the Allan deviation of flicker: 1 / 0.66428."""
+"""Bias instability over the Allan deviation of flicker noise: 1 / 0.66428."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +40,7 @@ class Reading(Value):
 
 @dataclass(frozen=True, repr=False)
 class Slope(Value):
-    """Slope of the curve between two averaging times, s, in log-log: -1/2 of white rate noise, 0 of flicker."""
+    """Log-log slope of the curve between two averaging times, s: -1/2 for white rate noise, 0 for flicker."""
 
     start: float
     end: float
@@ -48,7 +48,7 @@ class Slope(Value):
     standard_error: float
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
-        """Two-sided confidence limits."""
+        """Two-sided confidence interval."""
         demand_level(level)
         half = self.standard_error * quantile((1 + level) / 2)
         return self.value - half, self.value + half
@@ -64,9 +64,9 @@ class Means(Value):
 
 
 class Quantity(NamedTuple):
-    """One line of a table of readings: `value`, `low` and `high` in SI, of the signal times time to the `power`.
+    """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
 
-    The slope, which has no unit, has None for `power`.
+    `power` is None for a slope, which has no unit.
     """
 
     title: str
@@ -80,25 +80,25 @@ class Quantity(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Value):
-    """What users of data sheets and of other programs read off the overlapping Allan deviation; no model is supposed.
+    """Values conventionally read off the overlapping Allan deviation, without a noise model.
 
-    Limits suppose the power law that is found at each averaging time.
+    The intervals assume the power law identified at each averaging time.
 
     Attributes
     ----------
     signal : Signal
     usual : Reading
-        At 1 s, or at the averaging time nearest to it that the record has.
+        Deviation at 1 s, or at the nearest averaging time of the record.
     around : Slope, optional
-        From a third of that time to three times it; None at the end of the curve.
+        Slope from a third of that time to three times it; None at the end of the curve.
     minimum : Reading, optional
-        The lowest point with eight successive windows, the in-run bias stability of data sheets.
+        The minimum of the Allan deviation (in-run bias stability), among averaging times with at least eight windows.
     inside : bool
-        Whether the curve rises again behind it; else it is the last point, and an upper limit.
+        Whether the curve rises again after the minimum; if not, the last point is an upper limit.
     slopes : tuple of Slope
-        By decades of averaging time.
+        Slopes by decades of averaging time.
     means : tuple of Means
-        N-second stability, for 10 and 100 s.
+        N-second stability for 10 and 100 s.
     """
 
     _also = ("unit", "random_walk", "bias_instability")
@@ -118,24 +118,24 @@ class Readings(Value):
 
     @property
     def white(self) -> bool:
-        """Whether the curve falls as white noise of the rate does where the angle random walk is read."""
+        """Whether the slope is that of white rate noise where the angle random walk is read."""
         return self.around is not None and abs(self.around.value + 0.5) <= WHITE
 
     @property
     def random_walk(self) -> float:
-        """The angle random walk, SI, if the noise at `usual` is white: deviation times the root of tau."""
+        """The angle random walk, SI, if the noise at `usual` is white: deviation times sqrt(tau)."""
         return self.usual.deviation * math.sqrt(self.usual.tau)
 
     @property
     def bias_instability(self) -> float | None:
-        """The minimum over 0.664: the bias instability, SI, if all of it were flicker."""
+        """The minimum divided by 0.664: the bias instability, SI, if all of it were flicker."""
         return None if self.minimum is None else self.minimum.deviation * FLICKER
 
     def quantities(self, level: float = 0.95) -> list[Quantity]:
-        """All of it as the lines of a table."""
+        """All values as the lines of a table."""
         walk = TERMS["N"].title.replace("angle", self.signal.integral)
         tau, root = self.usual.tau, math.sqrt(self.usual.tau)
-        there = "slope not known there" if self.around is None else f"slope {self.around.value:.2f} there"
+        there = "slope unknown there" if self.around is None else f"slope {self.around.value:.2f} there"
         wrong = "" if self.white else ", not -0.5: not valid"
         found = [
             _quantity(f"deviation at {tau:.4g} s", self.usual, level),

@@ -1,4 +1,4 @@
-"""Record: one evenly sampled channel. Recording: channels on one clock."""
+"""Record: one evenly sampled channel. Recording: channels with common sample times."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
@@ -14,21 +14,21 @@ from .header import Header
 from .plain import Value
 from .units import Signal, signal_with, unit_of
 
-# kind: power of time that the unit carries beyond the signal, points beyond the number of intervals, meaning
+# kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
     "rate": (0, 0, "the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)"),
     "increment": (
         1,
         0,
-        "the angle gained in each sample interval (delta-theta: arcsec, rad; for an accelerometer m/s)",
+        "the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)",
     ),
     "angle": (1, 1, "the integrated angle at each instant, one point more than there are intervals"),
-    "count": (1, 0, "integer pulses per sample interval, each worth `scale` (for example 0.1 arcsec)"),
+    "count": (1, 0, "integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)"),
 }
 
 
 SHORTEST = 200
-"""Readings below which no noise coefficient is worth printing."""
+"""Number of samples below which no noise coefficient is reported."""
 
 
 def explain_kinds() -> str:
@@ -37,7 +37,7 @@ def explain_kinds() -> str:
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
-    """The first keys of a stored channel: its type, and what is known of its record."""
+    """The first keys of a stored channel: its type and the properties of its record."""
     header = record if isinstance(record, Header) else record.header
     return header.to_dict() | {"type": kind}
 
@@ -49,25 +49,26 @@ class Record(Value):
     Parameters
     ----------
     values : array, shape (n,)
-        Samples in `unit`; integers for ``kind="count"``. NaN marks a lost sample and is kept.
+        Samples in `unit`; integers for ``kind="count"``. NaN marks a missing sample and is kept.
     rate : float
-        Sampling rate, Hz: number of intervals, lost ones counted, over the time between the first and last stamp.
+        Sampling rate, Hz: number of intervals, missing ones included, over the time between the first and last time
+        stamp.
     unit : str
         Unit of `values` (of `scale` for counts).
     kind : {"rate", "increment", "angle", "count"}
-        What a sample is; "angle" has n + 1 points for n intervals.
+        What a sample represents; "angle" has n + 1 points for n intervals.
     scale : float, optional
         Size of one step of `values` in `unit`; needed for counts.
     name, start, history
-        Name of the channel; time of the first sample, s; what was done to the record, oldest first.
+        Name of the channel; time of the first sample, s; processing steps, oldest first.
     cut : float
-        How much of the recording was cut off before the first sample, s: what is said of a record is in times of the
-        whole recording, as ``--from`` and ``--until`` take them.
+        Time cut off before the first sample, s. Messages give
+        times of the whole recording, as ``--from`` and ``--until`` take them.
 
     Raises
     ------
     UsageError
-        Rate, unit, kind or scale is missing, impossible, or they contradict each other.
+        The rate, unit, kind or scale is missing or impossible, or they contradict each other.
     DataError
         The values are not a one-dimensional array of real numbers with at least 2 intervals.
 
@@ -99,7 +100,7 @@ class Record(Value):
             raise UsageError(f"the scale must be a positive number of {self.unit}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
             raise UsageError(
-                f"counts need the worth of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
+                f"counts need the size of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
             )
         unit = unit_of(self.unit)
         signal = signal_with(unit.dimension, KINDS[self.kind][0])
@@ -130,10 +131,10 @@ class Record(Value):
 
     @property
     def constant(self) -> float | int:
-        """A constant to remove before integrating: the median of 101 values spread over the record.
+        """A constant to subtract before integrating: the median of 101 values spread over the record.
 
-        It is one of the record's own values, so the difference stays on the data's grid and is exact where the data
-        are; a bias of a million standard deviations then costs no digit of a statistic that is blind to it.
+        It is one of the record's own values, so that quantized differences stay exact, and a
+        bias of a million standard deviations costs no digit of a statistic that is insensitive to it.
         """
         sample = self.values[np.linspace(0, len(self.values) - 1, 101).astype(np.int64)]
         finite = np.sort(sample[np.isfinite(sample)])
@@ -141,12 +142,12 @@ class Record(Value):
 
     @property
     def steps(self) -> NDArray[Any]:
-        """What the sensor said in each interval, as it said it, shape (size,): the values, or the steps of an angle."""
+        """The unscaled output in each interval, shape (size,): the values, or the differences of an angle."""
         return np.diff(self.values) if self.kind == "angle" else self.values
 
     @property
     def rate_factor(self) -> float:
-        """What makes of `steps` rates in SI."""
+        """Factor that converts `steps` to rates in SI."""
         return self.factor * (1.0 if self.kind == "rate" else self.rate)
 
     @property
@@ -164,17 +165,17 @@ class Record(Value):
 
     @property
     def header(self) -> Header:
-        """All but the readings."""
+        """All properties except the samples."""
         own = {f.name: getattr(self, f.name) for f in fields(Header)}
         return Header(**own)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data of the `header`: readings are not stored."""
+        """Plain data of the `header`: samples are not stored."""
         return self.header.to_dict(level)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Any:
-        """The `Header` of the record: readings are not stored."""
+        """The `Header` of the record: samples are not stored."""
         return Header.from_dict(data)
 
     def _summary(self) -> str:
@@ -183,14 +184,14 @@ class Record(Value):
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
         """Another record of the same channel, with `what` added to its history.
 
-        Counts that are no integers any more become increments of the same size.
+        Counts that are no longer integers become increments of the same size.
         """
         kind = "increment" if self.kind == "count" and values.dtype.kind == "f" else self.kind
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
 def _plain(values: Any, unit: str) -> NDArray[Any]:
-    """Numbers out of whatever came: a quantity of pint or astropy in `unit`, a column of pandas or polars."""
+    """Numbers from any input: a quantity of pint or astropy in `unit`, a column of pandas or polars."""
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)
         values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
@@ -204,25 +205,25 @@ def _plain(values: Any, unit: str) -> NDArray[Any]:
 def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
     if values.ndim != 1:
         raise DataError(
-            f"a record is one channel of shape (n,), not {values.shape}; give each column its own Record ({name})"
+            f"a record is one channel of shape (n,), not {values.shape}; make a Record of each column ({name})"
         )
     if values.dtype.kind not in "fiub":
-        raise DataError(f"the readings of {name!r} are of type {values.dtype}, not real numbers")
+        raise DataError(f"the samples of {name!r} are of type {values.dtype}, not real numbers")
     if len(values) - KINDS[kind][1] < 2:
-        raise DataError(f"{name!r} has {len(values)} readings: too few for any statistic")
+        raise DataError(f"{name!r} has {len(values)} samples: too few for any statistic")
 
 
 def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
-    """Contiguous float64, or int64 where the readings are integers."""
+    """Contiguous float64, or int64 if the samples are integers."""
     if not integers:
         return np.ascontiguousarray(values, dtype=np.float64)
     if values.dtype.kind == "f":
         if not np.all(np.abs(values) < 2.0**63):
-            raise DataError(f"counts of {name!r} are not all finite and within 64-bit integers")
+            raise DataError(f"counts of {name!r} are not all finite 64-bit integers")
         if not np.all(values == np.floor(values)):
             first = int(np.argmax(values != np.floor(values)))
             raise DataError(
-                f"counts are integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
+                f"counts must be integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
             )
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
         raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")
@@ -231,11 +232,11 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(Value):
-    """Records on one clock, by name and in channel order.
+    """Records with common sample times, by name and in channel order.
 
-    `notes` say what was assumed when reading, `findings` what is wrong with the clock they share, `source` and `digest`
-    where the data came from (path, sha256). `others` are columns of the same file that are no channels and may explain
-    them: temperatures, supplies.
+    `notes` list the assumptions made when reading, `findings` the defects of the common clock, `source` and `digest`
+    the origin of the data (path, sha256). `others` are columns of the same file that are not channels but may explain
+    them: temperatures, supply voltages.
 
     Examples
     --------
@@ -268,7 +269,7 @@ class Recording(Value):
         if isinstance(key, int):
             return self.records[key]
         if key not in self.channels:
-            raise UsageError(f"no channel {key!r}; there are {', '.join(self.channels)}")
+            raise UsageError(f"no channel {key!r}; channels: {', '.join(self.channels)}")
         return self.records[self.channels.index(key)]
 
     def __iter__(self) -> Iterator[Record]:

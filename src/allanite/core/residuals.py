@@ -1,4 +1,4 @@
-"""Residuals: what a model leaves of a record, whether that is white, Gaussian and steady, and why not."""
+"""Residuals: what a model does not explain of a record; whether it is white, Gaussian and stationary."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,16 +8,17 @@ from .finding import Finding
 from .fit import REJECTED, Fit, Goodness, chance
 from .plain import Value
 from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, graded, worst
+from .wording import spelled
 
 SURE = 1e-3
-"""p value of a check below which it says that the model does not explain the record."""
+"""p-value of a check below which the model does not explain the record."""
 
 
 @dataclass(frozen=True, repr=False)
 class Check(Value):
-    """One question asked of the residuals.
+    """One test of the residuals.
 
-    `value` is the size of what would be wrong, `p` the probability of more by chance.
+    `value` is the size of the deviation, `p` its p-value.
     """
 
     name: str
@@ -28,13 +29,13 @@ class Check(Value):
 
     @property
     def passed(self) -> bool:
-        """Whether chance makes it."""
+        """Whether the deviation can be due to chance."""
         return self.p >= SURE
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Residuals(Value):
-    """What a model leaves of a record, as `allanite.residuals` gives it; the series itself: `allanite.whitened`.
+    """The residuals of a record, as returned by `allanite.residuals`; for the series itself see `allanite.whitened`.
 
     Attributes
     ----------
@@ -43,17 +44,17 @@ class Residuals(Value):
     goodness : Goodness or None
         Observed over expected power by cells of frequency, of the fit.
     checks : tuple of Check
-        Correlation of neighbours, tails, level in halves and eighths; none where too little is left to be asked.
+        Autocorrelation, tails, and stationarity over halves and eighths; empty if there are too few samples.
     findings : tuple of Finding
-        What is likely wrong, beside what `goodness` says of the spectrum; empty if the model explains the record.
+        Likely causes, beside what `goodness` says about the spectrum; empty if the model explains the record.
     correlation : array, shape (20,)
-        Of residuals 1 to 20 samples apart.
+        Autocorrelation at lags of 1 to 20 samples.
     level, level_error : arrays, shape (8,)
-        Rms of each eighth, and its standard error.
+        RMS of each eighth of the record, and its standard error.
     time, low, high : arrays, shape (about 400,)
-        Middles of stretches, s, with the least and the largest residual of each.
+        Centres of stretches of the record, s, with the smallest and largest residual in each.
     expected, observed : arrays, shape (about 200,)
-        Quantiles of the normal distribution, and those of the residuals.
+        Quantiles of the normal distribution and of the residuals.
     """
 
     name: str
@@ -73,27 +74,27 @@ class Residuals(Value):
 
     @property
     def grade(self) -> str:
-        """Of the residuals themselves: a finding makes the model approximate, a fatal one wrong."""
+        """Grade from the residuals alone: a finding makes the model approximate, a fatal finding unexplained."""
         return worst(EXPLAINED, *(UNEXPLAINED if finding.fatal else APPROXIMATE for finding in self.findings))
 
     @property
     def explained(self) -> bool:
-        """Whether the model can be believed, if only approximately."""
+        """Whether the model explains the record, at least approximately."""
         return worst(self.grade, "" if self.goodness is None else self.goodness.grade) != UNEXPLAINED
 
     @property
     def statement(self) -> "Statement":
-        """Whether the model explains the record; the likeliest reason comes first."""
+        """Whether the model explains the record; the most likely reason comes first."""
         return statement(worst(self.grade, "" if self.goodness is None else self.goodness.grade), None, self)
 
     @property
     def verdict(self) -> str:
-        """The same in one sentence."""
+        """The verdict in one sentence."""
         return str(self.statement)
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why the model does not explain the record, the likeliest first: rounding, the spectrum, level and tails."""
+        """Why the model does not explain the record: rounding, spectrum, level and tails, the likeliest first."""
         found = [(finding.name != "no dither", str(finding)) for finding in self.findings]
         spectral = () if self.goodness is None else self.goodness.reasons
         first = tuple(text for late, text in found if not late)
@@ -103,7 +104,7 @@ class Residuals(Value):
         return next(check for check in self.checks if check.name == name)
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows: a check a row."""
+        """Headings and rows: one row per check."""
         rows = [[check.name, check.title, check.value, check.p, check.meaning] for check in self.checks]
         return ["check", "", "value", "p", "meaning"], rows
 
@@ -118,16 +119,16 @@ class Residuals(Value):
 
 @dataclass(frozen=True)
 class Statement:
-    """How well a model explains a record, in words.
+    """How well a model explains a record, as text.
 
     Attributes
     ----------
     grade : str
-        One of `GRADES`; empty where the method does not test it.
+        One of `GRADES`; empty if the method does not test it.
     head : str
-        The grade with the p value of the test: ``explained (goodness of fit p = 0.29)``.
+        The grade with the p-value of the test: ``explained (goodness of fit p = 0.29)``.
     points : tuple of str
-        Why, what was supposed beside the terms, and what else is known, a sentence each.
+        Reasons, assumptions beyond the terms, and other remarks, one sentence each.
     """
 
     grade: str
@@ -139,7 +140,7 @@ class Statement:
 
 
 def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
-    """How well a model explains a record: the grade, the test, the reasons, what was supposed."""
+    """How well a model explains a record: the grade, the test, the reasons, the assumptions."""
     if not grade:
         return Statement("")
     good = fit.goodness if fit is not None else left.goodness if left is not None else None
@@ -150,28 +151,33 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
     told = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
     wrong = tuple(f"{e.symbol} is not valid: {e.reason}" for e in told)
     if grade == UNEXPLAINED:
-        if good is not None and good.grade != UNEXPLAINED:  # a p value that rejects nothing is not said
+        if good is not None and good.grade != UNEXPLAINED:  # a p-value that does not reject the model is omitted
             said = f"{graded(grade)}, although the spectrum fits"
             return Statement(grade, said, (*why, *wrong, *remarks))
         said = f"{graded(grade)}: no model of these terms explains the record{test}"
         return Statement(grade, said, (*why, *wrong, *_tried(scope), *remarks))
-    widened = ("the intervals allow for what the model misses",) if scope is not None and scope.misfit else ()
+    widened = ("the intervals allow for the misfit",) if scope is not None and scope.misfit else ()
     supposed = () if scope is None else scope.sentences
     return Statement(grade, graded(grade, scope) + test, (*wrong, *widened, *why, *supposed, *remarks))
 
 
 def _tried(scope: Scope | None) -> tuple[str, ...]:
-    """What can still be done about a model that explains nothing."""
+    """What can be tried if the model does not explain the record."""
     if scope is None:
         return ()
     if scope.choice == "auto":
-        return ("low-pass filters, masks and bands of frequencies were tried; none makes these terms explain it",)
-    return ("let the fit look for a filter and for the frequencies that the terms explain (--band auto)",)
+        return (
+            (
+                "low-pass filters, masks and frequency bands were tried; with none of them do these terms explain the "
+                "record"
+            ),
+        )
+    return ("let the fit detect a filter and choose the band: " + spelled("--band auto", "band='auto'"),)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shared(Value):
-    """What channels have in common: correlations of their residuals, as `allanite.shared` gives them.
+    """Correlations between the residuals of channels, as returned by `allanite.shared`.
 
     Attributes
     ----------
@@ -180,7 +186,7 @@ class Shared(Value):
     fast, slow : arrays, shape (channels, channels)
         Correlation of the residuals sample by sample, and of their means over 64 stretches of the record.
     findings : tuple of Finding
-        Pairs that share more than chance makes them.
+        Pairs with a significant correlation.
     """
 
     names: tuple[str, ...]
@@ -189,7 +195,7 @@ class Shared(Value):
     findings: tuple[Finding, ...]
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows: a pair of channels a row."""
+        """Headings and rows: one row per pair of channels."""
         pairs = [(i, j) for i in range(len(self.names)) for j in range(i + 1, len(self.names))]
         rows = [[self.names[i], self.names[j], float(self.fast[i, j]), float(self.slow[i, j])] for i, j in pairs]
         return ["channel", "and", "fast", "slow"], rows

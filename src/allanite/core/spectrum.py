@@ -1,4 +1,4 @@
-"""Spectrum: power spectral density over frequency."""
+"""Spectrum: power spectral density as a function of frequency."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,25 +14,25 @@ from .plain import Value
 from .units import convert
 
 SIDES: dict[str, float] = {"one": 2.0, "two": 1.0}
-"""Name of the convention: what the two-sided density is multiplied with. The frequencies are positive in both."""
+"""Name of the convention: factor relative to the two-sided density. The frequencies are positive in both."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Spectrum(Value):
     """Power spectral density of a channel.
 
-    A one-sided density is twice a two-sided one at the same frequency. The coefficient N of IEEE 952 is the square root
-    of the **two-sided** density of white noise; a one-sided density makes it too large by the square root of 2.
+    A one-sided density is twice the two-sided one at the same frequency. The coefficient N of IEEE 952 is the square
+    root of the **two-sided** density of white noise; the square root of the one-sided density is too large by sqrt(2).
 
     Attributes
     ----------
     frequency, width : arrays, shape (k,)
-        Frequency of each value and the band that it stands for, Hz: the sum of ``density * width`` of a one-sided
-        spectrum is a mean square.
+        Frequency of each value and the width of its band, Hz: the
+        sum of ``density * width`` of a one-sided spectrum is the mean square.
     density : array, shape (k,)
         Mean square per Hz, in ``unit^2/Hz``.
     dof : array, shape (k,)
-        Equivalent degrees of freedom of each value where the spectrum is flat over the resolution.
+        Equivalent degrees of freedom of each value, for a spectrum that is flat over the resolution.
     unit : str
         Unit of the signal.
     sides : {"one", "two"}
@@ -60,7 +60,7 @@ class Spectrum(Value):
 
     @property
     def amplitude(self) -> FloatArray:
-        """Square root of the density, in ``unit/sqrt(Hz)``."""
+        """Amplitude spectral density (ASD): square root of the density, in ``unit/sqrt(Hz)``."""
         return np.sqrt(self.density)
 
     @property
@@ -83,10 +83,10 @@ class Spectrum(Value):
         return low, high
 
     def expected(self, model: ModelLike, frequency: FloatArray | None = None) -> FloatArray:
-        """The density that a model leads one to expect, in the unit and sides of this spectrum.
+        """The density expected under a model, in the unit and convention of this spectrum.
 
-        At `frequency`, Hz, or at those of the spectrum. It is that of the sampled rate, aliases included. The estimator
-        smears a steep spectrum over its resolution, which this does not.
+        At `frequency`, Hz, or at those of the spectrum. It is the density of
+        the sampled rate, aliases included, without the smoothing of a steep spectrum by the estimator.
         """
         model = model_of(model)
         factor = convert(1.0, model.signal.unit, self.unit) ** 2 * SIDES[self.sides]
@@ -99,7 +99,7 @@ class Spectrum(Value):
         return replace(self, density=self.density * factor**2, unit=unit)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[float]]]:
-        """Headings and rows for any table."""
+        """Headings and rows of a table."""
         headings = [
             "frequency [Hz]", f"{self.sides}-sided density [{self.density_unit}]", f"low {level:.4g}",
             f"high {level:.4g}", f"amplitude [{self.amplitude_unit}]", "dof",
@@ -120,5 +120,5 @@ class Spectrum(Value):
 def side_factor(sides: str) -> float:
     """The row of `SIDES`; an unknown name is an error that lists the known ones."""
     if sides not in SIDES:
-        raise UsageError(f"a density is {' or '.join(map(repr, SIDES))}-sided, not {sides!r}")
+        raise UsageError(f"sides must be {' or '.join(map(repr, SIDES))}, not {sides!r}")
     return SIDES[sides]

@@ -1,4 +1,4 @@
-"""Surface: a statistic over time and averaging time."""
+"""Surface: a statistic as a function of time and averaging time."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from .units import convert
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(Value):
-    """A statistic in windows that slide along a record.
+    """A statistic in sliding windows of a record.
 
     Attributes
     ----------
@@ -28,8 +28,8 @@ class Surface(Value):
     m, tau : arrays, shape (k,)
         Averaging factor, averaging time (s).
     variance, count, factor : arrays, shape (w, k)
-        Variance (unit squared), NaN where a window does not support it; number of terms in the sum; the bias factor
-        that is in the variance.
+        Variance (unit squared), NaN if a window does not support it;
+        number of terms in the sum; bias factor applied to the variance.
     window, step : float
         Length of the windows and distance between them, s.
     unit : str
@@ -37,11 +37,11 @@ class Surface(Value):
     name, rate, history
         Of the record.
     noise : Model, optional
-        The model supposed for the confidence limits.
+        The model assumed for the confidence intervals.
     law : optional
-        Gives the limits of a window without lost samples; it is called when first asked.
+        Computes the limits of a window without missing samples; called on first use.
     supposes : optional
-        Gives what the limits suppose; see `Curve.supposed`.
+        Gives the assumptions of the limits; see `Curve.supposed`.
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
@@ -96,7 +96,7 @@ class Surface(Value):
         return replace(self, variance=self.variance * factor**2, unit=unit)
 
     def rows(self) -> tuple[list[str], list[list[float]]]:
-        """Headings and rows for any table: one row for each window and averaging time."""
+        """Headings and rows of a table: one row for each window and averaging time."""
         headings = ["time [s]", "m", "tau [s]", f"{self.statistic} [{self.unit}]", "count"]
         k, w = self.tau.size, self.time.size
         columns = [
@@ -106,7 +106,7 @@ class Surface(Value):
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data; a value that is not there is None. `low` and `high` are limits over the deviation."""
+        """Plain data; missing values are None. `low` and `high` are limits relative to the deviation."""
         data = super().to_dict(level) | {"deviation": plain(self.deviation)}
         if self.law is not None:
             edf, low, high = self.law(level)

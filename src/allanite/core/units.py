@@ -1,7 +1,7 @@
-"""The one table of units: to SI and back, and the data-sheet unit of every noise coefficient.
+"""The table of units: conversion to SI and back, and the data-sheet unit of every noise coefficient.
 
-Inside, everything is SI: rad, rad/s, m/s, m/s^2, s. Units are strings at the border, and are read by a small grammar,
-so that every spelling of the field works: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``, ``°/√h``, ``rad s^-1``, ``dps``,
+Internally everything is SI: rad, rad/s, m/s, m/s^2, s. Units of inputs and outputs are strings, read by a small
+grammar, so that all common spellings work: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``, ``°/√h``, ``rad s^-1``, ``dps``,
 ``ug/rtHz``.
 """
 
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from .errors import UnitError
 
 Dimension = tuple[float, ...]
-"""Powers of the quantities in `BASES`: halves and quarters, which a float holds exactly."""
+"""Powers of the quantities in `BASES`: halves and quarters, which a float represents exactly."""
 
 BASES = ("angle", "length", "time", "current", "voltage", "temperature", "flux density")
-"""What units are made of. Voltage and flux density stand for themselves: no unit here needs a mass."""
+"""Base quantities of the units. Voltage and flux density are base quantities, because no unit here needs a mass."""
 
 
 def _powers(**powers: float) -> Dimension:
@@ -44,7 +44,7 @@ _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
     ("A", 1.0, _powers(current=1), "mu"),
     ("V", 1.0, _powers(voltage=1), "mu"),
     ("K", 1.0, _powers(temperature=1), ""),
-    ("degC", 1.0, _powers(temperature=1), ""),  # of differences: a zero of its own is no part of a unit
+    ("degC", 1.0, _powers(temperature=1), ""),  # of differences: the offset is not part of the unit
     ("T", 1.0, _powers(flux_density=1), "mun"),
     ("gauss", 1e-4, _powers(flux_density=1), ""),
 )
@@ -68,7 +68,7 @@ SPELLINGS: dict[str, str] = {
 SIGNS = {"√(": "sqrt(", "√": "rt", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "·": "*", "**": "^", "mps2": "m/s^2"}
 
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
-"""The power as headers write it: m/s2, rad s-1."""
+"""A power as written in headers: m/s2, rad s-1."""
 
 _TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
 
@@ -151,7 +151,7 @@ def unit_of(text: str) -> Unit:
     Raises
     ------
     UnitError
-        If a part of `text` is unknown; the message lists what is known.
+        If a part of `text` is unknown; the message lists the known units.
 
     Examples
     --------
@@ -183,15 +183,16 @@ def convert(value: float, unit: str, to: str) -> float:
     """
     source, target = unit_of(unit), unit_of(to)
     if source.dimension != target.dimension:
-        raise UnitError(f"{unit!r} cannot be converted to {to!r}: they measure different things")
+        raise UnitError(f"{unit!r} cannot be converted to {to!r}: their dimensions differ")
     return value * (source.factor / target.factor)
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A kind of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p.
+    """A type of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p.
 
-    `inertial`: of a gyro or accelerometer; the others are recorded beside them, or become a rate.
+    `inertial`: the output of a gyro or accelerometer; the other types are recorded along with them, or converted to a
+    rate.
     """
 
     name: str
@@ -207,7 +208,7 @@ class Signal:
         return unit_of(self.unit).dimension
 
     def __reduce__(self) -> "tuple[Callable[[str], Signal], tuple[str]]":
-        """By its name: what comes back from another process is the row of `SIGNALS` itself."""
+        """The row of `SIGNALS` by its name, so that unpickling returns the row itself."""
         return signal_named, (self.name,)
 
 
@@ -249,18 +250,12 @@ def signal_named(name: str) -> Signal:
 
 
 def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
-    """The signal that, multiplied by time to `time_power`, has `dimension`; None if there is none."""
+    """The signal that, multiplied by time to the power `time_power`, has `dimension`; None if there is none."""
     wanted = _add(dimension, _powers(time=-time_power))
     return next((signal for signal in SIGNALS if signal.dimension == wanted), None)
 
 
 def readable_unit(unit: str) -> str:
-    """The data-sheet unit in place of an SI unit; any other unit stays.
-
-    Examples
-    --------
-    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
-    ('deg/h', 'ug', 'deg/s')
-    """
+    """The data-sheet unit for an SI unit; any other unit is unchanged."""
     sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
     return next(sheets, unit)

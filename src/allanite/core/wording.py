@@ -1,19 +1,23 @@
-"""Numbers in sentences."""
+"""Numbers and names of choices in messages."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 
-def plural(count: int, noun: str) -> str:
-    """A number and its noun.
+def plural(count: int, noun: str, many: str = "") -> str:
+    """A number and its noun, singular or plural.
 
     Examples
     --------
-    >>> plural(1, "gap"), plural(7, "reading")
-    ('1 gap', '7 readings')
+    >>> plural(1, "gap"), plural(7, "sample")
+    ('1 gap', '7 samples')
     """
-    return f"{count} {noun}{'s' * (count != 1)}"
+    return f"{count} {noun if count == 1 else many or noun + 's'}"
 
 
 def percent(share: float) -> str:
-    """A share with two digits, and all digits before the point.
+    """A share with two significant digits, and all digits before the point.
 
     Examples
     --------
@@ -24,7 +28,7 @@ def percent(share: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A length of time.
+    """A duration with its unit.
 
     Examples
     --------
@@ -35,3 +39,38 @@ def duration(seconds: float) -> str:
         if seconds >= least:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds:.3g} s"
+
+
+_AT_COMMAND_LINE = ContextVar("_AT_COMMAND_LINE", default=False)
+
+
+@contextmanager
+def command_line() -> Iterator[None]:
+    """Messages made within this context name options; elsewhere they name arguments."""
+    token = _AT_COMMAND_LINE.set(True)
+    try:
+        yield
+    finally:
+        _AT_COMMAND_LINE.reset(token)
+
+
+def spelled(option: str, argument: str) -> str:
+    """The name of a choice in a message: an option at the command line, an argument in Python.
+
+    Examples
+    --------
+    >>> spelled("--rate 100", "rate=100")
+    'rate=100'
+    """
+    return option if _AT_COMMAND_LINE.get() else argument
+
+
+def windowing() -> str:
+    """The name of the choice of a part of the record."""
+    return spelled("--from, --until", "prepare.trim")
+
+
+def between(start: float, end: float) -> str:
+    """How to select the part of a recording from `start` to `end`, s."""
+    option = (f"--from {start:.6g} " if start > 0 else "") + f"--until {end:.6g}"
+    return spelled(option, f"prepare.trim(recording, {start:.6g}, {end:.6g})")

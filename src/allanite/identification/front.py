@@ -1,4 +1,4 @@
-"""Identification by any of the methods: their table, the choice of one, and of what it reads."""
+"""Identification by any of the methods: their table, and the selection of a method and its input."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -9,6 +9,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.record import Record, Recording
 from allanite.core.scope import Band, demand_band
+from allanite.core.wording import spelled
 from allanite.prepare import outliers as robust
 from allanite.statistics import deviation
 from allanite.terms import TERMS
@@ -23,17 +24,17 @@ from .methods import Method, symbols_of
 
 METHODS: dict[str, Method] = {
     "whittle": Method(
-        "likelihood of the cosine transform's binned powers, intervals averaged over models", Record, whittle,
+        "Whittle likelihood of binned cosine-transform powers, intervals averaged over models", Record, whittle,
         efficiency="0.93 to 1.14 times the Cramer-Rao bound",
         options=("band", "lines", "rival"), shapes=True, signed=True,
     ),
     "gls": Method(
-        "generalised least squares of a curve with the covariance that the model gives its points", Curve, gls,
+        "generalized least squares of a curve with the covariance of its points under the model", Curve, gls,
         efficiency="0.96 to 1.19 times the Cramer-Rao bound",
         statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
-        "non-negative fit of Allan and Hadamard variance together, weights by degrees of freedom", Record, joint,
+        "non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom", Record, joint,
         efficiency="0.96 to 1.38 times the Cramer-Rao bound",
         statistic="oadev and ohdev", taus="octave",
     ),
@@ -61,7 +62,7 @@ METHODS: dict[str, Method] = {
 
 
 class Choices(TypedDict, total=False):
-    """What may be said beside the method; see `identify`."""
+    """Options other than the method; see `identify`."""
 
     terms: str
     statistic: str | None
@@ -90,47 +91,47 @@ def identify(
     ranges: Mapping[str, tuple[float, float]] | None = None,
     outliers: str = "mark",
 ) -> Fit | dict[str, Fit]:
-    """Find the noise coefficients of a record, or of a curve of it.
+    """Identify the noise coefficients of a record, or of a curve of it.
 
-    Lost readings (NaN) are cut out, and what the joints do to each term is accounted for.
+    Missing samples (NaN) are cut out, and the effect of the joints on each term is accounted for.
 
     Parameters
     ----------
     source : Record, Curve or Recording
         A recording is identified channel by channel.
     method : {"whittle", "gls", "joint", "nnls", "piecewise", "ls", "slopes"}, optional
-        "whittle" for a record, the default there: reaches the Cramer-Rao bound and gives intervals. "gls", the default
-        for a curve, is the best that reads one, and gives standard errors. The others are what papers and programs do,
-        for comparison: numbers only. `METHODS` says how far each is from the bound.
+        "whittle", the default for a record, reaches the Cramer-Rao bound and gives intervals. "gls", the default for a
+        curve, is the best method for curves and gives standard errors. The others are methods of papers and programs,
+        for comparison, without intervals. `METHODS` lists the efficiency of each.
     terms : str
-        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) takes the place of flicker if the record clearly says
-        so ("whittle" only); or symbols, for example "QNK" or "N,GM,K", which are obeyed.
+        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) replaces flicker if there is clear evidence
+        ("whittle" only); or symbols, for example "QNK" or "N,GM,K".
     statistic : str, optional
-        Of the curve that is made of a record, for methods that read one; oadev if left out.
+        Statistic of the curve computed from a record, for methods that fit a curve; by default oadev.
     band : {"auto", "all"} or (low, high), optional
-        Frequencies that count, Hz ("whittle" only). "auto", the default there, reads all of them if the terms explain
-        them; else it looks for a filter before the readings, leaves out resonances, and finds the widest band that the
-        terms explain (`Fit.scope`).
+        Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them if the terms explain them;
+        otherwise it looks for a low-pass filter, excludes resonances, and finds the widest band that the terms explain
+        (`Fit.scope`).
     lines : bool
-        Whether sinusoids are found, taken out and reported before the noise is identified ("whittle" only).
+        Whether sinusoids are detected, removed and reported before the noise is identified ("whittle" only).
     ranges : mapping of symbol to (low, high), optional
-        Averaging times, s, that a term is read from ("piecewise" only).
+        Range of averaging times, s, for each term ("piecewise" only).
     outliers : {"mark", "keep"}
-        Whether outliers count as lost ("whittle" and "joint" only); `Fit.notes` say how many and where.
+        Whether outliers are excluded ("whittle" and "joint" only); `Fit.notes` say how many and where.
 
     Returns
     -------
     Fit
-        Every term asked for is in it, absent ones with their upper limit. Of a recording a dict: the fit of each
-        channel that supports the job, by its name and in channel order.
+        With every requested term, absent ones with their upper limit. For a recording a dict with the fit of each
+        usable channel, by name and in channel order.
 
     Raises
     ------
     UsageError
-        Unknown method or term, or an option, a statistic or a term that the method does not have.
+        The method or term is unknown, or the method does not support an option, statistic or term.
     DataError
-        The record is too short or constant, holds infinite readings, or too little of it is left; of a recording,
-        none of its channels supports the job.
+        The record is too short or constant, contains infinite samples, or has too few samples left; for a recording, no
+        channel is usable.
 
     Examples
     --------
@@ -148,13 +149,13 @@ def identify(
         return _by_channel(source, lambda record: identify(record, method, **same))
     name = method or ("whittle" if isinstance(source, Record) else "gls")
     if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}")
     robust.demand_choice(outliers)
     if band is not None:
         demand_band(band)
     row = METHODS[name]
     symbols = symbols_of(terms)
-    band = None if band == "auto" and "band" not in row.options else band  # nothing was asked for
+    band = None if band == "auto" and "band" not in row.options else band  # no option was given
     said = {"band": band, "lines": None if lines else False, "ranges": ranges}
     options: dict[str, Any] = {key: value for key, value in said.items() if value is not None}
     _demand(name, symbols, options)
@@ -169,7 +170,7 @@ def identify(
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:
-    """Options and terms must be such as the method has."""
+    """Check that the method supports the options and terms."""
     row = METHODS[name]
     for key in options:
         if key not in row.options:
@@ -179,25 +180,25 @@ def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> Non
     if shaped and not row.shapes:
         able = ", ".join(repr(other) for other, one in METHODS.items() if one.shapes)
         raise UsageError(
-            f"method {name!r} finds coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has a shape as well: "
-            f"use method {able}"
+            f"method {name!r} estimates coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has shape "
+            f"parameters as well: use method {able}"
         )
 
 
 def _source(source: Record | Curve, name: str, statistic: str | None) -> Record | Curve:
-    """The record, or the curve that the method reads."""
+    """The record, or the curve that the method fits."""
     row = METHODS[name]
     if row.takes is Record:
         if statistic is not None:
-            raise UsageError(f"method {name!r} reads no curve of a statistic that could be chosen")
+            raise UsageError(f"method {name!r} does not fit a curve of a selectable statistic")
         if isinstance(source, Curve):
-            raise UsageError(f"method {name!r} needs the record, not a curve of it")
+            raise UsageError(f"method {name!r} needs the record, not a curve")
         return source
     wanted = statistic or (source.statistic if isinstance(source, Curve) else row.statistic)
     if wanted not in row.allowed:
         others = [other for other, one in METHODS.items() if wanted in one.allowed]
-        able = f" (those that read {wanted}: {', '.join(others)})" if others else ""
-        raise UsageError(f"method {name!r} reads {', '.join(row.allowed)}, not {wanted}{able}")
+        able = f" (methods that fit {wanted}: {', '.join(others)})" if others else ""
+        raise UsageError(f"method {name!r} fits {', '.join(row.allowed)}, not {wanted}{able}")
     if isinstance(source, Record):
         return deviation(source, wanted, taus=row.taus, gaps="complete")
     if wanted != source.statistic:
@@ -206,7 +207,7 @@ def _source(source: Record | Curve, name: str, statistic: str | None) -> Record 
 
 
 def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str, Fit]:
-    """The fits that can be made, or why there is none."""
+    """The fits that are possible; an error if there are none."""
     fits, refusals = {}, []
     for record in recording:
         try:
@@ -219,8 +220,12 @@ def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str,
 
 
 def _noted(fit: Fit, found: robust.Outliers, record: Record) -> Fit:
-    """The fit with a note on the outliers that it leaves out."""
+    """The fit with a note on the outliers that it excludes."""
     if not found.at.size:
         return fit
-    note = f"{found.words(record)}: left out of the fit (--outliers keep counts them in)"
+    note = (
+        f"{found.words(record)}: excluded from the fit ("
+        + spelled("--outliers keep", "outliers='keep'")
+        + " includes them)"
+    )
     return replace(fit, notes=(*fit.notes, note))

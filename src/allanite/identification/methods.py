@@ -1,4 +1,4 @@
-"""What a way to identify is, and the terms that one may ask of it."""
+"""Methods of identification, and the terms that they support."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from allanite.terms import TERMS
 
 @dataclass(frozen=True)
 class Method:
-    """A way to identify.
+    """A method of identification.
 
     Attributes
     ----------
@@ -21,18 +21,18 @@ class Method:
         Whether it needs the record or a curve.
     fit : (source, symbols, ...) -> Fit
     efficiency : str
-        Root mean square error over the Cramer-Rao bound of the coefficients, smallest and largest where that bound is
-        at most 12 %, measured with the true terms known (benchmarks/methods.py).
+        RMS error over the Cramer-Rao bound of the coefficients, smallest and largest, where that bound is at most 12 %,
+        measured with known terms (benchmarks/methods.py).
     statistic, taus : str
-        The curve that is made of a record; empty where none is read.
+        The curve computed from a record; empty if none is used.
     reads : statistic -> bool
-        Whether it can read a curve of this row of `STATISTICS`; none for a method that takes the record.
+        Whether it can fit a curve of this row of `STATISTICS`; None for a method that uses the record.
     options : tuple of str
-        What may be said beside the terms.
+        Options other than the terms.
     shapes : bool
-        Whether it finds terms with a shape: Gauss-Markov noise, sinusoids.
+        Whether it supports terms with a shape: Gauss-Markov noise, sinusoids.
     signed : bool
-        Whether it knows the sign of a ramp; a curve tells the size only.
+        Whether it determines the sign of a ramp; a curve gives only the size.
     """
 
     title: str
@@ -48,22 +48,22 @@ class Method:
 
     @property
     def allowed(self) -> tuple[str, ...]:
-        """Names of the statistics whose curves it can read; none for a method that takes the record."""
+        """Names of the statistics whose curves it can fit; empty for a method that uses the record."""
         return tuple(name for name, row in STATISTICS.items() if self.reads(row))
 
 
 def automatic() -> str:
-    """The terms that are looked for where nobody says which."""
+    """The default terms."""
     return ",".join(symbol for symbol, row in TERMS.items() if row.automatic)
 
 
 def symbols_of(terms: str) -> tuple[str, ...]:
-    """Symbols out of a text like ``QNGMK``: the longest that fits comes first, commas and blanks may stand between.
+    """Symbols from a text like ``QNGMK``: the longest match comes first; commas and blanks are allowed.
 
     Raises
     ------
     UsageError
-        One is unknown or stands twice, or none is noise.
+        A symbol is unknown or occurs twice, or none is a noise.
     """
     rest = automatic() if terms == "auto" else terms
     symbols: tuple[str, ...] = ()
@@ -71,8 +71,8 @@ def symbols_of(terms: str) -> tuple[str, ...]:
     while rest := rest.lstrip(", "):
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
-            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known are {', '.join(TERMS)}")
+            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known terms: {', '.join(TERMS)}")
         symbols, rest = (*symbols, symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
-        raise UsageError(f"terms name each symbol once, and at least one is noise, unlike {terms!r}")
+        raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}")
     return symbols

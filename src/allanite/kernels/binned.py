@@ -1,4 +1,4 @@
-"""What is done to readings before their transform, and to its coefficients after it, in one pass each."""
+"""What is done to samples before their transform, and to its coefficients after it, in one pass each."""
 
 import numpy as np
 from numba import njit

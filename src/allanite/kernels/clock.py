@@ -12,7 +12,7 @@ def followed(stamps, rows, ahead, slack):  # type: ignore[no-untyped-def]
     """Whole intervals by which each stamp is ahead of its row, and what is left of its departure.
 
     `stamps` are in nominal intervals, shape (n,), `rows` the numbers of their rows. A departure of more than `slack`
-    counts if the next `ahead` stamps keep it: a late stamp is followed by stamps in time, a lost sample is not.
+    counts if the next `ahead` stamps keep it: a late stamp is followed by stamps in time, a missing sample is not.
     """
     shift = np.empty(stamps.size, np.int64)
     left = np.empty(stamps.size)

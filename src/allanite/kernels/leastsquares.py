@@ -71,7 +71,7 @@ def _solve(G, c, passive):  # type: ignore[no-untyped-def]
 
 @swift
 def _taken(G, j, passive):  # type: ignore[no-untyped-def]
-    """Whether a column is another one in use but for its size."""
+    """Whether a column is another one in use except for its size."""
     found = False
     for k in range(passive.size):
         found |= passive[k] and k != j and G[j, k] > ALIKE

@@ -1,4 +1,4 @@
-"""Readings far off the median of those around them."""
+"""Samples far off the median of those around them."""
 
 import numpy as np
 from numba import njit
@@ -9,7 +9,7 @@ HALF = 15
 
 @njit(cache=True, nogil=True)
 def off(y, limit, part):  # type: ignore[no-untyped-def]
-    """Indices of readings more than ``limit[i // part]`` off the median of the 31 around them; y has 31 or more.
+    """Indices of samples more than ``limit[i // part]`` off the median of the 31 around them; y has 31 or more.
 
     Only where y bends by as much. More than half of 31 values lie below a bound exactly if their median does: nothing
     is sorted.

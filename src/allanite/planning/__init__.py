@@ -1,1 +1,1 @@
-"""What a recording of some length can tell: bound, plan, check of the identification, typical sensors."""
+"""What can be learnt from a record of some length: bound, plan, check of the identification, typical sensors."""

@@ -1,4 +1,4 @@
-"""How accurately the coefficients of a model can be known at best: the Cramer-Rao bound, without any simulation."""
+"""The Cramer-Rao bound of the coefficients of a model, without simulation."""
 
 import math
 import operator
@@ -17,21 +17,21 @@ from allanite.terms import TERMS
 from .information import Grid, Information, Part, shape_parts
 
 AUTO = "QNBKR"
-"""The terms that `identify` looks for."""
+"""The default terms of `identify`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bound(Value):
-    """Least relative standard errors of a model's parameters from a record of `size` readings at `rate` Hz.
+    """Smallest possible relative standard errors of a model's parameters for a record of `size` samples at `rate` Hz.
 
     Attributes
     ----------
     names : tuple of str
         The symbol of a term for its coefficient; with the parameter for a time constant or frequency.
     errors : array, shape (p,)
-        Relative standard errors (1 sigma), infinite where the record says nothing.
+        Relative standard errors (1 sigma), infinite if the record carries no information.
     ramp : float or None
-        Standard error of the rate ramp, SI; None where it is known that there is none.
+        Standard error of the rate ramp, SI; None if it is known that there is none.
 
     Examples
     --------
@@ -50,12 +50,12 @@ class Bound(Value):
     def __getitem__(self, name: str) -> float:
         """Relative standard error of one parameter."""
         if name not in self.names:
-            raise UsageError(f"there is no bound of {name!r}; there are {', '.join(self.names)}")
+            raise UsageError(f"there is no bound of {name!r}; parameters: {', '.join(self.names)}")
         return float(self.errors[self.names.index(name)])
 
     def _summary(self) -> str:
         errors = (f"{name} {100 * error:.2g} %" for name, error in zip(self.names, self.errors, strict=True))
-        return f"of {self.size} readings at {self.rate:g} Hz: {', '.join(errors)}"
+        return f"of {self.size} samples at {self.rate:g} Hz: {', '.join(errors)}"
 
 
 def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, terms: str = "known") -> Bound:
@@ -65,14 +65,14 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     ----------
     model : Model, Term or Fit
     n : int
-        Readings of the record, at least 8.
+        Number of samples, at least 8.
     rate : float
         Sampling rate, Hz.
     ramp : bool, optional
-        Whether a ramp of unknown size must be reckoned with; if left out, whether the model has one.
+        Whether to assume a ramp of unknown size; by default, if the model has one.
     terms : str
-        What is known of the terms beforehand. "known": which of them there are. "auto": nothing, as where `identify`
-        looks for all five; a string of symbols, as "QNB": that there are no others than these and those of the model.
+        Prior knowledge about the terms. "known": which of them are present. "auto": none, as if `identify` looks for
+        all five; a string of symbols, such as "QNB": that there are no others than these and those of the model.
 
     Returns
     -------
@@ -81,14 +81,12 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     Raises
     ------
     UsageError
-        The model has no noise in it, or the record is too short.
+        The model has no noise, or the record is too short.
 
-    Notes
-    -----
-    The standard errors of the coefficients, not of their squares. They hold where they are small; a term whose bound is
-    above about 40 % is hardly seen at all. A time constant of Gauss-Markov noise is unknown as well, and a sinusoid has
-    unknown amplitude, phase and frequency. The size of a term that is absent is not known to be zero to whoever looks
-    for it: with `terms` this is counted, as if the size could be negative too, which makes it an upper bound.
+    Notes ----- The standard errors of the coefficients, not of their squares. They are accurate if they are small; a
+    term whose bound is above about 40 % can hardly be detected. A time constant of Gauss-Markov noise is unknown as
+    well, and a sinusoid has unknown amplitude, phase and frequency. The size of an absent term is not known to be zero
+    if it is looked for: `terms` accounts for this, as if the size could also be negative, which gives an upper bound.
 
     Examples
     --------
@@ -99,10 +97,10 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     """
     model = model_of(model)
     if n < 8:
-        raise UsageError(f"a bound needs at least 8 readings, not {n}")
+        raise UsageError(f"a bound needs at least 8 samples, not {n}")
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
-        raise UsageError(f"{model} has no noise in it, and without noise everything is known exactly")
+        raise UsageError(f"{model} has no noise; without noise everything is known exactly")
     beside = [Term(symbol, 1.0, model.signal) for symbol in _symbols(terms) if symbol not in {t.symbol for t in model}]
     unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
     grid = Grid(n)
@@ -120,12 +118,12 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
 
 
 def _symbols(terms: str) -> str:
-    """The symbols that `terms` stands for."""
+    """The symbols that `terms` represents."""
     if terms in ("known", "auto"):
         return AUTO if terms == "auto" else ""
     odd = [symbol for symbol in terms if symbol not in TERMS or TERMS[symbol].parameters]
     if odd:
-        raise UsageError(f"terms are 'known', 'auto' or symbols as in {AUTO!r}, not {terms!r}")
+        raise UsageError(f"terms must be 'known', 'auto' or symbols such as {AUTO!r}, not {terms!r}")
     return terms
 
 

@@ -5,7 +5,7 @@ The coefficients (DCT-II, k = 1 .. n-1; k = 0 is the unknown bias) have the cova
     C = M + U W U',    M_kk = sum_i theta_i S_ik.
 
 M is diagonal for white noise and random walks; flicker and slow Gauss-Markov noise correlate the lowest coefficients of
-equal parity a little, and these stand in a block of their own. U are the first and the last reading, which
+equal parity a little, and these stand in a block of their own. U are the first and the last sample, which
 quantization makes noisier than the others (as halves of even and of odd k, which are orthogonal), and a ramp of unknown
 size (W infinite). The information about logarithms of parameters is that of a Gaussian record,
 
@@ -69,7 +69,7 @@ class Grid:
 
 
 def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
-    """Covariance of the coefficients 1 .. block of n rates, but for its diagonal, shape (block, block).
+    """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block).
 
     With c(h) = D''(h) / 2 the covariance of rates, ``2 n int_0^1 A_kl(u) c(n u) du`` for k, l of equal parity, where
 
@@ -158,7 +158,7 @@ class Information:
 
     @property
     def ramp(self) -> float:
-        """Standard error of the ramp, per reading; infinite where there is none to be found."""
+        """Standard error of the ramp, per sample; infinite where there is none to be found."""
         return math.sqrt(self.V[-1, -1]) if self.free.any() else math.inf
 
     def matrix(self, parts: list[Part]) -> FloatArray:

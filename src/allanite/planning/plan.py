@@ -1,4 +1,4 @@
-"""How long to record for a wanted accuracy of each coefficient."""
+"""Record length needed for a given accuracy of each coefficient."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,31 +21,31 @@ DURATIONS = (600.0, 3600.0, 21_600.0, 86_400.0)
 """10 minutes, 1 hour, 6 hours, 24 hours."""
 
 LONGEST = 1e14
-"""Readings beyond which no length is given."""
+"""Samples beyond which no length is given."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordingPlan(Value):
-    """Accuracy of a model's coefficients by the length of the record.
+    """Accuracy of a model's coefficients against the length of the record.
 
     Attributes
     ----------
     model, rate : Model, float
-        The noise that is expected, and the sampling rate, Hz.
+        The expected noise, and the sampling rate, Hz.
     ramp : bool
-        Whether a ramp of unknown size is reckoned with.
+        Whether a ramp of unknown size is assumed.
     names : tuple of str
         The parameters, as in `Bound`.
     durations : tuple of float
         Lengths, s.
     errors : array, shape (parameters, durations)
-        Least relative standard errors; NaN where the record would have fewer than 200 readings.
+        Smallest possible relative standard errors; NaN if the record would have fewer than 200 samples.
     accuracy : float
-        The relative standard error that is wanted.
+        The relative standard error to reach.
     needed : array, shape (parameters,)
-        Least length for it, s; infinite where no length of a practical kind gives it.
-    searched, searched_needed : arrays, shapes as of `errors` and `needed`
-        The same where it is not known which of the five terms there are, as when `identify` looks for them.
+        Record length needed for it, s; infinite if no practical length is sufficient.
+    searched, searched_needed : arrays, shapes as for `errors` and `needed`
+        The same if it is unknown which of the five terms are present, as for `identify`.
     """
 
     model: Model
@@ -90,23 +90,23 @@ def plan(
     accuracy: float = 0.1,
     ramp: bool | None = None,
 ) -> RecordingPlan:
-    """How accurate each coefficient can be at these lengths of the record, and how long it takes for a wanted accuracy.
+    """Predict the accuracy of each coefficient against record length, and the length needed for a given accuracy.
 
     From the Cramer-Rao bound (see `bound`), with the terms known and with all five looked for, which the default method
-    of `identify` reaches where the bound is below about 12 %; nothing is simulated.
+    of `identify` reaches if the bound is below about 12 %; nothing is simulated.
 
     Parameters
     ----------
     model : Model, Term or Fit
-        What is expected: of a data sheet, of `sensor`, or ``identify(record).model`` of a first record.
+        The expected noise: from a data sheet, from `sensor`, or ``identify(record).model`` of a first record.
     rate : float
         Sampling rate, Hz.
     durations : sequence of float
         Lengths, s.
     accuracy : float
-        Wanted relative standard error of a coefficient.
+        Relative standard error of a coefficient to reach.
     ramp : bool, optional
-        Whether a ramp of unknown size must be reckoned with; if left out, whether the model has one.
+        Whether to assume a ramp of unknown size; by default, if the model has one.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def plan(
     Raises
     ------
     UsageError
-        The model has no noise in it, or a length, the rate or the accuracy is not above zero.
+        The model has no noise, or a length, the rate or the accuracy is not positive.
 
     Examples
     --------
@@ -128,8 +128,8 @@ def plan(
     """
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
         raise UsageError(
-            f"the sampling rate, the accuracy and all lengths are above 0, not {given(rate)} Hz, {given(accuracy)}, "
-            f"({', '.join(map(given, durations))})"
+            f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
+            f"{given(accuracy)}, ({', '.join(map(given, durations))})"
         )
     model = model_of(model)
     unknown = model.drifts if ramp is None else ramp
@@ -153,7 +153,7 @@ def plan(
 
 
 def _least(errors: Callable[[int], FloatArray], which: int, wanted: float) -> float:
-    """Least number of readings at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
+    """Least number of samples at which an error is `wanted`, to 0.1 %: it falls about as a power of the length."""
 
     def excess(n: float) -> float:
         return math.log(float(errors(round(n))[which]) / wanted)

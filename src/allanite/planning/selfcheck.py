@@ -1,4 +1,4 @@
-"""Does the identification keep its word on this sensor, rate and length: simulate, identify, count."""
+"""Test of the identification for a sensor, rate and length by simulated records."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ from .termcheck import MEASURED, Measured, TermCheck, compared, share, sought, t
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SelfCheck(Value):
-    """What the identification makes of simulated records of a known model.
+    """Results of the identification on simulated records of a known model.
 
     Attributes
     ----------
@@ -35,9 +35,9 @@ class SelfCheck(Value):
     terms : tuple of TermCheck
         In the order of identification; absent ones too.
     unexplained : (share, error)
-        Of the records of which it was said that no model explains them.
+        Share of records that no model explains, and its standard error.
     notes : tuple of str
-        Terms of the model that were not looked for, or cannot be told apart by their symbol.
+        Terms of the model that were not looked for, or cannot be distinguished by their symbol.
     """
 
     model: Model
@@ -53,10 +53,10 @@ class SelfCheck(Value):
         for check in self.terms:
             if check.symbol == symbol:
                 return check
-        raise UsageError(f"{symbol!r} was not looked for; there are {', '.join(check.symbol for check in self.terms)}")
+        raise UsageError(f"{symbol!r} was not looked for; terms: {', '.join(check.symbol for check in self.terms)}")
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows: each measured number is followed by its Monte-Carlo standard error."""
+        """Headings and rows: each measured number is followed by its Monte Carlo standard error."""
         headings = ["term", "truth", "bound", *(part for name in MEASURED for part in (name, "+-"))]
         measured = [[part for name in MEASURED for part in getattr(check, name)] for check in self.terms]
         return headings, [[c.symbol, c.truth, c.bound, *m] for c, m in zip(self.terms, measured, strict=True)]
@@ -68,28 +68,28 @@ class SelfCheck(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "SelfCheck":
-        """The check that `to_dict` has written."""
+        """The check written by `to_dict`."""
         return super().from_dict(data | {"unexplained": [data["unexplained"], data["unexplained_error"]]})
 
     def _summary(self) -> str:
-        return f"{self.records} records of {self.size} readings at {self.rate:g} Hz: {self.model}"
+        return f"{self.records} records of {self.size} samples at {self.rate:g} Hz: {self.model}"
 
     def exceeded(
         self, *, bias: float = math.inf, coverage: float = 0.0, false: float = 1.0, missed: float = 1.0
     ) -> list[str]:
-        """Which limits are exceeded beyond chance, by more than two Monte-Carlo standard errors, in sentences.
+        """Which limits are exceeded by more than two Monte Carlo standard errors, in sentences.
 
         Parameters
         ----------
         bias : float
-            Most, relative to the coefficient, for terms that are there.
+            Largest bias, relative to the coefficient, for terms that are present.
         coverage : float
-            Least share of intervals that hold the truth.
+            Smallest share of intervals that contain the true value.
         false, missed : float
-            Most shares of records in which a term is claimed that is absent, or not found though it is there.
+            Largest shares of records in which an absent term is reported, or a present term is missed.
         """
         return [
-            f"{c.symbol}: {what} {100 * measured:.3g} +- {100 * error:.2g} %, beyond {100 * limit:.3g} %"
+            f"{c.symbol}: {what} {100 * measured:.3g} +- {100 * error:.2g} %, limit {100 * limit:.3g} %"
             for c in self.terms
             for what, (measured, error), limit, sign in _judged(c, bias, coverage, (false, missed))
             if sign * (measured - limit) > 2 * error
@@ -121,18 +121,18 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     level: float = 0.95,
     progress: Callable[[str, float], None] | None = None,
 ) -> SelfCheck:
-    """Simulate records of a model, identify each, and compare with the truth and with the Cramer-Rao bound.
+    """Simulate records of a model, identify each, and compare with the true values and the Cramer-Rao bound.
 
     Parameters
     ----------
     model : Model, Term or Fit
         The sensor; of a fit, its model.
     n : int
-        Readings of each record.
+        Number of samples of each record.
     rate : float
         Sampling rate, Hz.
     records : int
-        How many are simulated, at least 2.
+        Number of records to simulate, at least 2.
     rng : numpy.random.Generator
         The source of randomness.
     terms, method, band
@@ -140,7 +140,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     level : float
         Confidence level of the intervals.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     Raises
     ------
     UsageError
-        Fewer than two records are asked for.
+        There are fewer than two records.
     DataError
         The records are too short to identify anything.
 
@@ -181,8 +181,8 @@ def _notes(truth: Model, fits: list[Fit]) -> Iterator[str]:
     for symbol in dict.fromkeys(t.symbol for t in truth):
         named = f"{TERMS[symbol].title} ({symbol}) is in the model, but"
         if symbol not in looked:
-            yield f"{named} was not found in any record"
+            yield f"{named} was not identified in any record"
         elif symbol not in known:
-            yield f"{named} stands in it several times"
+            yield f"{named} occurs in it several times"
     if any(e.status == "reported" for fit in fits for e in fit):
-        yield f"method {fits[0].method!r} gives no evidence for a term: none is counted as found"
+        yield f"method {fits[0].method!r} gives no evidence for a term: none is counted as identified"

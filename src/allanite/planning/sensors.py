@@ -9,7 +9,7 @@ SENSORS: dict[str, str] = {
     "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
     "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h",
 }
-"""Model of a gyro by what it is: micromechanical, fibre-optic, ring laser. Orders of magnitude, of no one's product."""
+"""Models of typical gyros: MEMS, fibre-optic, ring laser. Orders of magnitude; not of any specific product."""
 
 
 def sensor(name: str) -> Model:
@@ -23,7 +23,7 @@ def sensor(name: str) -> Model:
     Raises
     ------
     UsageError
-        There is none of that name.
+        The name is unknown.
 
     Examples
     --------
@@ -31,5 +31,5 @@ def sensor(name: str) -> Model:
     Q = 0.5 arcsec, N = 0.003 deg/sqrt(h), B = 0.05 deg/h
     """
     if name.lower() not in SENSORS:
-        raise UsageError(f"unknown sensor {name!r}; known are {', '.join(SENSORS)}")
+        raise UsageError(f"unknown sensor {name!r}; known sensors: {', '.join(SENSORS)}")
     return parse_model(SENSORS[name.lower()])

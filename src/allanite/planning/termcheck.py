@@ -1,4 +1,4 @@
-"""What became of one term in all records of a check of the identification."""
+"""Results for one term in all records of a check of the identification."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -20,7 +20,7 @@ from allanite.terms import TERMS
 from .bound import Bound
 
 Measured = tuple[float, float]
-"""A number and its Monte-Carlo standard error."""
+"""A number and its Monte Carlo standard error."""
 
 MEASURED = ("bias", "spread", "coverage", "found")
 
@@ -31,7 +31,7 @@ LINE = next(symbol for symbol, row in TERMS.items() if row.periodic)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TermCheck(Value):
-    """What became of one term in all records.
+    """Results for one term in all records.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class TermCheck(Value):
     low, high : arrays, shape (records,)
         The interval as printed; NaN where there is none.
     claimed : bool array, shape (records,)
-        Whether the term was said to be there.
+        Whether the term was reported as present.
     """
 
     _keys: ClassVar = {"symbol": "term"}
@@ -76,17 +76,17 @@ class TermCheck(Value):
 
     @property
     def coverage(self) -> Measured:
-        """Share of the intervals that hold the truth; NaN where none was given."""
+        """Share of the intervals that contain the true value; NaN if there are none."""
         given = np.isfinite(self.low)
         return share(((self.low <= self.truth) & (self.truth <= self.high))[given])
 
     @property
     def found(self) -> Measured:
-        """Share of the records in which the term was said to be there: of an absent term, falsely."""
+        """Share of the records in which the term was reported as present: for an absent term, falsely."""
         return share(self.claimed)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, with what was measured and its Monte-Carlo standard errors."""
+        """Plain data, with the measured values and their Monte Carlo standard errors."""
         data = super().to_dict(level)
         for name in MEASURED:
             data[name], data[f"{name}_error"] = map(plain, getattr(self, name))

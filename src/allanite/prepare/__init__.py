@@ -1,4 +1,4 @@
-"""Before the numbers: is the record fit for the job, and making it so, record to record."""
+"""Checks of a record before it is analyzed, and corrections of it."""
 
 from .quality import inspect as inspect
 from .transform import block_means as block_means

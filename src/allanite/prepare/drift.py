@@ -1,4 +1,4 @@
-"""Whether the slow part of one channel follows another: a temperature, a supply."""
+"""Whether the drift of one channel follows another: a temperature, a supply voltage."""
 
 from typing import NamedTuple
 
@@ -8,48 +8,48 @@ from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
 
 BLOCKS = 256
-"""Block means that are compared at most."""
+"""Maximum number of block means that are compared."""
 
 FEWEST = 32
-"""Block means that there must be, and readings in each of them."""
+"""Minimum number of block means, and of samples in each of them."""
 
 MISSING = 0.1
-"""Share of blocks without a reading above which nothing is asked."""
+"""Share of blocks without a sample above which no comparison is made."""
 
 CLEAR = 16.0
-"""Twice the gain of the log-likelihood from which on a channel follows another; see `follows`."""
+"""Twice the gain of the log-likelihood above which a channel is said to follow another; see `follows`."""
 
 MUCH = 0.25
-"""Share of the variance of the block means, less a line, that must go with the other channel."""
+"""Share of the variance of the detrended block means that must be explained by the other channel."""
 
 SHARES = np.concatenate(([0.0], np.geomspace(1e-3, 1e5, 17)))
-"""Flicker and random walk over white noise, at the angle of half the sampling rate of the blocks."""
+"""Ratios of flicker and random walk to white noise, at half the sampling rate of the blocks."""
 
 
 class Following(NamedTuple):
-    """Twice the gain of the log-likelihood, and the share of the variance of the block means, less a line."""
+    """Twice the gain of the log-likelihood, and the explained share of the variance of the detrended block means."""
 
     gain: float
     share: float
 
     @property
     def clear(self) -> bool:
-        """Whether the one follows the other, and much of it does."""
+        """Whether the channel follows the other one significantly and to a large part."""
         return self.gain > CLEAR and self.share > MUCH
 
 
 def follows(record: Record, other: Record) -> Following | None:
-    """How much of the slow part of a record goes with another channel of the same clock.
+    """How much of the drift of a record follows another channel with the same sample times.
 
-    Means of blocks are transformed by the cosine transform, where a coefficient of white noise, flicker and random walk
-    of the rate is independent of the others; the likelihood of these three, beside a line, is compared with that of the
-    same three beside a line and the other channel. Two independent random walks look alike to the eye and to an
-    ordinary correlation, but not here: without the other channel they are a random walk.
+    Block means are transformed by the cosine transform, in which the coefficients of white noise, flicker and random
+    walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
+    same three with a linear trend and the other channel. Two independent random walks often appear correlated, but not
+    in this test, whose null hypothesis includes a random walk.
 
     Returns
     -------
     Following or None
-        None where there is nothing to ask: too few readings, or a channel that is constant or a line.
+        None if no comparison is possible: too few samples, or a channel that is constant or linear.
     """
     blocks = min(BLOCKS, record.size // FEWEST)
     if blocks < FEWEST or record.size != other.size:
@@ -69,7 +69,7 @@ def follows(record: Record, other: Record) -> Following | None:
 
 
 def _means(values: FloatArray, blocks: int) -> FloatArray | None:
-    """Means of blocks; where a few have no reading, what lies between their neighbours."""
+    """Means of blocks; means of blocks without samples are interpolated."""
     length = values.size // blocks
     parts = values[: blocks * length].reshape(blocks, length)
     there = np.isfinite(parts)
@@ -82,7 +82,7 @@ def _means(values: FloatArray, blocks: int) -> FloatArray | None:
 
 
 def _likelihood(y: FloatArray, columns: list[FloatArray]) -> tuple[float, FloatArray]:
-    """Twice the negative log-likelihood at its minimum over the grid of noises, and the sizes of the columns there."""
+    """The smallest -2 log-likelihood over the grid of noises, and the regression coefficients there."""
     from scipy.fft import dct
 
     size = y.size

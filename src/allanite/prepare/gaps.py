@@ -1,8 +1,8 @@
-"""Lost readings: what is left is joined, and what the joints do to each term is known.
+"""Missing samples: the remaining ones are joined, and the effect of the joints on each term is computed.
 
-A lost stretch is cut out, and the transform is taken of what is left, n readings with g joints. White noise and flicker
-hardly notice. Quantization loses the angle that the two readings at a joint would share, as at the ends of a record.
-What walks goes on walking unseen, so that what is left steps at the joint.
+Gaps are cut out, and the transform is taken of the n remaining samples with g joints. White noise and flicker are
+hardly affected. Quantization loses the angle that the two samples at a joint would share, as at the ends of a record.
+A random walk continues unobserved during the gap, so that the joined record has a step at the joint.
 """
 
 from collections.abc import Callable
@@ -12,31 +12,32 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.record import SHORTEST, Record
+from allanite.core.wording import windowing
 from allanite.terms import NoiseTerm
 
 EXACT = 64
-"""Coefficients up to which the joints count where they lie; above, on average."""
+"""Number of coefficients for which the positions of the joints matter; above, their average effect is used."""
 
 FEW = f"too few for noise coefficients (at least {SHORTEST})"
 
 LEAST = 0.1
-"""Share of the readings that must be left."""
+"""Share of the samples that must remain."""
 
 BLOCK = 1024
-"""Steps of an angle over which its rate is taken as one, to be taken off during a gap."""
+"""Steps of an angle over which its rate is assumed constant, to be subtracted during a gap."""
 
 LEAST_SHARE = 0.005
-"""Share of the rate's noise in that of a step below which it is not known."""
+"""Share of the rate noise in the noise of a step below which it cannot be determined."""
 
 NEIGHBOURS = 0.1
-"""Share of the readings that are left which must have the next one too."""
+"""Share of the remaining samples that must have a neighbour."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """The gaps among `size` readings that are left: `at` the first reading behind each, so many are `lost` there.
+    """The gaps among `size` remaining samples: `at` is the first sample after each, `lost` the number missing.
 
-    `shut` are gaps over which an angle was counted on: the reading there is the angle gained over lost + 1 intervals.
+    `shut` marks gaps during which an angle was accumulated: the sample there is the increment over lost + 1 intervals.
     """
 
     size: int
@@ -47,13 +48,13 @@ class Gaps:
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients under a term, shape of `k`.
 
-        With the first readings j behind the gaps, the lost l and omega = pi k / n
+        With the first samples j after the gaps, the numbers missing l and omega = pi k / n
 
-            edge (2/n) sum [cos(2 omega j) + cos(omega)]      is what an open angle adds,
+            edge (2/n) sum [cos(2 omega j) + cos(omega)]      is added by an open angle,
             1 + (2/n) sum l sin^2(omega j)                    the factor of a random walk,
-            (1/n) sum [D(l + 1) - D(1)]                       what a shut gap adds, of the angle's own noise,
+            (1/n) sum [D(l + 1) - D(1)]                       is added by a shut gap, for angle noise,
 
-        and on average over k the first cosine is 0, the square of the sine 1/2. Noise between these is left alone.
+        and on average over k the first cosine is 0, the square of the sine 1/2. Noise between these is not changed.
         """
         values = term.dct(k, self.size)
         if not self.at.size:
@@ -72,13 +73,13 @@ class Gaps:
 
 
 def whole(size: int) -> Gaps:
-    """No gaps among so many readings."""
+    """No gaps among this many samples."""
     none = np.empty(0, np.int64)
     return Gaps(size, none, none, none.astype(np.bool_))
 
 
 def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
-    """Rates in the record's unit, joined over the gaps; the gaps; and which readings are left (None: all)."""
+    """Rates in the record's unit, joined over the gaps; the gaps; indices of the remaining samples (None: all)."""
     values = record.values
     if values.dtype.kind != "f" or np.isfinite(values.sum()):
         steps = np.diff(values) if record.kind == "angle" else values - record.constant
@@ -90,28 +91,28 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
 
 
 def gaps_between(left: IntArray) -> Gaps:
-    """The gaps between readings of a rate that are left, by their places."""
+    """The gaps between the remaining samples of a rate, by their positions."""
     jumps = np.diff(left)
     at = np.flatnonzero(jumps > 1) + 1
     return Gaps(left.size, at, jumps[at - 1] - 1, np.zeros(at.size, dtype=np.bool_))
 
 
 def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[FloatArray, Gaps, IntArray | None]:
-    """Steps of an angle of which points were lost: a short gap is one long step, a long one is cut out.
+    """Steps of an angle with missing points: a short gap is one long step, a long one is cut out.
 
-    Where quantization rules, only an angle that stays shut tells small noise of the rate.
+    If quantization dominates, small rate noise can be determined only from a continuous angle.
     """
     steps = np.diff(angle)
     long = spans > 1
     shut = long & _short(steps, spans)
-    # the rate during the gap is taken off, but for one interval's; over whole blocks no angle is open
+    # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
     starts = np.arange(0, steps.size, BLOCK)
     rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
     steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
     kept = ~long | shut
     index = np.cumsum(kept) - 1
     opened = long & ~shut
-    # of what is cut out every interval is lost, of a long step all but one; leading and trailing ones are no gaps
+    # in a gap cut out, all intervals are missing, in a long step all but one; gaps at the ends do not count
     at = np.concatenate((index[opened] + 1, index[shut]))
     lost = np.concatenate((spans[opened], spans[shut] - 1))
     flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
@@ -119,7 +120,7 @@ def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[Float
 
 
 def known_rates(record: Record) -> FloatArray:
-    """Rates in the record's unit, NaN where nothing is known; over a short gap of an angle their mean is."""
+    """Rates in the record's unit, NaN where unknown; over a short gap of an angle, their mean."""
     values = record.values
     if record.kind != "angle":
         return np.asarray(values, dtype=np.float64)
@@ -133,11 +134,11 @@ def known_rates(record: Record) -> FloatArray:
 
 
 def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
-    """Spans over which noise of the rate is at most half of what a step has."""
+    """Spans over which rate noise is at most half of the noise of a step."""
     fast = np.diff(steps[spans == 1])
     if fast.size < SHORTEST:
         return np.zeros(spans.size, dtype=np.bool_)
-    # of steps of variance 2 q + w: differences have 6 q + 2 w, and correlate by -4 q - w from one to the next
+    # for steps of variance 2 q + w: differences have variance 6 q + 2 w and lag-one covariance -4 q - w
     variance, beside = float(fast @ fast) / fast.size, float(fast[1:] @ fast[:-1]) / fast.size
     w = 2 * variance + 3 * beside
     q = (variance - 2 * w) / 6
@@ -146,39 +147,39 @@ def _short(steps: FloatArray, spans: IntArray) -> BoolArray:
 
 
 def refusal(record: Record) -> str:
-    """Why nothing can be identified in a record of this length, or in what is left of it; empty if it can.
+    """Why no noise can be identified from this record or its remaining samples; empty if it can.
 
     Examples
     --------
     >>> y = np.full(1000, np.nan)
     >>> y[:150] = np.arange(150) % 7
     >>> refusal(Record(y, rate=1.0, unit="deg/s"))
-    '850 of 1000 readings are lost; 150 are left, too few for noise coefficients (at least 200)'
+    '850 of 1000 samples are missing; 150 remain, too few for noise coefficients (at least 200)'
     """
     if record.size < SHORTEST:
-        return f"{record.size} readings are {FEW}"
+        return f"{record.size} samples are {FEW}"
     if record.values.dtype.kind != "f" or np.isfinite(record.values.sum(dtype=np.float64)):
         return ""
     infinite = np.isinf(record.values)
     if infinite.any():
         return (
-            f"{infinite.sum()} of {infinite.size} readings are infinite, the first at sample {int(infinite.argmax())}; "
-            "if they are lost, put NaN in their place"
+            f"{infinite.sum()} of {infinite.size} samples are infinite, the first is sample "
+            f"{int(infinite.argmax())}; if they are missing, replace them by NaN"
         )
     gaps = joined(record)[1]
     left, pieces = gaps.size, gaps.at.size + 1
-    lost = f"{record.size - left} of {record.size} readings are lost"
+    lost = f"{record.size - left} of {record.size} samples are missing"
     reasons = (
-        (left < SHORTEST, f"{left} are left, {FEW}"),
+        (left < SHORTEST, f"{left} remain, {FEW}"),
         (
             left < LEAST * record.size,
-            "less than a tenth is left, too little to tell slow noise; choose a window (--from, --until)",
+            f"less than a tenth remains, too little to determine slow noise; choose a window ({windowing()})",
         ),
         (
             left - pieces < NEIGHBOURS * left,
-            f"of {left} that are left {left - pieces} have the next one too: single readings cannot tell noise of the "
-            "rate from noise of the angle; choose a window (--from, --until); where only every so many readings one "
-            "was kept, give the rate of those",
+            f"of {left} that remain, {left - pieces} are followed by the next one: isolated samples cannot separate "
+            f"rate noise from angle noise; choose a window ({windowing()}); if only one of several samples was "
+            "recorded, give the rate of the recorded ones",
         ),
     )
     return next((f"{lost}; {reason}" for holds, reason in reasons if holds), "")

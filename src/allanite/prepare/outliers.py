@@ -1,4 +1,4 @@
-"""Outliers: readings that no noise of this record makes."""
+"""Outliers: samples that are inconsistent with the noise of the record."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,35 +10,36 @@ from allanite.core.errors import UsageError
 from allanite.core.limits import quantile
 from allanite.core.record import Record
 
-CHOICES = {"mark": "left out, as lost readings", "keep": "kept"}
-"""What may become of outliers."""
+CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}
+"""What can be done with outliers."""
 
 FEWEST = 5.0
-"""Standard deviations off the running median below which nothing is an outlier."""
+"""Deviation from the running median, in standard deviations, below which no sample is an outlier."""
 
 FALSE = 1e-3
-"""Probability that a clean Gaussian record shows one."""
+"""Probability that a clean Gaussian record shows an outlier."""
 
 PARTS, SHORTEST_PART = 16, 4096
-"""Parts of a record that have each its own scale, and the length that they have at least."""
+"""Number of parts of a record with separate scales, and their minimum length."""
 
 SAMPLE = 1024
-"""Readings of a part from which its scale is taken."""
+"""Number of samples of a part used for its scale."""
 
 MOST = 0.02
-"""Share of the readings above which they are no outliers but another noise."""
+"""Share of the samples above which they are not outliers but another noise."""
 
 TAIL = 0.8
-"""Share of the limit from which readings are counted that are no outliers: of spikes few are there, of heavy tails
-more than beyond the limit."""
+"""Share of the limit from which samples are counted to distinguish outliers from heavy tails: few spikes, but many
+samples of a heavy-tailed noise, lie between this share and the limit.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Outliers:
-    """The outliers `at` some of the intervals of a record, ascending: readings far off the running median.
+    """The outliers `at` some of the intervals of a record, ascending: samples far from the running median.
 
-    `limit` is from how many standard deviations on, `largest` the most of them; `heavy` counts the readings beyond the
-    limit that are none, because the noise itself has heavy tails.
+    `limit` is the detection limit and `largest` the largest deviation, in standard deviations; `heavy` counts
+    the samples beyond the limit that are not outliers because the noise has heavy tails.
     """
 
     at: IntArray
@@ -54,13 +55,13 @@ class Outliers:
 
 
 def outliers(record: Record) -> Outliers:
-    """Readings (of an angle: steps) far off the median of the 31 around them.
+    """Samples (for an angle: steps) far from the median of the 31 around them.
 
-    The limit is 5 standard deviations, or in a long record what one clean record in a thousand reaches; the standard
-    deviation is 1.4826 times the median absolute residual, and never less than the usual step between neighbours that
-    differ: a coarse reading is no outlier. What was found is left out and the rest looked at once more, because dense
-    spikes widen the scale. Where the readings just below the limit are too many for spikes, the noise has heavy tails:
-    they belong to it, and there are no outliers.
+    The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
+    standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
+    that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
+    dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there are
+    no outliers.
 
     Examples
     --------
@@ -89,13 +90,14 @@ def outliers(record: Record) -> Outliers:
 
 
 def marked(record: Record, found: Outliers) -> Record:
-    """The record with the outliers lost (NaN); counts become increments.
+    """The record with outliers replaced by NaN; counts become increments.
 
-    An angle that is wrong at single points, up and down again, loses these points; one that jumps becomes its steps.
+    An angle that is wrong at single points (up and down again) loses these points; one that jumps is converted to its
+    steps.
     """
     if not found.at.size:
         return record
-    what = f"{found.words(record)}: marked as lost"
+    what = f"{found.words(record)}: marked as missing"
     points = _wrong_points(record, found.at)
     if points.size:
         values = record.values.copy()
@@ -108,7 +110,7 @@ def marked(record: Record, found: Outliers) -> Record:
 
 
 def _wrong_points(record: Record, at: IntArray) -> IntArray:
-    """Points of an angle between two outlying steps that cancel; none unless all outliers are such pairs."""
+    """Points of an angle between two outlying steps that cancel; empty unless all outliers are such pairs."""
     none = np.empty(0, np.int64)
     if record.kind != "angle" or at.size % 2 or record.values.dtype.kind != "f":
         return none
@@ -120,7 +122,7 @@ def _wrong_points(record: Record, at: IntArray) -> IntArray:
 
 
 def treated(record: Record, choice: str) -> Record:
-    """The record with its outliers lost, or as it is where the choice is to keep them.
+    """The record with its outliers marked as missing, or unchanged if the choice is to keep them.
 
     Raises
     ------
@@ -132,20 +134,20 @@ def treated(record: Record, choice: str) -> Record:
 
 
 def demand_choice(choice: str) -> None:
-    """Refuse an unknown word for what becomes of outliers.
+    """Refuse an unknown choice for outliers.
 
     Raises
     ------
     UsageError
-        It is not in `CHOICES`.
+        The choice is not in `CHOICES`.
     """
     if choice not in CHOICES:
         known = "; ".join(f"{name!r}: {meaning}" for name, meaning in CHOICES.items())
-        raise UsageError(f"what becomes of outliers is one of {known}; not {choice!r}")
+        raise UsageError(f"unknown choice for outliers {choice!r}; known choices: {known}")
 
 
 def _off(y: FloatArray, limit: float) -> tuple[IntArray, FloatArray, bool]:
-    """Indices beyond the limit, by how many standard deviations, and whether as many lie just below it."""
+    """Indices beyond the limit, their deviations in standard deviations, and whether the noise has heavy tails."""
     from scipy.special import ndtr
 
     from allanite.kernels.robust import off
@@ -157,7 +159,7 @@ def _off(y: FloatArray, limit: float) -> tuple[IntArray, FloatArray, bool]:
     at = near[size > limit]
     expected = 2 * y.size * float(ndtr(-TAIL * limit))
     below = near.size - at.size - expected - 3 * math.sqrt(expected)
-    # of a run of outliers only the ends bend: those between are found from there
+    # only the ends of a run of outliers stand out: those between are found from there
     run = at
     while run.size:
         beside = np.unique(np.clip(np.concatenate((run - 1, run + 1)), 0, y.size - 1))
@@ -171,7 +173,7 @@ def _scales(y: FloatArray, part: int) -> FloatArray:
     """Standard deviation of the residuals in each part, from some of them."""
     scales = []
     for start in range(0, y.size, part):
-        # the last part may be a few readings long: it is filled up from the one before
+        # the last part may have only a few samples: it is extended into the one before
         first = max(0, min(start, y.size - SHORTEST_PART))
         length = min(part, y.size - first)
         at = first + np.linspace(0, length - 1, min(length, SAMPLE)).astype(np.int64)
@@ -183,7 +185,7 @@ def _scales(y: FloatArray, part: int) -> FloatArray:
 
 
 def _residuals(y: FloatArray, at: IntArray) -> FloatArray:
-    """How far y is off the median of the 31 readings around the indices `at`; near an end, of the first or last 31."""
+    """Deviation of y from the median of the 31 samples around each index, or of the first or last 31 near an end."""
     from allanite.kernels.robust import HALF
 
     width = min(2 * HALF + 1, y.size)

@@ -1,4 +1,4 @@
-"""Is the record fit for the job? Looked at before any number is made of it."""
+"""Checks whether a record can support an analysis, before anything is computed."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.finding import Finding, Quality
 from allanite.core.record import SHORTEST, Record
-from allanite.core.wording import percent, plural
+from allanite.core.wording import between, percent, plural
 
 from .gaps import refusal
 from .readings import clipped, outliers, quantised, stuck
@@ -15,16 +15,16 @@ from .stillness import level, lines, moving, slope
 from .view import View
 
 SHORT = 600.0
-"""Length, s, below which slow terms are hardly ever identified."""
+"""Length, s, below which slow terms are rarely identified."""
 
 
 def inspect(record: Record) -> Quality:
-    """Look at a record before numbers are made of it.
+    """Check a record before it is analyzed.
 
     Returns
     -------
     Quality
-        What was found, what forbids the job first; a record that is refused is not looked at further.
+        The findings, fatal ones first; a refused record is not checked further.
     """
     for check in FIRST:
         fatal = check(record)
@@ -39,16 +39,16 @@ def inspect(record: Record) -> Quality:
 
 
 def _out_of_range(record: Record) -> Finding | None:
-    # one pass without a mask of the record's size: the sum of finite readings is finite
+    # one pass without a mask of the record's size: the sum of finite samples is finite
     with np.errstate(invalid="ignore", over="ignore"):
         if np.isfinite(record.values.sum(dtype=np.float64)):
             return None
     bad = ~np.isfinite(record.values)
     if bad.all():
-        what = f"{bad.sum()} of {bad.size} readings are not finite"
+        what = f"{bad.sum()} of {bad.size} samples are not finite"
         return Finding("not finite", what, remedy="check the column and the reader's options", fatal=True)
     if not bad.any():
-        what = "the readings are too large to be added"
+        what = "the samples are too large to be summed"
         return Finding("range", what, remedy="check the unit and type", fatal=True)
     return None
 
@@ -83,10 +83,11 @@ def _gaps(view: View) -> Finding | None:
     start, end, first, last = (view.record.cut + at / view.rate for at in (start, end, first, last + 1))
     return Finding(
         "gaps",
-        f"{lost} of {size} readings are lost ({percent(lost / size)}), in {plural(holes.size, 'gap')}, the first from "
-        f"{start:.6g} s",
-        "nothing is filled in: the fit joins what is left and accounts for it, a curve counts whole windows only",
-        f"the longest stretch without a gap: --from {first:.6g} --until {last:.6g}",
+        f"{lost} of {size} samples are missing ({percent(lost / size)}), in {plural(holes.size, 'gap')}, the first "
+        f"from {start:.6g} s",
+        "gaps are not filled: the fit joins the remaining samples and accounts for the joints, curves use complete "
+        "windows only",
+        f"the longest stretch without a gap: {between(first, last)}",
         (start, end),
     )
 
@@ -96,8 +97,8 @@ def _short(view: View) -> Finding | None:
         return None
     return Finding(
         "short",
-        f"{view.record.duration:.4g} s are short",
-        "bias instability, rate random walk and ramp are seldom identified in less than ten minutes",
+        f"the record is only {view.record.duration:.4g} s long",
+        "bias instability, rate random walk and ramp are rarely identified in less than ten minutes",
         "record for longer",
     )
 

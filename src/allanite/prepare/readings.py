@@ -1,22 +1,22 @@
-"""Checks of single readings: stuck, clipped, coarse, spiky."""
+"""Checks of single samples: stuck, clipped, coarse, outlying."""
 
 import math
 
 import numpy as np
 
 from allanite.core.finding import Finding
-from allanite.core.wording import percent, plural
+from allanite.core.wording import percent, plural, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding
 from .view import View, stretches
 
 RARE = 1e-4
-"""Probability with which a check may be wrong about a clean record."""
+"""Probability that a check fails for a clean record."""
 
 
 def stuck(view: View) -> Finding | None:
-    """Runs of one value that are longer than chance makes them, given how often neighbours are equal at all."""
+    """Runs of one value that are significantly long, given how often neighbours are equal."""
     same = view.steps[1:] == view.steps[:-1]
     share = float(same.mean())
     if share == 0:
@@ -24,7 +24,7 @@ def stuck(view: View) -> Finding | None:
     runs = stretches(same)
     length = np.diff(runs, axis=1)[:, 0]
     without = max((same.sum() - length.max()) / same.size, 1 / same.size)
-    # coarse readings of a smooth signal are equal in runs: three times what independent ones would make
+    # coarse samples of a smooth signal repeat in runs: allow three times the length of independent ones
     longest = max(10.0, 3 * math.log(RARE / same.size) / math.log(min(without, 0.999)))
     bad = runs[length > longest]
     if not bad.size:
@@ -33,16 +33,16 @@ def stuck(view: View) -> Finding | None:
     lost = int((bad[:, 1] - bad[:, 0]).sum())
     return Finding(
         "stuck",
-        f"the readings stand still in {plural(len(bad), 'place')}, first from {view.seconds(first):.6g} s to "
-        f"{view.seconds(last):.6g} s; {lost} readings in all",
-        "a sensor or logger that repeats itself looks quieter than it is",
-        "choose a window without it (--from, --until)",
+        f"the output is stuck in {plural(len(bad), 'place')}, the first from {view.seconds(first):.6g} s to "
+        f"{view.seconds(last):.6g} s; {lost} samples in all",
+        "repeated values of a sensor or logger make the noise look smaller",
+        f"choose a window without it ({windowing()})",
         (view.seconds(first), view.seconds(last)),
     )
 
 
 def clipped(view: View) -> Finding | None:
-    """The largest or smallest reading occurs more often than the next one inwards."""
+    """The largest or smallest value occurs more often than the next one."""
     y = view.steps
     for edge, side in ((y.max(), "upper"), (y.min(), "lower")):
         at = y == edge
@@ -55,53 +55,53 @@ def clipped(view: View) -> Finding | None:
             first, last = int(at.argmax()), at.size - 1 - int(at[::-1].argmax())
             return Finding(
                 "clipped",
-                f"{count} readings lie exactly at the {side} end, {float(edge):.6g}, "
-                f"the first at {view.seconds(first):.6g} s, the last at {view.seconds(last):.6g} s",
-                "the noise beyond the sensor's range is missing, and coefficients come out too small",
-                "use a wider range, or a window without it (--from, --until)",
+                f"{count} samples are equal to the {side} value, {float(edge):.6g}, the first at "
+                f"{view.seconds(first):.6g} s, the last at {view.seconds(last):.6g} s",
+                "the noise beyond the range of the sensor is missing, and the coefficients are too small",
+                f"use a larger range, or a window without it ({windowing()})",
                 (view.seconds(first), view.seconds(last + 1)),
             )
     return None
 
 
 def quantised(view: View) -> Finding | None:
-    """A step that is coarse against the noise; without enough noise to dither it, a warning of its own."""
+    """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
     found = rounding(view.steps, view.fast)
     if not found.coarse:
         return None
     size = found.step * (view.record.scale or 1.0)
-    what = f"{found.counted}quantised to {size:.4g} {view.record.unit}, fast noise {found.noise:.2g} step"
+    what = f"{found.counted}quantized to {size:.4g} {view.record.unit}, fast noise {found.noise:.2g} step"
     if found.undithered:
         return Finding(
             "no dither",
             what,
-            "the rounding error is no noise here: it depends on the signal, and N and Q are not meaningful",
+            "the rounding error depends on the signal and is not a noise; N and Q are not meaningful",
             "use a finer output of the sensor, or add dither before rounding",
         )
     return Finding(
         "quantised",
         what,
-        "rounding a rate adds white noise of step/sqrt(12) to N, rounding an angle is Q",
+        "rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q",
         "use a finer output of the sensor if N matters",
     )
 
 
 def _why(view: View, found: Outliers) -> str:
-    """Why readings beyond the limit are no outliers."""
+    """Why samples beyond the limit are not outliers."""
     if found.heavy > MOST * view.steps.size:
-        return f"more than {percent(MOST)} of all: another noise, not single outliers"
-    return f"and more than Gaussian noise has beyond {TAIL * found.limit:.2g}: heavy tails, not single outliers"
+        return f"more than {percent(MOST)} of all: another noise rather than single outliers"
+    return f"and more than Gaussian noise has beyond {TAIL * found.limit:.2g}: heavy tails rather than single outliers"
 
 
 def outliers(view: View) -> Finding | None:
-    """Readings far off the median of those around them, or the heavy tails that they belong to."""
+    """Samples far from the median of their neighbours, or the heavy tails that they belong to."""
     found = view.outliers
     if found.heavy:
         return Finding(
             "heavy tails",
-            f"{plural(found.heavy, 'reading')} beyond {found.limit:.2g} standard deviations, {_why(view, found)}",
-            "the noise is not Gaussian, or its level changes fast: intervals are too narrow",
-            "look at the readings; nothing is left out",
+            f"{plural(found.heavy, 'sample')} beyond {found.limit:.2g} standard deviations, {_why(view, found)}",
+            "the noise is not Gaussian, or its level changes quickly: the intervals are too narrow",
+            "inspect the samples; none are excluded",
         )
     if not found.at.size:
         return None
@@ -109,7 +109,8 @@ def outliers(view: View) -> Finding | None:
     return Finding(
         "outliers",
         found.words(view.record),
-        "each adds to curves and spectra at every short averaging time",
-        "leave them out there, too (--outliers mark), or choose a window without them (--from, --until)",
+        "each of them adds to curves and spectra at all short averaging times",
+        f"exclude them there, too ({spelled('--outliers mark', 'prepare.mark_outliers')}), or choose a window without "
+        f"them ({windowing()})",
         (cut + float(found.at[0]) / view.rate, cut + float(found.at[-1] + 1) / view.rate),
     )

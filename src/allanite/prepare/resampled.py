@@ -1,4 +1,4 @@
-"""Check of the sampling: readings repeated at a steady pace, or fast noise that swells and fades at one."""
+"""Check for resampling: samples repeated periodically, or fast noise whose power is modulated periodically."""
 
 import math
 
@@ -11,20 +11,24 @@ from allanite.core.wording import percent
 from .view import View
 
 LONGEST = 1 << 18
-"""Readings that are looked at, in the middle of the record."""
+"""Number of samples checked, in the middle of the record."""
 
 DEPTH = 0.08
-"""Relative swelling of the fast noise's power from which a record is called resampled; interpolation makes 0.3."""
+"""Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives
+0.3.
+"""
 
-CONSEQUENCE = "neighbours are not independent, and what is read at the shortest averaging times is the resampling"
-REMEDY = "analyse what the sensor put out, at its own rate"
+CONSEQUENCE = (
+    "successive samples are not independent, and the results at the shortest averaging times reflect the resampling"
+)
+REMEDY = "analyze the original output of the sensor, at its own rate"
 
 
 def resampled(view: View) -> Finding | None:
-    """A sensor read, or interpolated, at another rate than its own.
+    """A sensor whose output was held or interpolated at another rate.
 
-    Hold: every so many readings one repeats its neighbour. Linear interpolation: the power of the fast noise depends on
-    where between two readings of the sensor the new one lies, so that it swells and fades at the difference of rates.
+    Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position
+    of the new sample between two original ones and is modulated at the difference of the rates.
     """
     return _held(view) or _interpolated(view)
 
@@ -35,11 +39,14 @@ def _held(view: View) -> Finding | None:
         return None
     between = np.diff(same)
     usual = float(between.mean())
-    # by chance distances spread as widely as their mean; by the beat of two clocks they are a number or its neighbour
+    # random distances spread as widely as their mean; the beat of two clocks gives two successive numbers
     if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
         return None
     rate = view.rate * (1 - same.size / view.steps.size)
-    what = f"every {usual:.4g}th reading repeats the one before: a sensor of {rate:.5g} Hz read at {view.rate:.6g} Hz"
+    what = (
+        f"every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at "
+        f"{view.rate:.6g} Hz"
+    )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 
@@ -52,23 +59,23 @@ def _interpolated(view: View) -> Finding | None:
     power = np.square(bends)
     mean = float(power.mean())
     spectrum = _lines(power - mean)
-    first = 32  # what is slower is a level that changes
+    first = 32  # anything slower is a changing noise level
     at = first + int(spectrum[first:].argmax())
     around = np.median(spectrum[max(first, at - 200) : at + 200])
-    # the window spreads a line over bins; a sinusoid of amplitude A stands with A^2 size / 6 in the highest
+    # the window spreads a line over bins; a sinusoid of amplitude A has at most A^2 size / 6 in one bin
     depth = math.sqrt(6 * float(spectrum[at]) / power.size) / mean
     if spectrum[at] < 30 * around or depth < max(DEPTH, 3 * _narrow(bends)):
         return None
     beat = at * view.rate / power.size
     what = (
-        f"the fast noise swells and fades {beat:.5g} times a second, by {percent(depth)}: the readings were "
+        f"the power of the fast noise is modulated at {beat:.5g} Hz by {percent(depth)}: the samples were "
         f"interpolated, from {view.rate - beat:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz"
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
 
 def _lines(values: FloatArray) -> FloatArray:
-    """Periodogram under a Hann window, white noise of variance 1 being 1."""
+    """Periodogram with a Hann window, normalized to 1 for white noise of variance 1."""
     from scipy.fft import rfft
 
     window = np.hanning(values.size)
@@ -76,7 +83,7 @@ def _lines(values: FloatArray) -> FloatArray:
 
 
 def _narrow(values: FloatArray) -> float:
-    """Share of the power in narrow lines: two sinusoids beat, too, by as much as they hold of the power."""
+    """Share of the power in narrow lines: two sinusoids beat as well, in proportion to their power."""
     spectrum = _lines(values)
     size = max(spectrum.size // 64, 16)
     blocks = spectrum[: spectrum.size // size * size].reshape(-1, size)

@@ -1,4 +1,4 @@
-"""Rounding of readings: the step, and whether there is enough noise to make rounding errors noise."""
+"""Rounding of samples: the step, and whether the noise is sufficient to make rounding errors a noise."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,25 +9,26 @@ from numpy.typing import NDArray
 from allanite.core.arrays import FloatArray
 
 COARSE = 0.5
-"""Quantization step over the fast noise's standard deviation from which the step shows in the numbers."""
+"""Quantization step over the standard deviation of the fast noise above which the step affects the results."""
 
 NO_DITHER = 0.3
-"""Fast noise over the step below which rounding errors are no white noise any more. After rounding it shows as one or
-two codes: noise of 0.3 step already takes three within a few hundred readings."""
+"""Fast noise over the step below which rounding errors are not white noise. After rounding it appears as one or two
+codes: noise of 0.3 steps already gives three within a few hundred samples.
+"""
 
 NEARBY = 256
-"""Readings among which codes are counted."""
+"""Number of successive samples in which codes are counted."""
 
 FEW_CODES = 16
-"""Distinct readings up to which they are counted out."""
+"""Number of distinct values up to which they are counted."""
 
 
 @dataclass(frozen=True)
 class Rounding:
-    """How a series is rounded: `codes` distinct values, in a sample of a long one, whose distance is `step`.
+    """How a series is rounded: `codes` distinct values (in a sample of a long series), which are multiples of `step`.
 
-    The step is 0 if they lie on no grid. `nearby` is how many stand among 256 neighbours, usually; `noise` the standard
-    deviation of the fast noise, in steps, infinite if there is no step.
+    The step is 0 if there is no grid. `nearby` is the typical number of values among
+    256 neighbours; `noise` the standard deviation of the fast noise, in steps, infinite if there is no step.
     """
 
     codes: int
@@ -37,41 +38,31 @@ class Rounding:
 
     @property
     def coarse(self) -> bool:
-        """Whether the step shows in the numbers."""
+        """Whether the step affects the results."""
         return self.step > 0 and (self.noise < 1 / COARSE or self.codes <= FEW_CODES)
 
     @property
     def undithered(self) -> bool:
-        """Whether rounding errors are no white noise, because too little noise goes before the rounding."""
+        """Whether rounding errors are not white noise, because there is too little noise before the rounding."""
         return self.coarse and (self.noise < NO_DITHER or self.nearby <= 2)
 
     @property
     def sparse(self) -> bool:
-        """Whether that holds of steps of a rounded angle.
+        """The same for steps of a rounded angle.
 
-        White noise of sigma steps before the rounding leaves errors that correlate by exp(-2 pi^2 sigma^2) from one
-        reading to the next; above 0.2 steps, 0.45, more than three codes stand among 256.
+        White noise of sigma steps before the rounding leaves errors with a lag-one correlation of
+        exp(-2 pi^2 sigma^2); above 0.2 steps (0.45) there are more than three codes among 256 samples.
         """
         return self.undithered or (self.coarse and self.nearby <= 3)
 
     @property
     def counted(self) -> str:
-        """``3 distinct values, `` where they are few."""
+        """``3 distinct values, `` if there are few."""
         return f"{self.codes} distinct values, " if self.codes <= FEW_CODES else ""
 
 
 def rounding(y: NDArray[Any], fast: float) -> Rounding:
-    """How a series is rounded whose fast noise has the standard deviation `fast`.
-
-    Examples
-    --------
-    >>> found = rounding(np.rint(np.random.default_rng(1).standard_normal(1000) * 0.1 + 2.0), 0.1)
-    >>> found.step, found.undithered
-    (0.0, False)
-    >>> found = rounding(np.rint(np.arange(1000) % 7 / 7.0), 0.1)
-    >>> found.codes, found.step, found.undithered
-    (2, 1.0, True)
-    """
+    """The rounding of a series whose fast noise has the standard deviation `fast`."""
     codes, step = grid(y)
     if not step:
         return Rounding(codes, 0.0, 0.0, float("inf"))
@@ -81,14 +72,14 @@ def rounding(y: NDArray[Any], fast: float) -> Rounding:
 
 
 def grid(y: NDArray[Any]) -> tuple[int, float]:
-    """Number of distinct readings in a sample, and their step; step 0 if they lie on no grid."""
+    """Number of distinct values in a sample, and their step; 0 if there is no grid."""
     starts = np.linspace(0, max(y.size - 20_000, 0), 10).astype(int)
     part = y if y.size <= 200_000 else np.concatenate([y[start : start + 20_000] for start in starts])
     codes = np.unique(part)
     if codes.size > 0.2 * part.size or codes.size < 2:
         return codes.size, 0.0
     gaps = np.diff(codes.astype(np.float64))
-    # readings printed with rounding differ by multiples of the step to within a part of it
+    # values printed with rounding differ by multiples of the step to within a part of it
     step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
     multiples = gaps / step
     even = np.abs(multiples - np.rint(multiples)) < 0.1
@@ -96,9 +87,9 @@ def grid(y: NDArray[Any]) -> tuple[int, float]:
 
 
 def fast_noise(bends: FloatArray) -> float:
-    """Standard deviation of the fast noise from second differences, robust; of white noise its standard deviation."""
+    """Standard deviation of the fast noise from second differences, robust; exact for white noise."""
     sample = np.abs(bends[:: max(1, bends.size // 100_000)])
     scale = float(np.median(sample)) / 0.6745 or float(sample.std())
-    # of coarse readings the median is coarse too: the spread of what is no outlier is not
+    # for coarse samples the median is coarse, too; the spread without outliers is not
     kept = sample[sample < 6 * scale]
     return float(np.sqrt(np.square(kept).mean() / 6)) if kept.size else scale / float(np.sqrt(6))

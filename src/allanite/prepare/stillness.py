@@ -1,4 +1,4 @@
-"""Checks of the whole record: motion, a noise level that changes, lines, and curves that no five terms can make."""
+"""Checks of the whole record: motion, a changing noise level, lines, and curves that no five-term model has."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.core.record import SHORTEST, Record, Recording
-from allanite.core.wording import percent
+from allanite.core.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
@@ -17,29 +17,29 @@ from .view import View, stretches
 from .window import trim
 
 MOVING = 20.0
-"""Rms about the record's median, over that of its quietest tenth, from which a block is called moving."""
+"""RMS about the record's median, relative to that of the quietest tenth, above which a block is called moving."""
 
 TOO_BUSY = 0.02
-"""Share of moving blocks above which the record cannot support the job."""
+"""Share of moving blocks above which the record cannot support an analysis."""
 
-AT_REST = "noise can only be told from a sensor at rest"
+AT_REST = "noise can be determined only from a static recording"
 
 PARTS = 8
-"""Parts of a record whose noise levels are compared."""
+"""Number of parts of a record whose noise levels are compared."""
 
 UNEQUAL = 1.3
-"""Ratio of power from which parts are called different, beyond what chance does."""
+"""Ratio of powers, beyond chance, above which parts are called different."""
 
 
 def moving(view: View) -> Finding | None:
-    """Blocks of a second whose rms about the record's median is more than 20 times that of the quietest tenth."""
+    """Blocks of a second whose RMS about the record's median is more than 20 times that of the quietest tenth."""
     loud = busy(view)
     if not in_motion(loud):
         return None
     first = int(loud.argmax()) * view.span
     return Finding(
         "moving",
-        f"moves from {view.seconds(first):.4g} s (rms over {MOVING:g} times that of the quietest tenth in "
+        f"moves from {view.seconds(first):.4g} s (RMS over {MOVING:g} times that of the quietest tenth in "
         f"{percent(float(loud.mean()))} of the blocks)",
         AT_REST,
         still_words([view.record]),
@@ -55,24 +55,24 @@ def busy(view: View) -> BoolArray:
 
 
 def in_motion(loud: BoolArray) -> bool:
-    """Whether so many blocks are busy that the record moves."""
+    """Whether enough blocks are moving to call the record moving."""
     return bool(loud.sum() >= max(2, 0.002 * loud.size))
 
 
 def still_words(records: Sequence[Record]) -> str:
-    """The options that cut out the longest still stretch of these records."""
+    """The choice that selects the longest static stretch of these records."""
     found = still_stretch(records)
     if found is None:
-        return "no stretch of it is still: record again with the sensor at rest"
+        return "no stretch of it is static: record again with the sensor at rest"
     start, end = found
-    return "the longest still stretch: " + (f"--from {start:g} " if start > 0 else "") + f"--until {end:g}"
+    return f"the longest static stretch: {between(start, end)}"
 
 
 def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
-    """A stretch in which none of these records, which share a clock, moves by the test of `moving`.
+    """A stretch in which none of these records, which have common sample times, moves according to `moving`.
 
-    The longest run without a busy block is looked at by itself, where the quietest tenth is another, until the test
-    finds nothing. In whole seconds of the recording; None where too little is left.
+    The test is repeated on the longest run without a moving block, which has another quietest tenth, until it finds no
+    motion. In whole seconds of the recording; None if too little remains.
     """
     first = records[0]
     start, end = 0, first.size
@@ -95,30 +95,30 @@ def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
 
 
 def _seconds(record: Record, index: int) -> float:
-    """Time of a reading in the recording; the whole second where it is the reading nearest to one."""
+    """Time of a sample in the recording, rounded to a whole second if the sample is the nearest to one."""
     at = record.cut + index / record.rate
     return float(round(at)) if abs(at - round(at)) <= 0.5 / record.rate else at
 
 
 def _places(view: View, loud: BoolArray) -> NDArray[np.intp]:
-    """Readings of the record that lie in busy blocks."""
+    """Samples of the record in moving blocks."""
     inside = np.flatnonzero(np.repeat(loud, view.span))
     return inside if view.left is None else view.left[inside]
 
 
 def _block_rms(view: View) -> FloatArray:
-    """Rms of each block about the record's median."""
+    """RMS of each block about the record's median."""
     centre = float(np.median(view.blocks.mean(axis=1)))
     return np.asarray(np.sqrt(np.square(view.blocks - centre, dtype=np.float64).mean(axis=1)))
 
 
 def level(view: View) -> Finding | None:
-    """Fast noise that is not the same in all of eight parts of the record."""
+    """Fast noise whose level differs between eight parts of the record."""
     bends = view.bends.copy() if view.outliers.at.size else view.bends
     bends[_beside_outliers(view)] = np.nan
     size = bends.size // PARTS
     power = np.array([np.nanmean(np.square(bends[i * size : (i + 1) * size])) for i in range(PARTS)])
-    # second differences of white noise: 35/18 readings make one degree of freedom; outliers and vibration make it less
+    # second differences of white noise have one degree of freedom per 35/18 samples; outliers and vibration reduce it
     error = math.sqrt(2 * 35 / 18 / size)
     ratio = power / np.median(power)
     loud = ratio > UNEQUAL * (1 + 6 * error)
@@ -129,16 +129,16 @@ def level(view: View) -> Finding | None:
     lowest, highest = math.sqrt(ratio.min()), math.sqrt(ratio.max())
     return Finding(
         "level",
-        f"the noise level changes: {highest / lowest:.3g} times between parts, it differs from "
+        f"the noise level changes by a factor of {highest / lowest:.3g} between parts; it differs from "
         f"{view.seconds(odd[0]):.4g} s to {view.seconds(odd[1]):.4g} s",
         "one set of coefficients describes neither part",
-        "analyse the parts apart (--from, --until)",
+        f"analyze the parts separately ({windowing()})",
         (view.seconds(odd[0]), view.seconds(odd[1])),
     )
 
 
 def _beside_outliers(view: View) -> NDArray[np.intp]:
-    """Second differences that hold an outlier."""
+    """Second differences that contain an outlier."""
     at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
     held = np.unique(np.subtract.outer(at, np.arange(3)))
     return np.asarray(held[(held >= 0) & (held < view.bends.size)], dtype=np.intp)
@@ -163,14 +163,14 @@ def lines(view: View) -> Finding | None:
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
         "lines",
-        f"lines at {named} Hz hold {percent(share)} of the power",
-        "vibration or sway makes humps on the curve that no noise term describes",
+        f"spectral lines at {named} Hz contain {percent(share)} of the power",
+        "vibration or sway makes humps in the curve that no noise term describes",
         "isolate the sensor",
     )
 
 
 def _strongest(tops: list[float], excess: FloatArray, most: int = 5) -> list[float]:
-    """Frequencies of the most powerful peaks, ascending; of those within a twentieth of each other only one."""
+    """Frequencies of the strongest peaks, ascending; only one of those within a twentieth of each other."""
     chosen: list[float] = []
     for i in np.argsort(excess)[::-1]:
         if all(abs(tops[i] / f - 1) > 0.05 for f in chosen):
@@ -195,7 +195,7 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
 
 
 def _octave_medians(power: FloatArray) -> FloatArray:
-    """Median of the octave around each bin: at half-octave centres, joined by straight lines in the logarithms."""
+    """Median of the octave around each bin, interpolated log-linearly between half-octave centres."""
     centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
     levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
     floor = np.maximum(np.array(levels), 1e-300)
@@ -203,9 +203,9 @@ def _octave_medians(power: FloatArray) -> FloatArray:
 
 
 def slope(view: View) -> Finding | None:
-    """A curve that falls more steeply after it fell less steeply: sums of power laws never do.
+    """A curve whose slope becomes steeper with averaging time, which sums of power laws never do.
 
-    Slopes over two octaves, where the record has a hundred windows and more.
+    Slopes over two octaves, at averaging times with at least a hundred windows.
     """
     record = view.record
     # between gaps only: the longest windows lie within the longest stretch
@@ -226,8 +226,9 @@ def slope(view: View) -> Finding | None:
     tau = factors[last + 1] / record.rate
     return Finding(
         "slope",
-        f"slope near {slopes[last]:.1f} at {tau:.3g} s, {before[last]:+.1f} before: no five-term model does that",
+        f"slope near {slopes[last]:.1f} at {tau:.3g} s, {before[last]:+.1f} before: no five-term model has such a "
+        "curve",
         "N is not meaningful here",
-        "look for motion or vibration; choose a quieter window (--quiet-window)",
+        f"look for motion or vibration; choose a quieter window ({spelled('--quiet-window', 'prepare.quiet_window')})",
         (0.0, record.duration),
     )

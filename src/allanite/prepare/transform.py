@@ -1,4 +1,4 @@
-"""From a record to a record, each with what was done in its history."""
+"""Functions from a record to a record, each with an entry in the history."""
 
 from dataclasses import replace
 
@@ -12,11 +12,11 @@ from .outliers import marked, outliers
 
 
 def mark_outliers(record: Record) -> Record:
-    """Outliers become NaN: lost readings.
+    """Replace outliers by NaN: missing samples.
 
-    Nothing is put in their place: the record then has gaps, and its history says how many and where the first is.
-    What is an outlier: `allanite.prepare.outliers.outliers`. Counts, which are integers, become increments, and so
-    does an angle that jumps; of one that is wrong at single points these are lost.
+    They are not interpolated: the record then has gaps, and its history states how many and where the first is.
+    Outliers are defined in `allanite.prepare.outliers.outliers`. Counts become increments, and so does an angle that
+    jumps; an angle that is wrong at single points loses these.
 
     Examples
     --------
@@ -24,23 +24,23 @@ def mark_outliers(record: Record) -> Record:
     >>> y[500] = 50.0
     >>> marked = mark_outliers(Record(y, rate=1.0, unit="deg/s"))
     >>> np.flatnonzero(np.isnan(marked.values)).tolist(), marked.history
-    ([500], ('1 outlier beyond 5 standard deviations, the first at 500 s, the largest 51.5: marked as lost',))
+    ([500], ('1 outlier beyond 5 standard deviations, the first at 500 s, the largest 51.5: marked as missing',))
     """
     return marked(record, outliers(record))
 
 
 def detrend(record: Record, statistic: str) -> Record:
-    """The record less its least squares ramp, for a statistic that is blind to one.
+    """The record minus its least-squares ramp, for a statistic that is insensitive to a ramp.
 
     Raises
     ------
     UsageError
-        The statistic sees a ramp (all of the Allan family do): its R^2 tau^2 / 2 is part of what is measured.
+        The statistic is sensitive to a ramp, as the whole Allan family: R^2 tau^2 / 2 is part of its value.
     """
     if statistic_named(statistic).order < 3:
         raise UsageError(
-            f"{statistic} sees a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be removed only for statistics "
-            "of third differences"
+            f"{statistic} is sensitive to a ramp, R^2 tau^2 / 2 is part of its value; a ramp may be removed only "
+            "for statistics of third differences"
         )
     y = np.asarray(record.values, dtype=np.float64)
     t = np.arange(y.size) - (y.size - 1) / 2
@@ -50,13 +50,13 @@ def detrend(record: Record, statistic: str) -> Record:
 
 
 def block_means(record: Record, m: int) -> Record:
-    """Means (for increments and counts: sums) of `m` neighbouring readings, at the rate divided by `m`.
+    """Means (for increments and counts: sums) of `m` successive samples, at the rate divided by `m`.
 
-    Exact for the Allan family: the curve at averaging factors k m is kept. Readings beyond the last whole block are
-    left out, and the history says so.
+    Exact for the Allan family: the curve at averaging factors k m is
+    unchanged. Samples beyond the last whole block are omitted, which the history states.
     """
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
-        raise UsageError(f"blocks have between 1 and {record.size // 2} readings, not {given(m)}")
+        raise UsageError(f"blocks must have between 1 and {record.size // 2} samples, not {given(m)}")
     if record.kind == "angle":
         kept = record.values[:: int(m)]
     else:
@@ -64,27 +64,27 @@ def block_means(record: Record, m: int) -> Record:
         blocks = record.values[: count * m].reshape(count, m)
         kept = blocks.mean(axis=1) if record.kind == "rate" else blocks.sum(axis=1)
     left = record.size - (len(kept) - KINDS[record.kind][1]) * m
-    what = f"blocks of {m} readings" + (f", the last {left} readings left out" if left else "")
+    what = f"blocks of {m} samples" + (f", the last {left} samples omitted" if left else "")
     return replace(record, values=kept, rate=record.rate / m, history=(*record.history, what))
 
 
 def decimate(record: Record, factor: int) -> Record:
-    """Every `factor`-th reading of a rate after a linear-phase low-pass filter at 0.4 of the new rate.
+    """Every `factor`-th sample of a rate after a linear-phase low-pass filter at 0.4 of the new rate.
 
-    Unlike block means it lets no vibration fold into the band; the filter's edges are cut off. The first averaging
-    times of the result show the filter, not the sensor.
+    Unlike block means, it prevents aliasing of vibration into the band; the transients of the filter
+    are cut off. The shortest averaging times of the result show the filter, not the sensor.
     """
     if record.kind != "rate":
-        raise UsageError(f"decimation is for rates; of {record.kind}s take block_means, which keeps every angle")
+        raise UsageError(f"decimation needs a rate; for {record.kind}s use block_means, which preserves the angle")
     if not isinstance(factor, (int, np.integer)) or factor < 2 or record.size < 64 * factor:
-        raise UsageError(f"a factor between 2 and {record.size // 64} is wanted, not {given(factor)}")
+        raise UsageError(f"the factor must be between 2 and {record.size // 64}, not {given(factor)}")
     from scipy.signal import firwin, oaconvolve
 
     taps = firwin(30 * int(factor) + 1, 0.8 / factor, window=("kaiser", 8.0))
     offset = record.constant
     filtered = oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
-    what = f"low-pass filtered at {0.4 * record.rate / factor:.6g} Hz and every {factor}th reading kept"
+    what = f"low-pass filtered at {0.4 * record.rate / factor:.6g} Hz and every {factor}th sample kept"
     return replace(
         record,
         values=np.ascontiguousarray(filtered[:: int(factor)]),

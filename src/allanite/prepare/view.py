@@ -1,4 +1,4 @@
-"""View: a record as the checks of its quality look at it; what several of them need is computed once."""
+"""View: a record as used by the checks of its quality; quantities needed several times are computed once."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,19 +16,19 @@ from .rounding import fast_noise
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What is left of a record, joined over its gaps, in its own unit."""
+    """The remaining samples of a record, joined over its gaps, in its own unit."""
 
     record: Record
 
     @cached_property
     def steps(self) -> NDArray[Any]:
-        """What the sensor said in each interval: readings, or steps of an angle; lost ones are left out."""
+        """The output of the sensor in each interval: samples, or steps of an angle, without missing ones."""
         steps = self.record.steps
         return steps if self.left is None else steps[self.left]
 
     @cached_property
     def left(self) -> NDArray[np.intp] | None:
-        """Which intervals of the record are left; None if all are."""
+        """Indices of the remaining intervals of the record; None if all remain."""
         steps = self.record.steps
         if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
             return None
@@ -36,12 +36,12 @@ class View:
 
     @cached_property
     def joints(self) -> NDArray[np.intp]:
-        """Index of the first step behind each gap."""
+        """Index of the first step after each gap."""
         return np.empty(0, np.intp) if self.left is None else np.flatnonzero(np.diff(self.left) > 1) + 1
 
     @cached_property
     def outliers(self) -> Outliers:
-        """Steps far off those around them."""
+        """Steps far from their neighbours."""
         return outliers(self.record)
 
     @property
@@ -51,18 +51,18 @@ class View:
 
     @cached_property
     def span(self) -> int:
-        """Readings in a block: one second, at least 32, and at least 16 blocks in a record."""
+        """Number of samples per block: one second, at least 32, and at least 16 blocks in a record."""
         return max(1, min(max(32, round(self.rate)), self.steps.size // 16))
 
     @cached_property
     def blocks(self) -> NDArray[Any]:
-        """Readings in blocks, shape (blocks, span)."""
+        """Samples in blocks, shape (blocks, span)."""
         count = self.steps.size // self.span
         return np.asarray(self.steps[: count * self.span].reshape(count, self.span))
 
     @cached_property
     def bends(self) -> FloatArray:
-        """Second differences of neighbouring readings: fast noise, whatever the bias and its drift; 0 over a gap."""
+        """Second differences of successive samples: fast noise, independent of the bias and its drift; 0 over a gap."""
         y = self.steps
         bends: FloatArray = np.subtract(y[2:], y[:-2], dtype=np.float64)
         bends -= 2.0 * (y[1:-1] - y[:-2])
@@ -71,19 +71,19 @@ class View:
 
     @property
     def _over(self) -> NDArray[np.intp]:
-        """Bends that reach over a gap."""
+        """Second differences that extend over a gap."""
         both = np.concatenate((self.joints - 2, self.joints - 1))
         return both[(both >= 0) & (both < self.steps.size - 2)]
 
     @cached_property
     def fast(self) -> float:
-        """Standard deviation of the fast noise, robust; of white noise its standard deviation."""
+        """Standard deviation of the fast noise, robust; exact for white noise."""
         whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
-        # where no three readings are together, over the gaps
+        # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
 
     def seconds(self, index: float) -> float:
-        """Time of what is left, s after the first sample of the recording."""
+        """Time of a remaining sample, s after the first sample of the recording."""
         if self.left is None:
             return self.record.cut + index / self.rate
         whole = min(int(index), self.left.size - 1)
@@ -91,6 +91,6 @@ class View:
 
 
 def stretches(mask: BoolArray) -> NDArray[np.intp]:
-    """First index and index behind the last of every run of True, shape (runs, 2)."""
+    """First index and index after the last of every run of True, shape (runs, 2)."""
     padded = np.concatenate(([False], mask, [False]))
     return np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Cutting a record to the part that is fit for the job."""
+"""Selecting a part of a record."""
 
 import math
 from dataclasses import replace
@@ -41,7 +41,7 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
     first, last = round(start * record.rate), round(end * record.rate)
     if last - first < 2:
         raise DataError(
-            f"the window from {start:.10g} s to {end:.10g} s holds {last - first} readings of {record.name!r}"
+            f"the window from {start:.10g} s to {end:.10g} s contains {last - first} samples of {record.name!r}"
         )
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
@@ -51,10 +51,10 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
 
 
 def quiet_window(recording: Recording, length: float) -> Recording:
-    """The stillest stretch of `length` seconds: where the loudest channel's fast noise and motion are least.
+    """The most stationary window of `length` seconds, with the least fast noise and motion in the worst channel.
 
-    Each channel's power about its mean, in blocks of a second, is compared with that of its own quietest stretch; the
-    window chosen is the one whose worst channel is best.
+    The power of each channel about its mean, in blocks of a second, is compared
+    with that of its own quietest stretch; the window with the best worst channel is chosen.
 
     Raises
     ------
@@ -78,6 +78,6 @@ def quiet_window(recording: Recording, length: float) -> Recording:
 
 
 def _wander(means: FloatArray) -> FloatArray:
-    """Squared step to the neighbouring block's mean."""
+    """Squared step to the mean of the adjacent block."""
     steps = np.abs(np.diff(np.nan_to_num(means), prepend=np.nan_to_num(means[:1])))
     return np.asarray(steps**2)

@@ -1,4 +1,4 @@
-"""The earth as reference: its rate at a latitude, and north from what a gyro measures of it."""
+"""The earth as a reference: its rate at a latitude, and north from the rate that a gyro measures."""
 
 import math
 from dataclasses import dataclass
@@ -29,11 +29,11 @@ def earth_rate(latitude: float, axis: str = "vertical") -> float:
     12.439
     """
     if not -90 <= latitude <= 90:
-        raise UsageError(f"a latitude lies between -90 and 90 degrees, not {latitude!r}")
+        raise UsageError(f"a latitude must be between -90 and 90 degrees, not {latitude!r}")
     angle = math.radians(latitude)
     parts = {"vertical": math.sin(angle), "north": math.cos(angle)}
     if axis not in parts:
-        raise UsageError(f"the earth turns about 'vertical' and 'north', not {axis!r}")
+        raise UsageError(f"the axis must be 'vertical' or 'north', not {axis!r}")
     return EARTH * parts[axis]
 
 
@@ -44,16 +44,16 @@ class North(Value):
     Attributes
     ----------
     heading : float
-        The one of the two possible headings that is nearer to what was known.
+        The one of the two possible headings that is nearer to the approximate heading.
     other : float
-        The other one: a cosine does not tell them apart.
+        The other one, which has the same cosine.
     standard_error : float
-        Degrees, linear; infinite where the axis points to where the rate does not change with the heading.
+        Degrees, linearized; infinite where the rate does not change with the heading.
     low, high : float
-        Interval of the heading at `level`, degrees: of the arc cosine, with its bend.
+        Interval of the heading at `level`, degrees, including the nonlinearity of the arc cosine.
     level : float
     positions : int
-        Measurements it was made of.
+        Number of positions measured.
     """
 
     heading: float
@@ -71,7 +71,7 @@ class North(Value):
         )
         return (
             f"heading {self.heading:.4f} deg ({self.low:.4f} .. {self.high:.4f}), standard error {error}; "
-            f"{plural(self.positions, 'position')}; {self.other:.4f} deg would measure the same"
+            f"{plural(self.positions, 'position')}; {self.other:.4f} deg would give the same rate"
         )
 
 
@@ -93,22 +93,22 @@ def north(
         rate - second = 2 H sin(d / 2) sin(psi + d / 2)
 
     Half a turn (d = 180) is the most sensitive. The standard error is that of the rate over H |sin psi|: an axis that
-    points east or west tells the heading best, one that points north hardly at all.
+    points east or west determines the heading best, one that points north hardly at all.
 
     Parameters
     ----------
     rate : RateEstimate
-        Of the first position, its known bias subtracted if there is no second.
+        Rate in the first position; without a second position, with the known bias subtracted.
     latitude : float
         Degrees.
     second : RateEstimate, optional
-        Of the second position.
+        Rate in the second position.
     turned : float
         Angle from the first position to the second, degrees clockwise.
     near : float
-        What is known of the heading, degrees; the nearer of two solutions is chosen.
+        Approximate heading, degrees; the nearer of two solutions is chosen.
     level : float
-        Of the interval.
+        Confidence level of the interval.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def north(
     half = math.radians(turned) / 2 if second is not None else math.pi / 2
     scale = 2 * H * math.sin(half) if second is not None else H
     if abs(scale) < 1e-3 * EARTH:
-        why = "at a pole there is no north" if H < 1e-3 * EARTH else f"turned by {turned:g} deg is not turned at all"
+        why = "at a pole there is no north" if H < 1e-3 * EARTH else f"a rotation by {turned:g} deg is no rotation"
         raise UsageError(f"the heading cannot be found: {why}")
     value = rate.value - (second.value if second is not None else 0.0)
     error = math.hypot(rate.standard_error, second.standard_error if second is not None else 0.0)

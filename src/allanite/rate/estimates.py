@@ -1,4 +1,4 @@
-"""RateEstimate: a constant rate, how sure it is, and what was supposed."""
+"""RateEstimate: a constant rate, its uncertainty and the assumptions."""
 
 import math
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ def rate_factor(unit: str, signal: Signal) -> float:
     found = unit_of(unit)
     if found.dimension != signal.dimension:
         raise UnitError(
-            f"{unit!r} is no unit of the {signal.name}'s signal; usual ones are {signal.sheet[0]}, {signal.unit}"
+            f"{unit!r} is not a unit of the {signal.name}'s signal; usual units: {signal.sheet[0]}, {signal.unit}"
         )
     return found.factor
 
@@ -30,24 +30,24 @@ class RateEstimate(Value):
     ----------
     value : float
     standard_error : float
-        Under the noise model; NaN where none was given, or where none can be predicted.
+        Standard error under the noise model; NaN if there is no model, or it cannot be predicted.
     method, assumes : str
-        Name in `RATE_ESTIMATORS`; when that method is the best there is.
+        Name in `RATE_ESTIMATORS`; the noise for which that method is optimal.
     signal : Signal
     target : str
-        What was estimated, if the rate wanders: "mean" over the interval, "centre", "start", or a "constant".
+        What was estimated of a drifting rate: "mean" over the interval, "centre", "start", or a "constant".
     duration : float
         Measuring time, s.
     limits : (low, high) or None
-        Limits that hold with certainty: of counts without noise.
+        Limits that hold with certainty, for counts without noise.
     details : dict
-        What the method says of its work: share of lines kept, misfit, phase.
+        Details of the method: share of lines kept, misfit, phase.
     findings : tuple of Finding
-        What must be known beside the number.
+        Findings to report with the rate.
     name : str
         Channel.
     history : tuple of str
-        What was done with the number: bias subtracted, reversal.
+        Processing of the rate: bias subtracted, reversal.
     """
 
     value: float

@@ -39,7 +39,7 @@ class Scatter(NamedTuple):
 
 
 class Ratio(NamedTuple):
-    """Standard deviation of one method over that of another, with limits that know that both saw the same data."""
+    """Standard deviation of one method over that of another, with limits that allow for their using the same data."""
 
     first: str
     second: str
@@ -64,17 +64,17 @@ class Experiment(Value):
         Length of an interval, s; sampling rate, Hz.
     rates : array, shape (methods, k)
     reference : float
-        The rate that the errors are counted from: known, or the mean of the intervals by the last method.
+        The reference of the errors: the known rate, or the mean of the intervals by the last method.
     known : bool
         Whether the reference was given.
     predicted : array, shape (methods,)
         Standard errors under the model; NaN without one.
     ranking : Ranking or None
-        What the model says of the methods.
+        Ranking of the methods under the model.
     left_out : dict
         Method -> why it could not be used.
     notes, findings
-        What was left out of the record; what must be known beside the numbers.
+        What was omitted from the record; findings to report with the results.
     """
 
     _keys: ClassVar[dict[str, str]] = {"methods": "names", "known": "reference_known"}
@@ -120,7 +120,7 @@ class Experiment(Value):
     def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
         """Ratios of the standard deviations of all pairs of methods.
 
-        Limits after Pitman and Morgan: sums and differences of the two standardised errors are uncorrelated where the
+        Limits after Pitman and Morgan: sums and differences of the two standardized errors are uncorrelated where the
         ratio is right, so that the correlation of the two series, which is high, narrows them.
 
         References
@@ -144,10 +144,10 @@ class Experiment(Value):
 
     @property
     def drift(self) -> str:
-        """What the rates do over the record besides scattering, in words; empty if nothing.
+        """Drift of the rates over the record, as text; empty if there is none.
 
-        By von Neumann's ratio of the mean square difference of neighbours to the variance, of the method of least
-        scatter.
+        By von Neumann's ratio of the mean square difference of neighbours to the variance, for the method with the
+        least scatter.
         """
         k = self.start.size
         if k < 8:
@@ -163,12 +163,12 @@ class Experiment(Value):
         unit = self.signal.sheet[0]
         change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
         return (
-            f"the rate drifts: neighbouring intervals are more alike than independent ones (ratio {ratio:.2f}, not "
-            f"1); the first {part} of {k} lie {-change:+.2g} {unit} from the rest"
+            f"the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
+            f"the first {part} of {k} differ by {-change:+.2g} {unit} from the rest"
         )
 
     def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:
-        """Headings and rows, a method each, in `unit`."""
+        """Headings and rows, one row per method, in `unit`."""
         unit = unit or self.signal.sheet[0]
         factor = rate_factor(unit, self.signal)
         share = f"{100 * level:g} %"

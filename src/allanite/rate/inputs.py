@@ -8,34 +8,35 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record
+from allanite.core.wording import plural, spelled, windowing
 
 from .row import Interval
 from .setting import EstimatorSettings, Setting
 
 JUMP = 20.0
-"""Median absolute deviations from the median beyond which a reading is called a pulse slip."""
+"""Median absolute deviations from the median beyond which a sample is called a pulse slip."""
 
 REPEATED = 0.999
-"""Share of equal readings from which a record of counts is called saturated."""
+"""Share of equal samples above which a record of counts is called saturated."""
 
 
 def pulse_of(record: Record, options: EstimatorSettings) -> float:
-    """Quantum of the angle in readings (of a rate: readings times the sample interval); NaN where there is none."""
+    """Quantum of the angle in samples (of a rate: samples times the sample interval); NaN where there is none."""
     if options.quantum is not None:
         if not (math.isfinite(options.quantum) and options.quantum > 0):
-            raise UsageError(f"a quantum is a positive number of {record.unit}, not {options.quantum!r}")
+            raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
         return readings * record.rate if record.kind == "rate" else readings
     return 1.0 if record.kind == "count" else math.nan
 
 
 def reading_size(record: Record) -> float:
-    """Rate of one reading, SI."""
+    """Rate of one sample, SI."""
     return record.factor if record.kind == "rate" else record.factor * record.rate
 
 
 def demand_whole(record: Record) -> None:
-    """Refuse readings that are not finite.
+    """Refuse samples that are not finite.
 
     Raises
     ------
@@ -45,13 +46,14 @@ def demand_whole(record: Record) -> None:
     bad = ~np.isfinite(record.values)
     if bad.any():
         raise DataError(
-            f"{int(bad.sum())} of {bad.size} readings of {record.name!r} are not finite, the first at sample "
-            f"{int(bad.argmax())}; measure between the gaps (gaps='split', --split-gaps), or cut a window without them"
+            f"{int(bad.sum())} of {bad.size} samples of {record.name!r} are not finite, the first is sample "
+            f"{int(bad.argmax())}; measure between the gaps ({spelled('--split-gaps', 'gaps=split')}), or select a "
+            f"window without them ({windowing()})"
         )
 
 
 def interval_of(record: Record, setting: Setting) -> Interval:
-    """The readings of each sample interval, a constant and the dither's sinusoids subtracted."""
+    """The samples of each sample interval, a constant and the dither's sinusoids subtracted."""
     values = record.values
     if record.kind == "angle":
         steps, offset = np.diff(values).astype(np.float64), 0.0
@@ -62,7 +64,7 @@ def interval_of(record: Record, setting: Setting) -> Interval:
 
 
 def without_dither(steps: FloatArray, setting: Setting) -> FloatArray:
-    """The readings less the sinusoids that fit them best, beside a constant."""
+    """The samples less the sinusoids that fit them best, beside a constant."""
     X = setting.sinusoids
     if not X.shape[1]:
         return steps
@@ -71,16 +73,16 @@ def without_dither(steps: FloatArray, setting: Setting) -> FloatArray:
 
 
 def findings_of(record: Record) -> tuple[Finding, ...]:
-    """What makes a rate of this record doubtful: a dead or saturated output, slipped pulses."""
+    """Findings that make a rate of this record doubtful: a dead or saturated output, slipped pulses."""
     values = np.diff(record.values) if record.kind == "angle" else record.values
     if not values.any():
-        what = "every reading is zero: the output is dead, or the axis does not turn"
-        return (Finding("dead", what, "the rate is zero without any evidence", "check that the sensor is connected"),)
+        what = "every sample is zero: the output is dead, or the axis does not turn"
+        return (Finding("dead", what, "a rate of zero is without evidence", "check that the sensor is connected"),)
     typical = float(np.median(values))
     away = np.abs(values - typical)
     equal = float((away == 0).mean())
     if equal >= REPEATED:
-        what = f"{100 * equal:.4g} % of the readings are {typical:g}"
+        what = f"{100 * equal:.4g} % of the samples are {typical:g}"
         return (Finding("constant", what, "a saturated or stuck output looks like this", "check the output's range"),)
     spread = float(np.median(away)) or float(away.mean())
     # coarse counts have a spread of nothing: a slip is more than a few pulses in any case
@@ -89,6 +91,6 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     if away[worst] <= limit:
         return ()
     count = int((away > limit).sum())
-    what = f"{count} reading(s) jump, the first at sample {int((away > limit).argmax())}, the largest by "
-    what += f"{away[worst]:.6g} at sample {worst}, where {spread:.3g} is usual"
-    return (Finding("slip", what, "lost or doubled pulses go into the rate whole", "cut a window without them"),)
+    what = f"{plural(count, 'sample')} with a jump, the first at sample {int((away > limit).argmax())}, the largest by "
+    what += f"{away[worst]:.6g} at sample {worst}, where {spread:.3g} is typical"
+    return (Finding("slip", what, "missing or doubled pulses enter the rate in full", "choose a window without them"),)

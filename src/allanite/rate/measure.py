@@ -28,18 +28,18 @@ def estimate(
     Parameters
     ----------
     record : Record
-        Counts with their scale, increments, an angle or a rate; every reading finite.
+        Counts with their scale, increments, an angle or a rate; every sample finite.
     method : str
         A name in `RATE_ESTIMATORS`.
     model : Model, Term or Fit, optional
-        The noise; needed by "optimal", and by all for a standard error.
+        The noise; required by "optimal", and by all methods for a standard error.
     target : {"mean", "centre", "start", "constant"}
-        What is estimated, if the model holds terms whose rate wanders (B, K, R).
+        What is estimated if the model contains drift terms (B, K, R).
     dither : tuple of float
-        Frequencies of the dither's residual, Hz, also above half the sampling rate; their sinusoids are taken out by
-        least squares.
+        Frequencies of the residual dither, Hz, also above half the sampling rate; sinusoids are removed by least
+        squares.
     options : EstimatorSettings, optional
-        Choices that concern one method each.
+        Choices for individual methods.
 
     Returns
     -------
@@ -48,9 +48,10 @@ def estimate(
     Raises
     ------
     DataError
-        A reading is not finite.
+        A sample is not finite.
     UsageError
-        An unknown method or target; a model or quantum is missing; more lines than fit into the record.
+        The method or target is unknown, a model or quantum is missing, or there are more lines than fit into the
+        record.
 
     Examples
     --------
@@ -100,7 +101,7 @@ def setting_of(
     """What the weights follow from, for a record."""
     whole = None if model is None else model_of(model)
     if whole is not None and whole.signal is not record.signal:
-        raise UnitError(f"the model is that of a {whole.signal.name}, the record that of a {record.signal.name}")
+        raise UnitError(f"the model is that of a {whole.signal.name}, but the record is that of a {record.signal.name}")
     options = options or EstimatorSettings()
     pulse = pulse_of(record, options) * reading_size(record) / record.rate
     return Setting(record.size, record.rate, whole, target, tuple(dither), options, pulse)

@@ -8,6 +8,7 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 from allanite.identification.methods import automatic
 from allanite.prepare import block_means
 from allanite.rate import rank
@@ -16,14 +17,16 @@ from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 BLOCKS = (1.0, 0.4, 0.2, 0.1)
-"""Blocks in which the noise is identified where it cannot be at the full rate, s: the first that a model explains."""
+"""Lengths of blocks for which the noise is identified if no model explains the full rate, s; the first success is
+used.
+"""
 
 HIDDEN = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
 FAST = ("quantised", "resampled", "lines", "slope")
-"""Findings about single readings: where the noise is that of blocks, its alert says so already."""
+"""Findings about single samples: where the noise is that of blocks, its alert says so already."""
 
 
 class RateNoise(NamedTuple):
@@ -41,8 +44,8 @@ class RateNoise(NamedTuple):
 def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
     """The noise that rates of `interval` seconds are measured under; as given, or identified.
 
-    Where no model explains the record, it is that of means over blocks of readings: dither and coarse counts make lines
-    that no term describes; averaged over a second, they fold onto white noise of the angle, which is what they are to a
+    Where no model explains the record, it is that of means over blocks of samples: dither and coarse counts make lines
+    that no term describes; averaged over a second, they fold onto white angle noise, which is what they are to a
     rate.
     """
     if given is not None:
@@ -58,7 +61,7 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
 
 
 def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]:
-    # what a rate is estimated under are these five; dither is no line to be taken out, but part of the estimator
+    # what a rate is estimated under are these five; dither is no line to be removed, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
     noise = noise_of(record, recipe, terms=terms, lines=False)
     if noise.explained:
@@ -70,15 +73,18 @@ def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]
         coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
         if coarse.verdict and coarse.explained:
             note = (
-                f"the noise was identified from blocks of {m} readings ({m / record.rate:.3g} s), which it explains; "
+                f"the noise was identified from blocks of {m} samples ({m / record.rate:.3g} s), which the model "
+                "explains; "
             )
             why = "; ".join((noise.statement.head, *noise.statement.points[:1]))
             return coarse, (f"{note}at the full rate: {why}",)
-    return noise, ("no predictions and no optimal method without a noise model: give the noise (--noise)",)
+    return noise, (
+        (f"no predictions and no optimal method without a noise model: give it with {spelled('--noise', 'noise=...')}"),
+    )
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to n readings."""
+    """The model, with the noise at its upper limits that was not identified but would matter to n samples."""
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
@@ -89,7 +95,7 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
     factor = unit_of(unit).factor
     return worst, (
-        f"the record is too short to show all of its noise; what was not identified is supposed at its upper limit "
-        f"({limits}): the best standard error is then {bound / factor:.2g} {unit}, without it {seen / factor:.2g}; "
-        "give the noise if you know it (--noise)",
+        "the record is too short to determine all of its noise; terms that were not identified are assumed at their "
+        f"upper limits ({limits}): the best standard error is then {bound / factor:.2g} {unit}, without them "
+        f"{seen / factor:.2g}; give the noise if you know it ({spelled('--noise', 'noise=...')})",
     )

@@ -1,4 +1,4 @@
-"""What accuracy to expect: the variance of an estimator's weights under a model; which method is the best."""
+"""Expected accuracy: the variance of an estimator's weights under a model, and the best method."""
 
 import math
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ NEAR = 0.02
 def variance(weights: FloatArray, setting: Setting) -> float:
     """Mean square error of a linear estimator, SI squared.
 
-    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the wandering one, and the
+    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and the
     square of what a ramp adds, (w - g)'R.
     """
     total = 0.0
@@ -65,7 +65,7 @@ def predicted_standard_error(
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
 ) -> float:
-    """The standard error that a method will have under a model, without any data.
+    """The standard error of a method under a model, without data.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def predicted_standard_error(
     rate : float
         Sampling rate, Hz.
     target, dither, options
-        As of `estimate`; "staircase" needs ``EstimatorSettings(quantum=...)``, here in SI (rad).
+        As for `estimate`; "staircase" needs ``EstimatorSettings(quantum=...)``, here in SI (rad).
 
     Returns
     -------
@@ -167,7 +167,7 @@ def ranking(setting: Setting) -> Ranking:
 def rank(
     model: ModelLike, *, n: int, rate: float, target: str = "mean", options: EstimatorSettings | None = None
 ) -> Ranking:
-    """Which method is the best for a gyro, and by how much; parameters as of `predicted_standard_error`.
+    """The best method for a gyro, and its advantage; parameters as for `predicted_standard_error`.
 
     Examples
     --------

@@ -16,13 +16,13 @@ class Interval:
     Attributes
     ----------
     steps : array, shape (n,)
-        Readings per sample interval, `offset` subtracted, dither sinusoids taken out.
+        Samples per sample interval, `offset` subtracted, dither sinusoids removed.
     offset : float
-        In readings.
+        In samples.
     size : float
-        Rate of one reading, SI.
+        Rate of one sample, SI.
     pulse : float
-        Quantum of the angle in readings; NaN where there is none.
+        Quantum of the angle in samples; NaN where there is none.
     """
 
     steps: FloatArray
@@ -32,7 +32,7 @@ class Interval:
 
 
 class RateMeasurement(NamedTuple):
-    """What an estimator found: in readings beyond the offset, what else there is to say, limits that are certain."""
+    """What an estimator found: in samples beyond the offset, what else there is to say, limits that are certain."""
 
     value: float
     details: Mapping[str, float]
@@ -46,7 +46,7 @@ class RateEstimator:
     Attributes
     ----------
     name, title, formula, reference
-        What it is called, in words, LaTeX, source.
+        What it is called, as text, LaTeX, source.
     assumes : str
         When it is the best there is.
     weights : setting -> array, shape (n,)

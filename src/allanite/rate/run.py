@@ -1,4 +1,4 @@
-"""The experiment: a long record in short intervals, every method on each."""
+"""The experiment: a long record in short intervals, each measured with every method."""
 
 import math
 from collections.abc import Iterator
@@ -11,6 +11,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.model import ModelLike
 from allanite.core.plain import Value
 from allanite.core.record import KINDS, Record
+from allanite.core.wording import plural, spelled
 
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
@@ -34,15 +35,15 @@ class ExperimentSettings(Value):
     methods : tuple of str
         Names in `RATE_ESTIMATORS`.
     target, dither, options
-        As of `estimate`.
+        As for `estimate`.
     reference : float or None
         The true rate, SI.
     bias : float
         A known bias, subtracted from every rate, SI.
     most : int or None
-        Intervals that are measured at most, spread over the record.
+        Maximum number of intervals to measure, spread over the record.
     gaps : {"error", "split"}
-        Whether to measure between lost readings, in intervals that hold none.
+        Whether to split the record at gaps, so that intervals contain no missing samples.
     """
 
     interval: float = 120.0
@@ -57,11 +58,11 @@ class ExperimentSettings(Value):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.interval) and self.interval > 0):
-            raise UsageError(f"an interval is a positive number of seconds, not {self.interval!r}")
+            raise UsageError(f"an interval must be a positive number of seconds, not {self.interval!r}")
         if self.gaps not in ("error", "split"):
-            raise UsageError(f"gaps are an 'error', or the record is 'split' at them, not {self.gaps!r}")
+            raise UsageError(f"gaps must be 'error' or 'split', not {self.gaps!r}")
         if self.most is not None and self.most < 1:
-            raise UsageError(f"at least one interval is measured, not {self.most!r}")
+            raise UsageError(f"the number of intervals must be at least 1, not {self.most!r}")
         for method in self.methods:
             estimator_named(method)
 
@@ -77,7 +78,7 @@ def experiment(
     model : Model, Term or Fit, optional
         The noise, ``identify(record).model``; "optimal" and predictions need it.
     settings : ExperimentSettings, optional
-        Intervals of two minutes and all methods, if left out.
+        By default intervals of two minutes and all methods.
 
     Returns
     -------
@@ -86,7 +87,7 @@ def experiment(
     Raises
     ------
     DataError
-        A reading is not finite and the gaps are not to be split; no interval fits between them.
+        A sample is not finite and gaps are not split, or no interval fits between the gaps.
     UsageError
         No method can be used; a choice is impossible.
 
@@ -149,11 +150,11 @@ def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[
         if row.needs_model and setting.model is None:
             yield method, "it needs a noise model"
         if row.needs_quantum and not math.isfinite(setting.pulse):
-            yield method, "it needs counts, or the quantum of the angle (quantum=, --quantum)"
+            yield method, f"it needs counts, or the quantum of the angle ({spelled('--quantum', 'quantum=...')})"
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of the intervals that are measured, and what that leaves out."""
+    """First samples of the intervals that are measured, and what that omits."""
     if settings.gaps == "error":
         demand_whole(record)
     starts, notes = _intervals(record, size)
@@ -164,7 +165,7 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
 
 
 def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of intervals that hold no lost reading, and what that leaves out."""
+    """First samples of intervals that hold no missing sample, and what that omits."""
     extra = KINDS[record.kind][1]
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))
@@ -173,13 +174,13 @@ def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
         starts += range(int(left), int(right) - extra - size + 1, size)
     if not starts:
         raise DataError(
-            f"no interval of {size / record.rate:g} s fits between the {lost.size} lost readings of {record.name!r}"
+            f"no interval of {size / record.rate:g} s fits between the {lost.size} missing samples of {record.name!r}"
         )
     rest = record.size - len(starts) * size
     if not rest:
         return np.array(starts), ()
-    what = f"{rest / record.rate:.6g} s of {record.duration:.6g} s fill no interval and are left out"
-    return np.array(starts), (what + (f"; {lost.size} readings are lost" if lost.size else ""),)
+    what = f"{rest / record.rate:.6g} s of {record.duration:.6g} s do not fill an interval and are omitted"
+    return np.array(starts), (what + (f"; {plural(int(lost.size), 'sample')} missing" if lost.size else ""),)
 
 
 def _piece(record: Record, start: int, size: int) -> Record:
@@ -194,7 +195,7 @@ def by_duration(
 ) -> tuple[Experiment, ...]:
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 
-    Times that do not fit twice into the record are left out. At most a hundred intervals of each, spread over the
+    Times that do not fit twice into the record are omitted. At most a hundred intervals of each, spread over the
     record, are measured.
     """
     settings = settings or ExperimentSettings()

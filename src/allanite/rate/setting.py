@@ -14,7 +14,7 @@ from allanite.core.plain import Value
 
 @dataclass(frozen=True, repr=False)
 class EstimatorSettings(Value):
-    """Choices that concern one estimator each.
+    """Choices for individual estimators.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class EstimatorSettings(Value):
         out, the 300 of 48000 of the paper.
     allowed : float, optional
         Of "conditional": a line whose slope is farther from the median of slopes is dropped, SI; twice the robust
-        standard deviation of the slopes if left out (the paper gives no value).
+        standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
         Of "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
     certified : bool
@@ -52,9 +52,9 @@ class Setting:
     model : Model or None
         The noise.
     target : str
-        A name in `TARGETS`: what is estimated where the rate itself wanders.
+        A name in `TARGETS`: what is estimated where the rate itself drifts.
     dither : tuple of float
-        Frequencies of sinusoids to be taken out, Hz.
+        Frequencies of sinusoids to be removed, Hz.
     options : EstimatorSettings
     pulse : float
         Quantum of the angle, SI; NaN where there is none.
@@ -70,26 +70,26 @@ class Setting:
 
     def __post_init__(self) -> None:
         if self.size < 3:
-            raise UsageError(f"a rate is measured from at least 3 samples, not {self.size}")
+            raise UsageError(f"a rate needs at least 3 samples, not {self.size}")
         if self.target not in TARGETS:
-            raise UsageError(f"unknown target {self.target!r}; known are {', '.join(TARGETS)}")
+            raise UsageError(f"unknown target {self.target!r}; known targets: {', '.join(TARGETS)}")
         if self.target == "constant" and self.wandering:
             walks = ", ".join(t.symbol for t in self.wandering)
             raise UsageError(
-                f"a constant rate cannot be told from {walks}, which wander without bound; take target='mean', "
-                "'centre' or 'start': the rate with its wander, at or over that time"
+                f"a constant rate cannot be separated from {walks}, whose drift is unbounded; use target='mean', "
+                "'centre' or 'start': the rate including the drift, over or at that time"
             )
         for f in self.dither:
             self._demand_line(f)
 
     def _demand_line(self, frequency: float) -> None:
         if not (np.isfinite(frequency) and frequency > 0):
-            raise UsageError(f"a dither frequency is a positive number of Hz, not {frequency!r}")
+            raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
         alias = abs(frequency - self.rate * round(frequency / self.rate))
         if alias * self.size < 2 * self.rate:
             raise UsageError(
-                f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, shows at {alias:.3g} Hz: less than two "
-                f"periods in {self.size / self.rate:g} s cannot be told from a rate"
+                f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} Hz: less than two "
+                f"periods in {self.size / self.rate:g} s cannot be separated from a rate"
             )
 
     @property
@@ -102,7 +102,7 @@ class Setting:
         """The model, or the words that it is needed."""
         if self.model is None:
             raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record).model, or one of your data sheet"
+                "this needs a noise model: pass model=allanite.identify(record).model, or that of the data sheet"
             )
         return self.model
 
@@ -135,5 +135,5 @@ TARGETS: dict[str, Callable[[int], FloatArray]] = {
     "centre": lambda n: np.bincount([(n - 1) // 2, n // 2], minlength=n) / 2,
     "start": lambda n: np.eye(1, n)[0],
 }
-"""What is estimated: the mean of the wandering rate over the interval, the constant of one that does not wander, its
+"""What is estimated: the mean of the drifting rate over the interval, the constant of one that does not drift, its
 value in the middle sample, in the first. Without B, K and R in the model all four are the same."""

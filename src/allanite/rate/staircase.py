@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.wording import spelled
 
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement
@@ -36,7 +37,7 @@ def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasu
         "misfit": least,
         "least possible misfit": max(bound, 0.0),
         "phase": float(line[0] + p) % 1.0,
-        "rms residual": math.sqrt(least / y.size),
+        "RMS residual": math.sqrt(least / y.size),
     }
     limits = _feasible(y, slope) if least == 0 else None
     if limits is None:
@@ -68,7 +69,7 @@ def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float,
 
 
 def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What the search is given: whole pulses of the line taken off, so that no digit is lost to their number."""
+    """What the search is given: whole pulses of the line subtracted, so that no digit is lost to their number."""
     whole = np.floor(line)
     return y - whole, line - whole, right
 
@@ -77,11 +78,12 @@ def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
     """The angle in quanta, and the line through the middles of its steps."""
     if not math.isfinite(interval.pulse):
         raise UsageError(
-            "the staircase needs counts, or readings and the step of their angle: pass quantum= in the record's unit "
-            "(for a rate: times s)"
+            "the staircase needs counts, or samples and the step of their angle: pass "
+            + spelled("--quantum", "quantum=...")
+            + (" in the record's unit (for a rate: times s)")
         )
     angle = np.concatenate(([0.0], np.cumsum((interval.steps + interval.offset) / interval.pulse)))
-    # whole quanta, but for the rounding of readings that are multiples of one
+    # whole quanta, except for the rounding of samples that are multiples of one
     near = np.rint(angle)
     y = near if np.abs(angle - near).max() < 1e-6 else angle
     t = np.arange(y.size) - (y.size - 1) / 2
@@ -118,7 +120,7 @@ def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
 def _excess(setting: Setting) -> float:
     """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
 
-    Not known where the noise of the angle does not blur the steps.
+    Not known where the angle noise does not blur the steps.
 
     References
     ----------
@@ -136,8 +138,8 @@ STAIRCASE = RateEstimator(
     title="recognition of the staircase of counts",
     formula=r"\min_{U, \varphi} \sum (y_i - \lfloor U t_i + \varphi \rfloor)^2",
     reference="Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)",
-    assumes="counts without noise, where its limits are certain; in noise above a fraction of a pulse it is the "
-    "regression, a little worse",
+    assumes="counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
+    "slightly worse than regression",
     weights=lambda setting: parabola(setting.size),
     measure=_staircase,
     excess=_excess,

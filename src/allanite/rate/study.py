@@ -15,6 +15,7 @@ from allanite.core.notation import written
 from allanite.core.plain import Value, stored_fields
 from allanite.core.record import Record, header_dict
 from allanite.core.units import Signal
+from allanite.core.wording import spelled
 from allanite.rate import (
     Experiment,
     ExperimentSettings,
@@ -86,7 +87,7 @@ class RateSettings(Value):
 
     def __post_init__(self) -> None:
         if self.horizontal and self.latitude is None:
-            raise UsageError("north is found at a latitude: give it (latitude=, --latitude)")
+            raise UsageError(f"finding north needs the latitude: give {spelled('--latitude', 'latitude=...')}")
 
     @property
     def vertical(self) -> bool:
@@ -111,7 +112,7 @@ class RateSettings(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RateChannel(Value):
-    """What was measured of one channel; `refusal` says why nothing was."""
+    """The measurement of one channel; `refusal` says why there is none."""
 
     record: Record | Header
     quality: Quality
@@ -137,7 +138,7 @@ class RateChannel(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written; the record without its readings."""
+        """The value written by `to_dict`; the record has no samples."""
         own = {name: read(data[name], hint) for name, hint in cls._own()}
         return cls(header_from(data), noise=noise_from(data), **own)
 
@@ -159,11 +160,11 @@ class RateStudy(Job[RateChannel]):
     settings: RateSettings = field(default_factory=RateSettings)
 
     def _explained(self, channel: RateChannel) -> bool:
-        """Whether a model explains the noise of a channel, where none was given."""
+        """Whether a model explains the noise of a channel, if none was given."""
         return self.settings.noise is not None or (channel.noise is not None and channel.noise.explained)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         signal = self.settings.signal or self.channels[0].record.signal
         second = self.provenance.get("source 2")
         return super().choices() | self.settings.choices(signal.unit) | ({"second": second} if second else {})
@@ -177,7 +178,7 @@ def measure_rates(
     second: Source | None = None,
     progress: Progress | None = None,
 ) -> RateStudy:
-    """Measure the constant rate of every channel of a recording, by every method.
+    """Measure the constant rate of every channel of a recording with every method.
 
     Parameters
     ----------
@@ -188,14 +189,14 @@ def measure_rates(
     second : Recording, Record or path, optional
         The same gyro after it was turned; read with the same recipe. Removes the bias.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Raises
     ------
     DataError
         No channel can be measured.
     UsageError
-        An option is wrong, or one that is needed is missing.
+        An option is wrong, or a required one is missing.
     """
     recipe, settings = recipe or Recipe(), settings or RateSettings()
     if progress is not None:
@@ -218,7 +219,7 @@ def _refused(seen: Inspected, why: str) -> RateChannel:
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:
     record, chosen = seen.record, settings.experiment
     if settings.signal is not None and settings.signal is not record.signal:
-        raise DataError(f"the true rate or bias that was given belongs to another sensor: {settings.signal.name}")
+        raise DataError(f"the given true rate or bias belongs to another type of sensor: {settings.signal.name}")
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
     if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":
         chosen = replace(chosen, reference=earth_rate(settings.latitude))

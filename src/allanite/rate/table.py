@@ -15,5 +15,5 @@ RATE_ESTIMATORS: dict[str, RateEstimator] = {
 def estimator_named(name: str) -> RateEstimator:
     """The row of `RATE_ESTIMATORS`; an unknown name is an error that lists the known ones."""
     if name not in RATE_ESTIMATORS:
-        raise UsageError(f"unknown rate estimator {name!r}; known are {', '.join(RATE_ESTIMATORS)}")
+        raise UsageError(f"unknown rate estimator {name!r}; known estimators: {', '.join(RATE_ESTIMATORS)}")
     return RATE_ESTIMATORS[name]

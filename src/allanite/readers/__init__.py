@@ -1,9 +1,10 @@
-"""Readers: one format one file, and the table that lists them.
+"""Readers: one module per format, and the table that lists them.
 
 A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `formats.READERS`. Most fill a `table.Table` and let it find channels, units and rate; containers of several
-arrays leave it to `datasets` which of them belong together. A format that is written has ``write(recording, path)``
-and a line of `formats.WRITERS`. Other packages bring readers by the entry point group ``allanite.readers``.
+line of `formats.READERS`. Most readers fill a `table.Table`, which identifies channels, units and rate; containers of
+several arrays use `datasets` to decide which of them belong together. A format that is written has
+``write(recording, path)`` and a line of `formats.WRITERS`. Other packages register readers with the entry point group
+``allanite.readers``.
 """
 
 import os
@@ -32,48 +33,48 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     columns: int | None = None,
     offset: int | None = None,
 ) -> Recording:
-    r"""Read a recording; its ``notes`` say what was assumed.
+    r"""Read a recording; its ``notes`` list the assumptions.
 
     Parameters
     ----------
     path : str, path or table
-        The file; its format is found from its first bytes. What is packed in a .zip, .gz, .bz2 or .xz is read
-        through; ``"runs.zip::gyro.csv"`` names one of several in an archive. Or a table in memory, of pandas, polars
-        or pyarrow, whose columns are named as those of a CSV are: ``"gx [deg/s]"``.
+        The file, whose format is detected from its first bytes; .zip, .gz, .bz2 and .xz are unpacked, and
+        ``"runs.zip::gyro.csv"`` names a member of an archive. Or a table of pandas, polars or pyarrow with column names
+        like those of a CSV file: ``"gx [deg/s]"``.
     rate : float, optional
-        Sampling rate, Hz; wins over what the file says.
+        Sampling rate, Hz; overrides the file.
     unit : str, optional
-        Unit of the readings, for example ``"deg/s"``; wins over headers, except for columns that by their header or
-        name belong to the other sensor and are not chosen in `channels`.
+        Unit of the samples, for example ``"deg/s"``; overrides headers, except for columns that belong to the
+        other type of sensor according to their header or name and are not selected by `channels`.
     kind : {"rate", "increment", "angle", "count"}, optional
-        What a reading is, where the unit does not tell.
+        What a sample represents, if the unit does not determine it.
     scale : float or str, optional
-        Worth of one step of the readings in `unit`; ``"0.01deg/s"`` says both.
+        Scale factor per count in `unit`; ``"0.01deg/s"`` gives both.
     channels : sequence of str, optional
-        Names of columns, or their places in the file counted from 1; all inertial signals if left out.
+        Names of columns, or their positions in the file counted from 1; by default all inertial signals.
     along : sequence of str, optional
-        Columns that are read beside the signals and stand behind them, whatever they are: temperatures, currents. The
-        unit is that of the header; without one they are plain numbers.
+        Columns of any kind to read in addition, placed after the signals: temperatures,
+        currents. The unit is that of the header; without one they are plain numbers.
     time : str, optional
-        The column of stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores stamps.
+        The column of time stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores time stamps.
     dtype : str, optional
-        The file is raw binary of this type, spelled as in NumPy: ``"i2"``, ``">i2"`` (high byte first), ``"f4"``, or
+        The file is raw binary of this type, written as in NumPy: ``"i2"``, ``">i2"`` (high byte first), ``"f4"``, or
         ``"u4,6i2"`` for rows of mixed types. Raw binary is never guessed.
     columns, offset : int, optional
-        Numbers in a row of raw binary, and bytes in front of the first row.
+        Numbers per row of raw binary, and bytes before the first row.
 
     Returns
     -------
     Recording
-        With `source`, the sha256 `digest` of the file, `notes`, and in `findings` what is wrong with its clock.
-        Integers stay integers; an empty cell is NaN, and so is a reading that was lost by the stamps or a counter.
+        With `source`, the sha256 `digest` of the file, `notes`, and `findings` about its clock. Integers stay integers;
+        empty cells are NaN, and so are samples missing according to the time stamps or a counter.
 
     Raises
     ------
     DataError
-        The file cannot be read, or its stamps go back or jump so that they give no rate, and none is given.
+        The file cannot be read, or its time stamps are not increasing and no rate is given.
     UsageError
-        Rate, unit or kind is neither in the file nor given; a column does not exist; an option is impossible.
+        The rate, unit or kind is neither in the file nor given; a column does not exist; an argument is impossible.
 
     Examples
     --------
@@ -109,7 +110,8 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         raise type(error)(f"{name}: {error}") from None
     except OSError as error:
         raise DataError(
-            f"{name}: the file cannot be read ({error.strerror or error}); check that it is there and may be read"
+            f"{name}: the file cannot be read ({error.strerror or error}); check that it exists and that you may "
+            "read it"
         ) from None
     except MemoryError:
         raise DataError(f"{name}: the file does not fit into memory; read fewer channels, or a part of it") from None
@@ -123,14 +125,14 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     recording : Recording or Record
         Channels of one rate, start and length.
     path : str or path
-        The file; its suffix says the format: .csv, .npz, .parquet, .h5, .hdf5 or .mat.
+        The file; its suffix selects the format: .csv, .npz, .parquet, .h5, .hdf5 or .mat.
     force : bool
         Overwrite an existing file.
 
     Raises
     ------
     UsageError
-        The suffix is that of no format which is written, the file exists, or its folder cannot be written.
+        The suffix is not that of a format that can be written, the file exists, or its folder is not writable.
     DataError
         The channels differ in rate, start or length.
 
@@ -154,9 +156,9 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     for record in whole:
         if (record.rate, record.start, len(record.values)) != (first.rate, first.start, len(first.values)):
             raise DataError(
-                f"{record.name!r} ({record.rate} Hz, {len(record.values)} readings from {record.start} s) and "
-                f"{first.name!r} ({first.rate} Hz, {len(first.values)} readings from {first.start} s) do not share a "
-                "clock; write them to files of their own"
+                f"{record.name!r} ({record.rate} Hz, {len(record.values)} samples from {record.start} s) and "
+                f"{first.name!r} ({first.rate} Hz, {len(first.values)} samples from {first.start} s) do not have "
+                "the same sample times; write them to separate files"
             )
     writer = writer_for(os.path.splitext(os.fspath(path))[1].lower())
     with draft(path, force=force) as part:

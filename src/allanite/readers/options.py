@@ -1,4 +1,4 @@
-"""What the user says about a file, checked once at the door."""
+"""What the user states about a file, checked once."""
 
 import math
 import re
@@ -8,9 +8,10 @@ from typing import Any, Protocol
 from allanite.core.errors import UsageError
 from allanite.core.record import KINDS, explain_kinds
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
-"""A number, and perhaps a unit behind it."""
+"""A number, optionally followed by a unit."""
 
 
 class Frame(Protocol):
@@ -26,7 +27,7 @@ class Frame(Protocol):
 
 @dataclass(frozen=True)
 class Options:
-    """What the user says about a file, as `allanite.readers.read` takes it; None leaves the question to the file.
+    """What the user states about a file, as in `allanite.readers.read`; None takes it from the file.
 
     A `scale` such as ``"0.01deg/s"`` becomes a number and a unit.
     """
@@ -47,8 +48,8 @@ class Options:
             worth, unit = _worth(self.scale, self.unit)
             object.__setattr__(self, "scale", worth)
             object.__setattr__(self, "unit", unit)
-        _demand_positive(self.rate, "the sampling rate", "Hz", "rate=100 (--rate 100)")
-        _demand_positive(self.scale, "the scale", "the unit of the readings", "scale=0.1 (--scale 0.1)")
+        _demand_positive(self.rate, "the sampling rate", "Hz", spelled("--rate 100", "rate=100"))
+        _demand_positive(self.scale, "the scale", "the unit of the samples", spelled("--scale 0.1", "scale=0.1"))
         if self.kind is not None and self.kind not in KINDS:
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
         if self.unit is not None:
@@ -58,26 +59,29 @@ class Options:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")
         if self.dtype is not None:
             object.__setattr__(self, "dtype", _demand_text(self.dtype, "dtype", "'i2', '>i2' or 'f4'").strip())
-        _demand_whole(self.columns, 1, "columns=6 (--columns 6) for rows of six numbers")
-        _demand_whole(self.offset, 0, "offset=512 (--offset 512) for a header of 512 bytes")
+        _demand_whole(self.columns, 1, spelled("--columns 6", "columns=6") + " for rows of six numbers")
+        _demand_whole(self.offset, 0, spelled("--offset 512", "offset=512") + " for a header of 512 bytes")
         if self.dtype is None and (self.columns, self.offset) != (None, None):
             raise UsageError(
-                "columns and offset describe raw binary; say with dtype='i2' (--dtype i2) what its numbers are"
+                f"columns and offset describe raw binary; give the type of its numbers with "
+                f"{spelled('--dtype i2', 'dtype=...')}"
             )
 
     @property
     def worth(self) -> float | None:
-        """Worth of one step of the readings in `unit`."""
+        """Scale factor per count in `unit`."""
         return None if self.scale is None else float(self.scale)
 
 
 def _worth(text: str, unit: str | None) -> tuple[float | str, str | None]:
-    """Number and unit of a scale such as ``0.01deg/s``; what is no number is left for the refusal."""
+    """Number and unit of a scale such as ``0.01deg/s``; anything else is refused later."""
     match = _WORTH.fullmatch(text)
     if match is None:
         return text, unit
     if match[2] and unit is not None and unit.strip() != match[2]:
-        raise UsageError(f"the scale {text!r} has another unit than unit={unit!r} (--unit {unit}); say it once")
+        raise UsageError(
+            f"the scale {text!r} contradicts {spelled(f'--unit {unit}', f'unit={unit!r}')}; give the unit once"
+        )
     return float(match[1]), match[2] or unit
 
 
@@ -94,7 +98,7 @@ def _demand_positive(value: Any, what: str, unit: str, example: str) -> None:
 
 def _demand_whole(value: Any, least: int, example: str) -> None:
     if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < least):
-        raise UsageError(f"a whole number from {least} on is expected, not {value!r}; for example {example}")
+        raise UsageError(f"expected a whole number of at least {least}, not {value!r}; for example {example}")
 
 
 def _demand_text(value: Any, option: str, example: str) -> str:
@@ -104,7 +108,7 @@ def _demand_text(value: Any, option: str, example: str) -> str:
 
 
 def channel_names(channels: Any) -> tuple[str, ...] | None:
-    """The chosen channels; a lone text is read as the command line writes it, with commas."""
+    """The selected channels; a single text is split at commas, as at the command line."""
     if channels is None:
         return None
     if isinstance(channels, str):
@@ -115,8 +119,10 @@ def channel_names(channels: Any) -> tuple[str, ...] | None:
         raise UsageError(f"channels must be names or column numbers, not {channels!r}") from None
     if not names or not all(names):
         raise UsageError(
-            "no channel is chosen; give names or column numbers, for example channels=['gx', '2'], or leave it out"
+            "no channel is selected; give names or column numbers, for example "
+            + spelled("--channels gx,2", "channels=['gx', '2']")
+            + ", or omit it"
         )
     if len(set(names)) < len(names):
-        raise UsageError(f"a channel is chosen twice: {', '.join(names)}")
+        raise UsageError(f"a channel is selected twice: {', '.join(names)}")
     return names

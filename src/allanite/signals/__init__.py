@@ -1,4 +1,4 @@
-"""From raw signals to a rate, and what their rounding adds to its noise."""
+"""From raw signals to a rate, and the noise that quantization adds to it."""
 
 from .codes import Codes as Codes
 from .rounding_noise import Budget as Budget

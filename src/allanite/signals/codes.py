@@ -29,7 +29,7 @@ class Codes(Value):
 
 
 def codes(readings: FloatArray) -> Codes | None:
-    """Codes of readings in steps, which may share an offset; None if they lie on no grid of one step.
+    """Codes of samples in steps, which may share an offset; None if they lie on no grid of one step.
 
     Examples
     --------

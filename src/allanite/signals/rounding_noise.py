@@ -1,4 +1,4 @@
-"""Budget: what rounding adds to the noise of a rate, stage by stage, beside the noise that was measured."""
+"""Budget: the noise that quantization adds to a rate, stage by stage, compared with the measured noise."""
 
 import math
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
+from allanite.core.wording import spelled
 from allanite.prepare.rounding import NO_DITHER, rounding
 from allanite.prepare.view import View
 from allanite.study.noise import Noise, RecordResult, noise_of
@@ -23,33 +24,33 @@ from .stage import Stage, demand_unclipped
 from .torque import TorqueScale, electric, factor_of, gain_of, rate_from_current
 
 MATTERS = 0.01
-"""Share of the measured noise's square below which a stage does not matter."""
+"""Share of the measured variance below which a stage does not matter."""
 
 
 @dataclass(frozen=True, repr=False)
 class StageNoise(Value):
-    """What one stage adds.
+    """The noise added by one stage.
 
     Attributes
     ----------
     stage : Stage
     symbol : {"N", "Q"}
-        What it makes: white noise of the rate, or quantization noise of the angle.
+        Type of its noise: white rate noise, or quantization noise of the angle.
     signal : Signal
     step : float
-        Worth of its last bit: rate or angle, SI.
+        Size of its last bit: rate or angle, SI.
     coefficient : float
         step / sqrt(12), for N times the square root of the sample interval; SI.
     measured : float or None
-        What the record has of it, SI; None where it was not found.
+        The coefficient identified in the record, SI; None if it is absent.
     limit : float or None
-        Upper limit of what the record has of it, where it was not found.
+        Upper limit of the coefficient in the record, if it is absent.
     enough : int or None
-        Bits at which its share would be below 1 % of what was measured, or of the limit.
+        Number of bits at which its share of the measured variance, or of the limit, would be below 1 %.
     clipped : int
-        Readings at the ends of its range.
+        Number of samples at the ends of its range.
     codes : Codes or None
-        Readings on its grid; None if they lie on no grid of its step.
+        Codes of the samples; None if they are not multiples of its step.
     """
 
     _also = ("share", "shown")
@@ -93,7 +94,7 @@ class StageNoise(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Budget(RecordResult):
-    """Noise of rounding beside the noise of a rate record; see `budget`.
+    """Quantization noise compared with the noise of a rate record; see `budget`.
 
     `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known
     beside them.
@@ -105,7 +106,7 @@ class Budget(RecordResult):
 
     @property
     def fit(self) -> Fit:
-        """The noise of the rate."""
+        """The rate noise."""
         return self.noise.fit
 
     @property
@@ -122,10 +123,10 @@ def budget(
     sense: float | None = None,
     recipe: Recipe | None = None,
 ) -> Budget:
-    r"""What the rounding of each stage adds to the noise of a record.
+    r"""Compute the noise that the quantization of each stage adds to a record.
 
     Rounding a rate to steps s adds errors that are uniform and, with enough noise before the rounding, independent:
-    white noise of the rate with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
+    white rate noise with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
     Q = s / sqrt(12).
 
     Parameters
@@ -133,13 +134,13 @@ def budget(
     record : Record
         A rate (angle, increments, counts), or a current, a voltage or codes with what makes a rate of them.
     stages : sequence of Stage
-        In the order of the signal path; codes are worth what the first one says.
+        Stages in the order of the signal path; the first one defines the size of codes.
     scale : TorqueScale or float, optional
-        Of the torquer, or rad/s per A; needed for currents.
+        Scale of the torquer, or rad/s per A; required for currents.
     sense : float, optional
-        Of the current's sensor, V per A; needed for voltages.
+        Gain of the current sensor, V per A; required for voltages.
     recipe : Recipe, optional
-        How the noise of the rate is identified.
+        How the rate noise is identified.
 
     Returns
     -------
@@ -150,7 +151,7 @@ def budget(
     UsageError
         A constant is missing or not positive.
     DataError
-        More than 0.1 % of the readings are clipped, or the record does not support identification.
+        More than 0.1 % of the samples are clipped, or the record cannot support the identification.
 
     References
     ----------
@@ -165,7 +166,9 @@ def budget(
     [0.134, False]
     """
     if not stages:
-        raise UsageError("name at least one stage, for example Stage('ADC', 12, 5.0, 'V') (--stage 'ADC 12 5V')")
+        raise UsageError(
+            "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
+        )
     rate = _rate(record, stages[0], scale, sense)
     noise = noise_of(rate, recipe or Recipe())
     counts = [demand_unclipped(record, stage) for stage in stages]
@@ -179,8 +182,8 @@ def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense
         return record
     if scale is None:
         raise UsageError(
-            f"{record.name!r} is in {record.unit!r}: say what rate it means, with the torquer's constants or its scale "
-            "factor (scale=, --torquer, --scale-factor)"
+            f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
+            f"scale factor ({spelled('--torquer or --scale-factor', 'scale=...')})"
         )
     return rate_from_current(record, scale, sense=sense, stage=first)
 
@@ -191,7 +194,10 @@ def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -
     if not electric(stage.unit):
         return factor
     if scale is None:
-        raise UsageError(f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale (scale=)")
+        raise UsageError(
+            f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale "
+            f"({spelled('--torquer or --scale-factor', 'scale=...')})"
+        )
     return factor_of(scale) / gain_of(stage.unit, sense) * factor
 
 
@@ -218,19 +224,19 @@ def _findings(row: StageNoise, rate: Record) -> list[Finding]:
     worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
     if row.codes is not None and _undithered(rate, worth):
         found.append(Finding(
-            "no dither", f"the signal's noise is below {NO_DITHER:g} of the step of {name}",
-            "its rounding errors are no noise: they depend on the signal, and this budget does not hold",
+            "no dither", f"the noise of the signal is below {NO_DITHER:g} of the step of {name}",
+            "its rounding errors are not a noise: they depend on the signal, and this budget is not valid",
             "amplify before it, or add noise",
         ))  # fmt: skip
     if row.codes is not None and row.codes.missing:
         found.append(Finding(
-            "missing codes", f"{row.codes.missing} codes of {name} never occur, though their neighbours often do",
-            "its steps are not even, and its noise is larger than the budget says", "check the converter",
+            "missing codes", f"{row.codes.missing} codes of {name} never occur, although adjacent codes are frequent",
+            "its steps are uneven, and its noise is larger than in the budget", "check the converter",
         ))  # fmt: skip
     if row.clipped:
         found.append(Finding(
-            "clipped", f"{row.clipped} readings lie at the ends of {row.stage}",
-            "the noise beyond is missing", "use a wider range",
+            "clipped", f"{row.clipped} samples are at the ends of {row.stage}",
+            "the noise beyond the range is missing", "use a larger range",
         ))  # fmt: skip
     return found
 

@@ -1,4 +1,4 @@
-"""Stage: a place in the signal path where a number is rounded. How much noise that makes, and what was clipped."""
+"""Stage: a quantizer in the signal path, the noise that it adds, and clipping."""
 
 import math
 from dataclasses import dataclass
@@ -10,18 +10,19 @@ from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import convert, signal_with, unit_of
+from allanite.core.wording import windowing
 
 FloatArray = NDArray[np.float64]
 
 CLIPPED = 1e-3
-"""Share of clipped readings above which no noise coefficient means anything."""
+"""Share of clipped samples above which noise coefficients are meaningless."""
 
 
 @dataclass(frozen=True, repr=False)
 class Stage(Value):
     """A converter or register of so many bits over -full_scale to +full_scale.
 
-    What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white noise of the rate; or
+    What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white rate noise; or
     an angle (velocity), whose rounding errors are quantization noise.
 
     Raises
@@ -48,14 +49,15 @@ class Stage(Value):
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
-            raise UsageError(f"the bits of {self.name!r} are a whole number from 1 to 64, not {self.bits!r}")
+            raise UsageError(f"the bits of {self.name!r} must be a whole number from 1 to 64, not {self.bits!r}")
         if not (math.isfinite(self.full_scale) and self.full_scale > 0):
-            raise UsageError(f"the full scale of {self.name!r} is a positive number, not {self.full_scale!r}")
+            raise UsageError(f"the full scale of {self.name!r} must be a positive number, not {self.full_scale!r}")
         dimension = unit_of(self.unit).dimension
         signals = signal_with(dimension), signal_with(dimension, 1)
         if not (signals[0] or (signals[1] and signals[1].inertial)):
             raise UnitError(
-                f"the full scale of {self.name!r} is in {self.unit!r}: a rate, angle, current or voltage is wanted"
+                f"the full scale of {self.name!r} is in {self.unit!r} instead of a unit of rate, angle, current or "
+                "voltage"
             )
 
     @classmethod
@@ -71,8 +73,8 @@ class Stage(Value):
             raise
         except ValueError:
             raise UsageError(
-                f"a stage is a name, its bits and its full scale with a unit, as 'ADC 12 5V' or 'output 16 100deg/s', "
-                f"not {text!r}"
+                "a stage is a name, its bits and its full scale with a unit, e.g. 'ADC 12 5V' or 'output 16 "
+                f"100deg/s', not {text!r}"
             ) from None
 
     @property
@@ -95,9 +97,9 @@ class Stage(Value):
 
 
 def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
-    """Readings of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
+    """Samples of the record at and beyond which they are clipped; None if the stage is not in the record's unit.
 
-    A converter's largest code stands for the full scale less one step, or less half a step, its smallest for the
+    A converter's largest code represents the full scale less one step, or less half a step, its smallest for the
     negative full scale, or that plus half a step.
     """
     worth = 1.0 if record.scale is None else record.scale
@@ -111,7 +113,7 @@ def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
 
 
 def demand_unclipped(record: Record, stage: Stage) -> int:
-    """How many readings lie at the ends of the stage's range.
+    """How many samples lie at the ends of the stage's range.
 
     Raises
     ------
@@ -126,8 +128,8 @@ def demand_unclipped(record: Record, stage: Stage) -> int:
         count = int(((values <= limits[0]) | (values >= limits[1])).sum())
     if count > CLIPPED * values.size:
         raise DataError(
-            f"{count} of {values.size} readings of {record.name!r} ({100 * count / values.size:.2g} %) are clipped at "
-            f"the ends of {stage}: what lies beyond is missing, and noise comes out too small. Use a wider range, or a "
-            "window without them (--from, --until)"
+            f"{count} of {values.size} samples of {record.name!r} ({100 * count / values.size:.2g} %) are clipped "
+            f"at the ends of {stage}: values beyond are missing, and the noise comes out too small. Use a larger "
+            f"range, or a window without them ({windowing()})"
         )
     return count

@@ -1,4 +1,4 @@
-"""Budgets of files: every channel as a rate, its noise, and what the stages of its path add."""
+"""Budgets of files: every channel as a rate, its noise, and the noise added by the stages of its path."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -52,7 +52,7 @@ class BudgetChannel(RecordResult):
 
     @property
     def noise(self) -> Noise | None:
-        """The noise of the rate."""
+        """The rate noise."""
         return None if self.budget is None else self.budget.noise
 
 
@@ -71,7 +71,7 @@ class BudgetStudy(Job[BudgetChannel]):
         return Recording(tuple(rate for rate in rates if isinstance(rate, Record)))
 
     def choices(self) -> dict[str, Any]:
-        """The recipe and the settings that were really used, as plain data."""
+        """The recipe and the settings that were actually used, as plain data."""
         return super().choices() | self.settings.choices()
 
 
@@ -88,7 +88,7 @@ def budget_file(
     settings : PathSettings
         How the rates came into it.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Raises
     ------

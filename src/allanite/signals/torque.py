@@ -9,6 +9,7 @@ from allanite.core.errors import UsageError
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 
 from .stage import Stage, demand_unclipped
 
@@ -81,7 +82,7 @@ class TorqueScale(Value):
                 constants[name] = float(number)
             except ValueError:
                 raise UsageError(
-                    f"a constant of the torquer is a name and a number, as turns=100, not {part!r}"
+                    f"a constant of the torquer is a name and a number, e.g. turns=100, not {part!r}"
                 ) from None
         known = [constant.name for constant in fields(cls)]
         missing = [name for name in known[:-1] if name not in constants]
@@ -89,7 +90,7 @@ class TorqueScale(Value):
         if missing or strange:
             named = (("missing", missing), ("unknown", strange))
             wrong = "; ".join(f"{what} {', '.join(names)}" for what, names in named if names)
-            raise UsageError(f"a torquer (--torquer) wants {', '.join(known)} ({wrong})")
+            raise UsageError(f"a torquer needs {', '.join(known)} ({wrong})")
         return cls(**constants)
 
     @property
@@ -122,7 +123,7 @@ def rate_from_current(
     sense : float, optional
         V per A.
     stage : Stage, optional
-        The converter: its full scale says which readings are clipped, and what a code is worth.
+        The converter: its full scale says which samples are clipped, and what a code is worth.
 
     Returns
     -------
@@ -134,7 +135,7 @@ def rate_from_current(
     UsageError
         A constant is not positive, or one that is needed is missing.
     DataError
-        More than 0.1 % of the readings are clipped.
+        More than 0.1 % of the samples are clipped.
 
     Examples
     --------
@@ -156,17 +157,17 @@ def rate_from_current(
 
 
 def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
-    """A per unit of the readings, and where that is known from."""
+    """A per unit of the samples, and where that is known from."""
     if record.signal.name in ("current", "voltage"):
         per = unit_of(record.unit).factor / gain_of(record.unit, sense)
         return per, "current" if record.signal.name == "current" else f"voltage at {sense:g} V per A"
     if record.signal.name == "dimensionless" and stage is not None:
         if not electric(stage.unit):
-            raise UsageError(f"codes become a current by a full scale in A or V, not in {stage.unit}")
+            raise UsageError(f"converting codes to a current needs a full scale in A or V, not in {stage.unit}")
         return stage.step * unit_of(stage.unit).factor / gain_of(stage.unit, sense), f"codes of {stage}"
     raise UsageError(
-        f"{record.name!r} is in {record.unit!r}: a rate is made of a current (A), of a voltage (V) with the gain of "
-        "its sensor in V per A, or of codes (unit '1') with the bits and full scale of their converter"
+        f"{record.name!r} is in {record.unit!r}: a rate is computed from a current (A), from a voltage (V) with the "
+        "gain of its sensor in V per A, or from codes (unit '1') with the bits and full scale of their converter"
     )
 
 
@@ -180,7 +181,10 @@ def gain_of(unit: str, sense: float | None) -> float:
     if unit_of(unit).dimension != unit_of("V").dimension:
         return 1.0
     if sense is None:
-        raise UsageError("a voltage becomes a current by its sensor's gain: pass sense=0.5 (--sense 0.5) in V per A")
+        raise UsageError(
+            "converting a voltage to a current needs the gain of its sensor in V per A: pass "
+            + spelled("--sense 0.5", "sense=0.5")
+        )
     return positive(sense, "sense gain", "V per A")
 
 
@@ -193,5 +197,5 @@ def positive(value: float, what: str, unit: str = "") -> float:
     """`value`, once it is found to be a positive number."""
     number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     if not (number and math.isfinite(value) and value > 0):
-        raise UsageError(f"the {what} is a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
+        raise UsageError(f"the {what} must be a positive number{f' of {unit}' * bool(unit)}, not {value!r}")
     return float(value)

@@ -1,4 +1,4 @@
-"""The one road back: from a model to a record, and from deviations to the noise of a readout."""
+"""From a model to a record, and from standard deviations to the noise of a readout."""
 
 import math
 from collections.abc import Callable
@@ -21,11 +21,11 @@ def simulate(
     unit: str | None = None,
     rounding: bool = False,
 ) -> Record:
-    """A Gaussian record of a model, exact at every averaging time.
+    """Simulate a Gaussian record of a model, exact at every averaging time.
 
     The first differences of the rate are stationary for every term; their covariance is embedded in a circulant matrix,
     whose eigenvalues are a Fourier transform, and the differences are then summed. Deterministic terms are added by
-    their waveform. The mean of the record is zero: a bias is no part of the model.
+    their waveform. The mean of the record is zero: a bias is not part of the model.
 
     Parameters
     ----------
@@ -39,18 +39,18 @@ def simulate(
     name : str, optional
         Name of the channel.
     unit : str, optional
-        Of the rates; SI if left out.
+        Unit of the rates; by default SI.
     rounding : bool
         Makes quantization noise (Q) as a readout does: the angle of the other terms, from a random start, is rounded to
         whole steps of ``Q sqrt(12)`` at each sample, and the rates are its differences. The error of each angle is then
         uniform over a step, with the standard deviation Q, and white where the angle moves by about half a step or
         more from sample to sample; an angle that moves less makes patterns that no term describes. Without, Q is
-        Gaussian. The mean of a rounded record is zero but for a step over its duration.
+        Gaussian. The mean of a rounded record is zero except for a step over its duration.
 
     Returns
     -------
     Record
-        Mean rate over each interval. `allanite.faults` puts in what else happens to it.
+        Mean rate over each interval. `allanite.faults` adds other faults.
 
     Raises
     ------
@@ -70,12 +70,12 @@ def simulate(
     """
     model = model_of(model)
     if n < 2:
-        raise UsageError(f"a record has at least 2 samples, not {n}")
+        raise UsageError(f"a record needs at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
     rounded = next((t for t in model if t.row.alpha == 2 and t.value), None) if rounding else None
     if rounding and rounded is None:
-        raise UsageError(f"rounding makes quantization noise, and there is none in {model}: add Q to the model")
+        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
     y = np.zeros(n)
     parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value and t is not rounded]
     if parts:
@@ -95,7 +95,7 @@ def simulate(
     said = f"simulated: {model}" + (f", {rounded.symbol} by rounding" if rounded is not None else "")
     record = Record(y, rate, unit or model.signal.unit, name=name, history=(said,))
     if record.signal is not model.signal:
-        raise UnitError(f"{unit!r} is no unit of rates of a sensor with {model}")
+        raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
     y /= record.factor
     return record
 
@@ -124,16 +124,16 @@ def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np
 
 
 def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:
-    """White noise of each reading, and a random walk under it.
+    """White noise and a random walk of a readout.
 
     Parameters
     ----------
     n : int
-        Number of readings.
+        Number of samples.
     sigma : float
         Standard deviation of the white noise, in any unit.
     walk : float, optional
-        Standard deviation of the random walk's step from reading to reading; the walk begins at 0.
+        Standard deviation of the random walk's step from sample to sample; the walk begins at 0.
     rng : numpy.random.Generator
         The source of randomness, for example ``numpy.random.default_rng(1)``.
 
@@ -149,7 +149,7 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
     """
     if n < 1 or not (np.isfinite([sigma, walk]).all() and min(sigma, walk) >= 0):
         raise UsageError(
-            f"noise needs at least one reading and deviations that are not negative: n={n}, {sigma=}, {walk=}"
+            f"noise needs at least one sample and standard deviations that are not negative: n={n}, {sigma=}, {walk=}"
         )
     noise = sigma * rng.standard_normal(n)
     if walk:

@@ -1,4 +1,4 @@
-"""A simulated recording as a value: what was put into it."""
+"""A simulated recording as a value: its noise and faults."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,12 @@ from allanite.core.header import Header
 from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Value):
-    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of readings.
+    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of samples.
 
     `channels` are what the channels hold; their histories say which faults were put in.
     """
@@ -30,7 +31,7 @@ class Simulation(Value):
 
 
 def readings(rate: float, duration: float | None, samples: int | None) -> int:
-    """Number of readings of a length that is given by just one of the two, s or a number.
+    """Number of samples for a length given either in s or as a number.
 
     Examples
     --------
@@ -38,7 +39,7 @@ def readings(rate: float, duration: float | None, samples: int | None) -> int:
     6000
     """
     if (duration is None) == (samples is None):
-        raise UsageError("give the length either by --duration or by --samples")
+        raise UsageError("give the length either by " + spelled("--duration or by --samples", "duration or by samples"))
     if not 0 < rate < float("inf"):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
     return samples if samples is not None else round((duration or 0.0) * rate)

@@ -1,4 +1,4 @@
-"""A simulated ring laser gyro with dither: counts, as it would deliver them."""
+"""A simulated ring laser gyro with dither, which delivers counts."""
 
 import math
 from dataclasses import dataclass
@@ -64,7 +64,9 @@ class RingLaser:
                 raise UsageError(f"{name} of a ring laser must not be negative, but is {getattr(self, name)!r}")
         low, high = self.residual_band
         if not 0 < low <= high:
-            raise UsageError(f"the residual's band is two frequencies in Hz, ascending, not {self.residual_band!r}")
+            raise UsageError(
+                f"the band of the residual must be two ascending frequencies in Hz, not {self.residual_band!r}"
+            )
 
     @property
     def random_walk(self) -> float:
@@ -122,9 +124,9 @@ def simulate_ring_laser(
     ('count', 0.32795, True)
     """
     if n < 2:
-        raise UsageError(f"a record has at least 2 samples, not {n}")
+        raise UsageError(f"a record needs at least 2 samples, not {n}")
     if not rate > 2 * gyro.residual_band[1]:
-        raise UsageError(f"the dither's residual up to {gyro.residual_band[1]:g} Hz needs more than {rate:g} Hz")
+        raise UsageError(f"residual dither up to {gyro.residual_band[1]:g} Hz needs more than {rate:g} Hz")
     steps = gyro.random_walk * 60 / math.sqrt(rate) * rng.standard_normal(n)  # deg/sqrt(h) is 60 arcsec/sqrt(s)
     steps += (turning + gyro.bias) / rate  # deg/h is arcsec/s
     if gyro.wander is not None:

@@ -39,7 +39,7 @@ class Steps:
 
 @dataclass(frozen=True, eq=False)
 class Matrices:
-    """x' = Phi x + w, reading = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0."""
+    """x' = Phi x + w, measurement = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0."""
 
     Phi: FloatArray
     Qd: FloatArray
@@ -48,9 +48,9 @@ class Matrices:
     P0: FloatArray
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the readings at averaging factors `m`, exactly, shape of m.
+        """Allan variance of the measurements at averaging factors `m`, exactly, shape of m.
 
-        With the sums s_1 and s_2 of the readings over m steps and the m steps after them, it is the variance of
+        With the sums s_1 and s_2 of the measurements over m steps and the m steps after them, it is the variance of
         s_2 - s_1 over 2 m^2, where s_2 - s_1 = c (A - 1) x + c w_1 + n_2 - n_1.
         """
         h = self.H[0]
@@ -99,8 +99,8 @@ def _block(t: Term, h: float) -> Block:
     if t.row.block is None:
         able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
         raise UsageError(
-            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: leave it out of the model, or put a "
-            "term in its place that has the same curve at the averaging times that matter"
+            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or replace "
+            "it by a term with a similar curve at the relevant averaging times"
         )
     return t.row.block(t.value, t.shape, h)
 
@@ -131,7 +131,7 @@ def joined(blocks: Sequence[Block]) -> Block:
 
 
 def sampled(blocks: list[Block], R: FloatArray) -> Matrices:
-    """A reading is the rate at the time of the states."""
+    """A measurement is the rate at the time of the states."""
     from scipy.linalg import block_diag
 
     Phi, P0 = (block_diag(*(getattr(b, name) for b in blocks)) for name in ("Phi", "P0"))
@@ -140,7 +140,7 @@ def sampled(blocks: list[Block], R: FloatArray) -> Matrices:
 
 
 def averaged(blocks: list[Block], R: FloatArray) -> Matrices:
-    """The mean over the interval is the last state, and the reading."""
+    """The mean over the interval is the last state, and the measurement."""
     inner = sampled(blocks, R)
     s = len(inner.Phi)
     Phi, Qd, P0 = (np.zeros((s + 1, s + 1)) for _ in range(3))
@@ -154,7 +154,7 @@ def averaged(blocks: list[Block], R: FloatArray) -> Matrices:
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a reading is taken for, and how the matrices are built."""
+    """What a measurement is taken for, and how the matrices are built."""
 
     meaning: str
     build: Callable[[list[Block], FloatArray], Matrices]
@@ -162,11 +162,14 @@ class Measurement:
 
 MEASUREMENTS: dict[str, Measurement] = {
     "mean": Measurement(
-        "a reading is the mean rate over the interval that ends at the time of the states; the mean is a state, exact",
+        "a measurement is the mean rate over the interval that ends at the time of the states; the mean is a state, "
+        "exact",
         averaged,
     ),
     "sample": Measurement(
-        "a reading is the rate at the time of the states, taken for the mean over the interval that ends there", sampled
+        "a measurement is the rate at the time of the states, used instead of the mean over the interval that ends "
+        "there",
+        sampled,
     ),
 }
 

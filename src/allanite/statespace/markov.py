@@ -1,4 +1,4 @@
-"""Flicker as a sum of Gauss-Markov processes, over a range of averaging times."""
+"""Flicker approximated by a sum of Gauss-Markov processes over a range of averaging times."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ PER_DECADE = 40
 """Averaging times at which the sum is compared with flicker."""
 
 MOST = 40
-"""Processes beyond which no ripple is asked for."""
+"""Processes beyond which no ripple is requested."""
 
 TOP = 1.892
 """A process has the top of its Allan deviation at this multiple of its time constant."""
@@ -24,7 +24,7 @@ TOP = 1.892
 class MarkovSum:
     """Processes whose sum has the Allan variance of flicker with B = 1 between two averaging times.
 
-    `time_constants` in s, effective values `sizes` over B; `ripple` is the largest relative deviation from the Allan
+    `time_constants` in s, RMS values `sizes` relative to B; `ripple` is the largest relative deviation from the Allan
     deviation of flicker in the range.
     """
 
@@ -34,7 +34,7 @@ class MarkovSum:
 
 
 def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | None = None) -> MarkovSum:
-    """The sum of Gauss-Markov processes that stands for flicker between two averaging times.
+    """The sum of Gauss-Markov processes that approximates flicker between two averaging times.
 
     Time constants are evenly spaced in the logarithm, over a span that is searched for; the powers are found by
     non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards as
@@ -45,7 +45,7 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     tau : (low, high)
         Averaging times, s.
     ripple : float
-        Wanted relative deviation of the Allan deviation; so many processes are taken.
+        Largest relative deviation of the Allan deviation; it determines the number of processes.
     order : int, optional
         Number of processes, instead.
 
@@ -62,18 +62,20 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     """
     low, high = tau
     if not 0 < low < high < math.inf:
-        raise UsageError(f"a range of averaging times is two numbers of s, 0 < low < high, not {low:g},{high:g}")
+        raise UsageError(f"a range of averaging times must be two numbers of s, 0 < low < high, not {low:g},{high:g}")
     if order is not None and not 1 <= order <= MOST:
-        raise UsageError(f"between 1 and {MOST} processes can stand for flicker, not {order!r}")
+        raise UsageError(
+            f"the number of processes that approximate flicker must be between 1 and {MOST}, not {order!r}"
+        )
     if not ripple > 0:
-        raise UsageError(f"the wanted ripple is above 0, not {ripple!r}")
+        raise UsageError(f"the ripple must be above 0, not {ripple!r}")
     for k in range(1, MOST + 1) if order is None else (order,):
         found = _best_span(low, high, k)
         if order is not None or found.ripple <= ripple:
             return found
     raise UsageError(
-        f"{MOST} processes leave a ripple of {100 * found.ripple:.2g} % between {low:g} and {high:g} s; "
-        "ask for a larger one, or for a shorter range"
+        f"{MOST} processes leave a ripple of {100 * found.ripple:.2g} % between {low:g} and {high:g} s; allow a "
+        "larger ripple, or use a shorter range"
     )
 
 
@@ -116,7 +118,7 @@ def _fitted(tau: FloatArray, T: FloatArray) -> MarkovSum:
 
 
 def allan_variance(tau: FloatArray, T: float) -> FloatArray:
-    """Of a Gauss-Markov process of effective value 1, ``(4 D(tau) - D(2 tau)) / (2 tau^2)``."""
+    """For a Gauss-Markov process of RMS 1, ``(4 D(tau) - D(2 tau)) / (2 tau^2)``."""
     D = gauss_markov(1.0).structure
     u = tau / T
     return np.asarray((4 * D(u) - D(2 * u)) / (2 * u**2))

@@ -18,7 +18,7 @@ from .build import MEASUREMENTS, Matrices, blocks_of, continuous, equivalent, st
 from .markov import MarkovSum, flicker_sum
 
 NEGLIGIBLE = 0.01
-"""Relative deviation of the Allan variance below which the mean over an interval is taken for the rate at its end."""
+"""Relative deviation of the Allan variance below which the mean over an interval is replaced by the rate at its end."""
 
 PER_OCTAVE = 4
 """Averaging times at which a state space is compared with the model."""
@@ -26,7 +26,7 @@ PER_OCTAVE = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StateSpace(Value):
-    """Errors of a sensor as states: x' = Phi x + w, reading = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
+    """Errors of a sensor as states: x' = Phi x + w, z = H x + v, cov(w) = Qd, var(v) = R, cov(x at start) = P0.
 
     Attributes
     ----------
@@ -42,13 +42,13 @@ class StateSpace(Value):
     measurement : {"mean", "sample"}
         See `MEASUREMENTS`.
     model, equivalent : Model
-        What was asked for, and what it became: flicker by Gauss-Markov processes.
+        The given model, and the equivalent one: flicker as Gauss-Markov processes.
     tau : (low, high)
-        Range of averaging times in which it stands for the model, s.
+        Range of averaging times in which it represents the model, s.
     ripple : float
         Largest relative deviation of its Allan deviation from the model's in that range.
     notes : tuple of str
-        What is left out, and what must be set by whoever uses it.
+        What is neglected, and what the user must set.
     """
 
     Phi: FloatArray
@@ -69,7 +69,7 @@ class StateSpace(Value):
     notes: tuple[str, ...]
 
     def allan(self, m: IntArray) -> FloatArray:
-        """Allan variance of the readings at averaging factors `m`, SI, exactly, from the matrices alone."""
+        """Allan variance of the measurements at averaging factors `m`, SI, exactly, from the matrices alone."""
         return Matrices(self.Phi, self.Qd, self.H, self.R, self.P0).allan(m)
 
     @property
@@ -86,14 +86,14 @@ class StateSpace(Value):
         return headings, [list(row) for row in zip(*columns, strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data, SI, with the Allan variance of the readings; `level` changes nothing."""
+        """Plain data, SI, with the Allan variance of the measurements; `level` changes nothing."""
         m = self.factors
         allan = {"m": m.tolist(), "tau": (m / self.rate).tolist(), "variance": self.allan(m).tolist()}
         return super().to_dict(level) | {"allan": allan}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "StateSpace":
-        """The state space that `to_dict` has written."""
+        """The state space written by `to_dict`."""
         found = super().from_dict(data)
         # a list of no rows does not say that it has no columns either
         square = {n: getattr(found, n).reshape((len(data[n]),) * 2) for n in ("Phi", "Qd", "P0", "F", "Qc")}
@@ -113,26 +113,27 @@ def state_space(
     turn_on: float = 0.0,
     measurement: str = "auto",
 ) -> StateSpace:
-    """A state space of a model's noise, discretised exactly at a rate.
+    """Convert a model to a state space, discretized exactly at a rate.
 
-    White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its
-    slope. Gauss-Markov noise is a state each. Flicker, which no finite filter has, becomes a sum of Gauss-Markov
-    processes that has its Allan variance between two averaging times. Quantization is white noise of the angle: a
-    state, whose difference over the interval the reading gets. A sinusoid is an oscillator of known frequency.
+    White noise N is the noise of the measurement, R = N^2 rate. A rate random walk and a ramp are a bias and its slope.
+    Gauss-Markov noise is a state each. Flicker, which has no finite-dimensional state model, is approximated by a sum
+    of Gauss-Markov processes with the same Allan variance between two averaging times. Quantization is white noise of
+    the angle: a state, whose difference over the interval the measurement gets. A sinusoid is an oscillator of known
+    frequency.
 
     Parameters
     ----------
     model : Model, Term or Fit
     rate : float
-        Of the filter's steps and of its readings, Hz.
+        Rate of the filter's steps and measurements, Hz.
     tau : (low, high)
         Averaging times between which flicker is matched, s; low is at least an interval.
     ripple : float
-        Wanted relative deviation from the Allan deviation of flicker; it sets the number of processes.
+        Largest relative deviation from the Allan deviation of flicker; it determines the number of processes.
     order : int, optional
-        Number of processes that stand for flicker, instead.
+        Or the number of processes that approximate flicker.
     turn_on : float
-        Standard deviation of the constant bias from switch-on to switch-on, SI; the noise says nothing about it.
+        Standard deviation of the turn-on bias, SI, which the noise does not determine.
     measurement : {"auto", "mean", "sample"}
         Whether the mean over the interval is a state of its own ("mean", exact), or the rate at the end is taken for it
         ("sample"); "auto" takes the latter where it changes the Allan variance by less than 1 %.
@@ -144,7 +145,7 @@ def state_space(
     Raises
     ------
     UsageError
-        The model has nothing to be a state, or a term that can be none; an option is impossible.
+        The model has no states, or a term without a state model; an option is impossible.
 
     Examples
     --------
@@ -156,10 +157,10 @@ def state_space(
     model = model_of(model)
     if not (math.isfinite(rate) and rate > 0) or not turn_on >= 0:
         raise UsageError(
-            f"the rate is above 0 Hz and the bias at switch-on not negative, unlike {given(rate)}, {given(turn_on)}"
+            f"the rate must be above 0 Hz and the turn-on bias not negative, unlike {given(rate)}, {given(turn_on)}"
         )
     if measurement not in ("auto", *MEASUREMENTS):
-        raise UsageError(f"a measurement is auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
+        raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]
     fitted = flicker_sum((low, high), ripple=ripple, order=order) if any(t.row.substitute for t in model) else None
     replaced = equivalent(model, fitted)
@@ -167,9 +168,7 @@ def state_space(
     blocks = states_of(every, turn_on, 1 / rate)
     white = np.array([[sum(block.white for block in every)]])
     if not blocks:
-        raise UsageError(
-            f"{model} is noise of the measurement alone, of variance {white[0, 0]:g} ({model.signal.unit})^2"
-        )
+        raise UsageError(f"{model} is measurement noise alone, with variance {white[0, 0]:g} ({model.signal.unit})^2")
     chosen = _chosen(measurement, blocks, white, (replaced, rate, high))
     built = MEASUREMENTS[chosen].build(blocks, white)
     m = _factors(low, high, rate)
@@ -194,11 +193,11 @@ def state_space(
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
-    """The measurement that was asked for, or for "auto" the simpler one if it is good enough."""
+    """The measurement that was requested, or for "auto" the simpler one if it is good enough."""
     model, rate, high = how
     angle = any(block.Q.any() and not block.output.any() for block in blocks)
     if measurement == "sample" and angle:
-        raise UsageError("noise of the angle is a difference over the interval: it needs measurement='mean'")
+        raise UsageError("angle noise is a difference over the interval: it needs measurement='mean'")
     if measurement != "auto":
         return measurement
     m = _factors(1 / rate, high, rate)
@@ -217,9 +216,10 @@ def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, floa
     if fitted is not None:
         k = int((fitted.sizes > 0).sum())
         yield (
-            f"flicker is {k} Gauss-Markov processes, within {100 * fitted.ripple:.2g} % of its Allan deviation from "
-            f"{tau[0]:g} to {tau[1]:g} s; below it has too little power, and beyond it the bias wanders no further"
+            f"flicker is approximated by {k} Gauss-Markov processes, within {100 * fitted.ripple:.2g} % of its "
+            f"Allan deviation from {tau[0]:g} to {tau[1]:g} s; below, its power is too small, and beyond, the bias "
+            "drifts no further"
         )
     yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
-        yield "the constant bias from switch-on to switch-on is no noise: it is 0 in P0 until you give it (turn_on)"
+        yield "the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)"

@@ -1,4 +1,4 @@
-"""Statistics of a record over averaging time: the table, the estimates, their expectation and confidence."""
+"""Statistics of a record over averaging time: the table, estimates, expectations and confidence intervals."""
 
 import warnings
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from allanite.core.limits import Remembered
 from allanite.core.model import Model, model_of
 from allanite.core.record import Record
 from allanite.core.units import Signal
+from allanite.core.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import correction, corrections, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
@@ -34,13 +35,13 @@ from .table import Points
 from .table import statistic_named as statistic_named
 
 HIDDEN = 0.05
-"""Variance of white noise of the rate and of the angle without gaps over that of means of what is there.
+"""Variance of white rate and angle noise without gaps over that of means of the remaining samples.
 
-Below it the joints rule, and the slow noise could only be guessed.
+Below this ratio the joints dominate, and the slow noise could only be guessed.
 """
 
 PATIENCE = 60.0
-"""Seconds from which on a job is long enough to be warned of."""
+"""Duration in seconds above which a warning is given."""
 
 
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
@@ -56,9 +57,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     divisor: int = 30,
     threads: int = 1,
 ) -> Curve:
-    """A statistic of a record, for many averaging times at once: `allanite.deviation` without identification.
+    """Compute a statistic of a record at many averaging times: `allanite.deviation` without identification.
 
-    Limits suppose `noise`; a function that gives it is called when limits, or a correction of a bias, need it.
+    The intervals assume `noise`; a function that returns it is called when intervals, or a bias correction, need it.
 
     Examples
     --------
@@ -69,15 +70,15 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     row = statistic_named(statistic)
     demand_bias(bias, row)
     if gaps not in ("means", "complete"):
-        raise UsageError(f"of windows with gaps 'means' count or the 'complete' ones alone, not {gaps!r}")
+        raise UsageError(f"gaps must be 'means' or 'complete', not {gaps!r}")
     suppose = None if noise is None else Remembered(noise if callable(noise) else partial(supposed, noise))
     if suppose and not callable(noise) and isinstance(suppose().noise, Averaged) and row.parts:
         bias = bias or "model"
     bias = None if bias == "plain" else bias
     if not 0 < join < 1:
-        raise UsageError(f"theoh joins at a share of the record between 0 and 1, not {join!r}")
+        raise UsageError(f"join must be a share of the record between 0 and 1, not {join!r}")
     if threads < 1:
-        raise UsageError(f"threads are 1 or more, not {threads!r}")
+        raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
@@ -91,7 +92,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     seen = seen.only(_complete(count, row, factors, named=named))
     if bias is not None or (suppose and len(places) > 1 and row.differences):
         seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
-    # a maximum has no law, and the angle's own error only under white noise
+    # a maximum has no known distribution, and the RMS angle error only under white noise
     under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
     law = Later(suppose, under) if suppose and row.order > 1 else None
     return Curve(
@@ -117,7 +118,7 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
     if wait > PATIENCE:
         warnings.warn(
             f"{row.name} at {m.size} averaging times of {size} samples takes about {wait / 60:.0f} min; "
-            "taus='log' takes 100 of them",
+            + spelled("--taus log computes 100 of them", "taus='log' computes 100 of them"),
             LongJobWarning,
             stacklevel=3,
         )
@@ -178,7 +179,9 @@ def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None
     With the bias "means" for means of what is there instead of complete windows.
     """
     if noise is None:
-        raise UsageError("a bias depends on the noise: pass noise=allanite.identify(record), or noise='auto'")
+        raise UsageError(
+            "a bias correction depends on the noise: pass noise=allanite.identify(record), or noise='auto'"
+        )
     if isinstance(noise, Averaged):
         return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
 
@@ -191,7 +194,7 @@ def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None
 
 
 def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> BoolArray:
-    """Which points have a window; a named grid leaves the others out, for a point that was asked for it is an error."""
+    """Which points have a window; a named grid omits the others, but a requested point without a window is an error."""
     whole = count > 0
     if (named and whole.any()) or whole.all():
         return whole
@@ -200,7 +203,7 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
 
 
 def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
-    """Which points tell of the noise and not of the joints alone; left out or refused as those without a window.
+    """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
 
     Slow noise has no voice: where the joints rule, it is known from the supposed models only.
     """
@@ -214,7 +217,7 @@ def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) 
         return told
     first = int(np.flatnonzero(~told)[0])
     raise DataError(
-        f"where readings were lost the angle is open, and noise of the angle makes {row.name} {1 / factor[first]:.3g} "
-        f"times that of the record without gaps at averaging factor {m[first]}: it tells nothing there; take shorter "
-        "times, or a record of the angle"
+        f"where samples are missing the angle is open, and angle noise makes {row.name} {1 / factor[first]:.3g} "
+        f"times that of the record without gaps at averaging factor {m[first]}, so that it carries no information; "
+        "use shorter times, or a record of the angle"
     )

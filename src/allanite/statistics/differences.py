@@ -22,14 +22,15 @@ def _window(m: int) -> Window:
 
 OADEV = Statistic(
     name="oadev",
-    title="overlapped Allan deviation",
+    title="overlapping Allan deviation",
     formula=r"\frac{1}{2\tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} (x_{i+2m} - 2x_{i+m} + x_i)^2",
     reference="NIST SP 1065 eq. 11; IEEE Std 952",
-    meaning="How much the mean rate over tau changes from one interval to the next.",
-    use="The default: every noise term of IEEE Std 952 has its own slope, and the overlap uses all of the record.",
-    limits="A ramp hides what is slower than it; quantization and fast noise beyond white have nearly the same slope.",
-    cost="1.3 units of 0.16 ns for each sample and tau; one copy of the record. Every tau by transforms: "
-    "0.5 us for each sample, six copies.",
+    meaning="The typical change of the mean rate over tau from one interval to the next.",
+    use="The default: every noise term of IEEE Std 952 has its own slope, and the overlapping windows use the whole "
+    "record.",
+    limits="A ramp hides slower noise; quantization and fast noise other than white have nearly the same slope.",
+    cost="About 0.2 ns per sample and tau; one copy of the record. All tau together by FFT: 0.5 us per sample, six "
+    "copies.",
     order=2,
     norm=constant(2.0),
     span=(2, 0),
@@ -46,9 +47,9 @@ ADEV = replace(
     formula=r"\frac{1}{2\tau^2 (J-2)} \sum_{j=0}^{J-3} (x_{(j+2)m} - 2x_{(j+1)m} + x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
     reference="D. W. Allan, Proc. IEEE 54, 1966; NIST SP 1065 eq. 8; IEEE Std 952",
-    use="To repeat what a data sheet or an older paper did; otherwise the overlapped form is better at the same price.",
-    limits="Uses every window once only: at long tau its intervals are up to twice as wide as those of oadev.",
-    cost="Less than oadev: n/m terms for each tau; one copy of the record.",
+    use="To reproduce a data sheet or an older paper; otherwise the overlapping form is better at the same cost.",
+    limits="Uses every window only once: at long tau its intervals are up to twice as wide as those of oadev.",
+    cost="Less than oadev: n/m terms per tau; one copy of the record.",
     overlapped=False,
     sums=partial(_strided, order=2),
     split=interleaved,
@@ -60,23 +61,23 @@ HAAR = replace(
     title="Haar wavelet (MODWT) deviation",
     formula=r"\nu^2(\tau) = \tfrac12\,\mathrm{OAVAR}(\tau), \quad \tau = 2^{j-1} \tau_0 \text{ at level } j",
     reference="D. B. Percival & A. T. Walden, Wavelet Methods for Time Series Analysis, 2000, section 8.6",
-    meaning="The wavelet variance of the Haar filter: the rate's variance split up by time scale.",
-    use="To compare with wavelet tools (wv, gmwm): it is exactly half the overlapped Allan variance.",
-    limits="Those of oadev. The dyadic scales of the transform are the octave grid; other factors continue it.",
+    meaning="The wavelet variance of the Haar filter: the variance of the rate by time scale.",
+    use="To compare with wavelet tools (wv, gmwm): it is exactly half the overlapping Allan variance.",
+    limits="Those of oadev. The dyadic scales of the transform are the octave grid; other factors are also allowed.",
     norm=constant(4.0),
 )
 
 OHDEV = Statistic(
     name="ohdev",
-    title="overlapped Hadamard deviation",
+    title="overlapping Hadamard deviation",
     formula=r"\frac{1}{6\tau^2 (n+1-3m)} \sum_{i=0}^{n-3m} (x_{i+3m} - 3x_{i+2m} + 3x_{i+m} - x_i)^2",
     reference="NIST SP 1065 eq. 18; R. A. Baugh, 1971",
-    meaning="Like the Allan deviation of the rate's change: a steady ramp of the rate drops out.",
-    use="Beside oadev, to tell a deterministic drift from rate random walk: only the drift is missing here.",
-    limits="Below oadev at long tau even without a ramp: by 0.71 for rate random walk, 0.90 for flicker. "
-    "Only a ratio below 0.71 needs a ramp.",
-    cost="1.7 units of 0.16 ns for each sample and tau; one copy of the record. Every tau by transforms: "
-    "1 us for each sample, six copies.",
+    meaning="Like the Allan deviation, but of the change of the rate: a constant ramp of the rate cancels.",
+    use="With oadev, to distinguish a deterministic drift from rate random walk: only the drift cancels.",
+    limits="Below oadev at long tau even without a ramp: by a factor of 0.71 for rate random walk, 0.90 for flicker. "
+    "Only a ratio below 0.71 requires a ramp.",
+    cost="About 0.3 ns per sample and tau; one copy of the record. All tau together by FFT: 1 us per sample, six "
+    "copies.",
     order=3,
     norm=constant(6.0),
     span=(3, 0),
@@ -93,9 +94,9 @@ HDEV = replace(
     formula=r"\frac{1}{6\tau^2 (J-3)} \sum_{j=0}^{J-4} (x_{(j+3)m} - 3x_{(j+2)m} + 3x_{(j+1)m} - x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
     reference="NIST SP 1065 eq. 17; R. A. Baugh, 1971",
-    use="To repeat older results; otherwise the overlapped form is better at the same price.",
-    limits="Uses every window once only; otherwise as ohdev.",
-    cost="Less than ohdev: n/m terms for each tau; one copy of the record.",
+    use="To reproduce older results; otherwise the overlapping form is better at the same cost.",
+    limits="Uses every window only once; otherwise as ohdev.",
+    cost="Less than ohdev: n/m terms per tau; one copy of the record.",
     overlapped=False,
     sums=partial(_strided, order=3),
     split=interleaved,
@@ -107,12 +108,13 @@ MDEV = Statistic(
     formula=r"\frac{1}{2\tau^2 m^2 (n+2-3m)} \sum_{j=0}^{n+1-3m} \Bigl[ \sum_{i=j}^{j+m-1} "
     r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2",
     reference="D. W. Allan & J. A. Barnes, 1981; NIST SP 1065 eq. 14",
-    meaning="The Allan deviation of an angle smoothed over tau: fast noise is averaged away, slow noise is not.",
-    use="To tell kinds of fast noise apart: quantization falls with slope -3/2 here and flicker of the angle with -1, "
+    meaning="The Allan deviation of an angle smoothed over tau: fast noise is averaged, slow noise is not.",
+    use="To distinguish kinds of fast noise: quantization falls with slope -3/2 and flicker angle noise with -1, "
     "while both fall with -1 in oadev.",
-    limits="White rate noise reads half its Allan variance, other noise other shares: no coefficient is read off.",
-    cost="2.6 units of 0.16 ns for each sample and tau; one copy of the record and segments of 64 tau. Every tau by "
-    "transforms: 1.5 us for each sample.",
+    limits="White rate noise gives half its Allan variance, other noise other ratios: coefficients cannot be read off "
+    "directly.",
+    cost="About 0.4 ns per sample and tau; one copy of the record and segments of 64 tau. All tau together by FFT: "
+    "1.5 us per sample.",
     order=2,
     norm=lambda m: 2.0 * np.asarray(m, dtype=np.float64) ** 2,
     span=(3, -1),
@@ -126,11 +128,11 @@ MDEV = Statistic(
 TDEV = replace(
     MDEV,
     name="tdev",
-    title="time deviation of the angle",
+    title="time deviation (TDEV) of the angle",
     formula=r"\frac{\tau^2}{3}\,\mathrm{MVAR}(\tau)",
     reference="NIST SP 1065 eq. 15",
-    meaning="The error of the angle that builds up over tau, in the unit of the angle.",
-    use="Where the angle matters and not the rate: pointing, dead reckoning between fixes.",
+    meaning="The angle error that accumulates over tau, in the unit of the angle.",
+    use="If the angle matters rather than the rate: pointing, dead reckoning between fixes.",
     norm=lambda m: 6.0 * np.asarray(m, dtype=np.float64) ** 2,
     power=1,
 )

@@ -1,4 +1,4 @@
-"""A statistic in windows that slide along a record: the dynamic Allan variance and its relatives."""
+"""A statistic in sliding windows of a record: the dynamic Allan variance and related statistics."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from .row import Statistic
 from .table import statistic_named
 
 FEWEST = 8
-"""Samples below which a window is no window."""
+"""Minimum number of samples in a window."""
 
 
 def dynamic(
@@ -30,26 +30,26 @@ def dynamic(
     noise: ModelLike | None = None,
     threads: int = 1,
 ) -> Surface:
-    """A statistic in windows that slide along a record: what changes with time.
+    """Compute a statistic in sliding windows of a record, which shows changes with time.
 
     Parameters
     ----------
     record : Record
-        NaN marks lost samples.
+        NaN marks missing samples.
     statistic : str
         A name in `STATISTICS`.
     window, step : float, optional
-        Length of a window, a tenth of the record if left out, and distance of neighbours, an eighth of a window; s.
-        Both are rounded to whole samples.
+        Length of a window, by default a tenth of the record, and distance between windows, by default an eighth of a
+        window; s. Both are rounded to whole samples.
     taus, m, noise
-        As of `deviation`, for a record of one window.
+        As for `deviation`, for a record of one window.
     threads : int
-        How many to use at most, where windows are dealt with one by one; the numbers are the same.
+        Maximum number of threads, used where windows are processed one by one; the results are the same.
 
     Returns
     -------
     Surface
-        Each row is what `deviation` gives for the samples of its window; NaN where these do not support it.
+        Each row is the result of `deviation` for the samples of its window; NaN if these are not sufficient.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def dynamic(
     """
     row = statistic_named(statistic)
     if threads < 1:
-        raise UsageError(f"threads are 1 or more, not {threads!r}")
+        raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
     samples, stride = _samples(record, window, step)
     first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
@@ -106,12 +106,12 @@ def _samples(record: Record, window: float | None, step: float | None) -> tuple[
     """Length of a window and of a step in samples."""
     for name, value in (("window", window), ("step", step)):
         if value is not None and not (np.isfinite(value) and value > 0):
-            raise UsageError(f"the {name} is a positive number of seconds, not {value!r}")
+            raise UsageError(f"the {name} must be a positive number of seconds, not {value!r}")
     samples = record.size // 10 if window is None else round(window * record.rate)
     if not FEWEST <= samples <= record.size:
         raise UsageError(
-            f"a window of {samples / record.rate:g} s does not do: {record.name!r} is {record.duration:g} s long, and "
-            f"{FEWEST} samples take {FEWEST / record.rate:g} s"
+            f"a window of {samples / record.rate:g} s is not possible: {record.name!r} is {record.duration:g} s "
+            f"long, and the minimum of {FEWEST} samples is {FEWEST / record.rate:g} s"
         )
     return samples, max(1, samples // 8 if step is None else round(step * record.rate))
 
@@ -122,7 +122,7 @@ def _part(record: Record, start: int, samples: int) -> Record:
 
 
 def _complete(record: Record, samples: int) -> Record:
-    """Any window without lost samples: its curve has the grid, the counts and the law of all windows."""
+    """Any window without missing samples: its curve has the grid, the counts and the law of all windows."""
     return Record(np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, name=record.name)
 
 
@@ -155,7 +155,7 @@ def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve, threads: 
 
 
 def _one(part: Record, row: Statistic, first: Curve) -> Estimate | DataError:
-    """A window by itself; the reason where it has lost too much: the others have not."""
+    """A window by itself, or the reason if too many samples are missing."""
     try:
         angle = integrated(part, row.order)
         variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)

@@ -1,4 +1,4 @@
-"""The angle of a record, cut at its gaps, and estimates from it: windows are dropped there, never stretched."""
+"""The angle of a record, split at its gaps, and estimates from it: windows with missing samples are omitted."""
 
 from typing import NamedTuple
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
+from allanite.core.wording import windowing
 
 from .grids import part_of
 from .moments.means import takes_means, there, variance_of
@@ -20,7 +21,7 @@ class Piece(NamedTuple):
 
 
 class Angle(NamedTuple):
-    """The angle of a record in the steps of its readings: its pieces and its length in sample intervals, gaps included.
+    """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included.
 
     `scale` is what x must be multiplied with to be SI.
     """
@@ -60,7 +61,9 @@ def integrated(record: Record, order: int) -> Angle:
     ]
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
-        raise DataError(f"{record.name!r} has no two neighbouring readings that are finite; nothing can be differenced")
+        raise DataError(
+            f"{record.name!r} has no two successive samples that are finite; no differences can be computed"
+        )
     return Angle(long, record.size, record.factor * (record.interval if record.kind == "rate" else 1.0))
 
 
@@ -108,8 +111,8 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
         raise DataError(
-            f"{row.name} folds the record back at its ends and has no meaning in one with gaps; take another statistic "
-            "(oadev, theo1, mtotdev), or cut a window without gaps (prepare.trim, --from, --until)"
+            f"{row.name} folds the record back at its ends and is not defined for a record with gaps; use another "
+            f"statistic (oadev, theo1, mtotdev), or select a window without gaps ({windowing()})"
         )
     if m.size > 1 and not np.all(m[1:] >= m[:-1]):
         order = np.argsort(m, kind="stable")
@@ -171,17 +174,17 @@ def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -
 
     if divisor not in (6, 30):
         raise UsageError(
-            f"the divisor of TheoBR's ratio is 30 (as published) or 6 (as Stable32 runs it), not {divisor!r}"
+            f"the divisor of TheoBR's ratio must be 30 (as published) or 6 (as in Stable32), not {divisor!r}"
         )
     last = (angle.size + 1) // divisor - 3
     if last < 0:
         raise DataError(
-            f"TheoBR needs {3 * divisor - 1} samples or more for its bias ratio, and there are "
-            f"{angle.size}; take theo1, or oadev"
+            f"TheoBR needs at least {3 * divisor - 1} samples for its bias ratio, but there are {angle.size}; use "
+            "theo1, or oadev"
         )
     i = np.arange(last + 1)
     allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
     both = (allan.number > 0) & (theo.number > 0)
     if not both.any():
-        raise DataError("the gaps leave no window of 12 samples for the bias ratio of TheoBR; take oadev")
+        raise DataError("the gaps leave no window of 12 samples for the bias ratio of TheoBR; use oadev")
     return float(np.mean(allan.variance[both] / theo.variance[both]))

@@ -1,4 +1,4 @@
-"""Errors of the angle itself over an interval: their root mean square and their maximum."""
+"""Errors of the angle over an interval: RMS and maximum."""
 
 import numpy as np
 
@@ -19,13 +19,13 @@ def _largest(x: FloatArray, m: IntArray) -> FloatArray:
 
 TIERMS = Statistic(
     name="tierms",
-    title="rms error of the angle over an interval",
+    title="TIE rms of the angle",
     formula=r"\frac{1}{n+1-m} \sum_{i=0}^{n-m} (x_{i+m} - x_i)^2",
     reference="NIST SP 1065 section 5.2.19 (rms time interval error)",
-    meaning="How far the angle moves within tau: rms, in the unit of the angle, bias included.",
-    use="The heading error that an uncorrected gyro builds up within tau.",
-    limits="A constant rate counts fully: remove a known bias from the record first.",
-    cost="1 unit of 0.16 ns for each sample and tau; one copy of the record.",
+    meaning="How far the angle moves within tau, RMS, in the unit of the angle, bias included.",
+    use="The heading error that an uncorrected gyro accumulates within tau.",
+    limits="A constant rate contributes fully: remove a known bias from the record first.",
+    cost="About 0.2 ns per sample and tau; one copy of the record.",
     order=1,
     norm=lambda m: np.ones(np.shape(m)),
     span=(1, 0),
@@ -38,13 +38,14 @@ TIERMS = Statistic(
 
 MTIE = Statistic(
     name="mtie",
-    title="maximum error of the angle within an interval",
+    title="maximum time interval error (MTIE) of the angle",
     formula=r"\max_i \bigl( \max_{i \le j \le i+m} x_j - \min_{i \le j \le i+m} x_j \bigr)^2",
     reference="ITU-T G.810; NIST SP 1065 section 5.2.18 (maximum time interval error)",
     meaning="The largest range of the angle within any window of tau, in the unit of the angle, bias included.",
-    use="A bound for this record: what the angle error over tau never exceeded.",
-    limits="A maximum: it grows with the length of the record and has no degrees of freedom; one outlier decides it.",
-    cost="15 ns for each sample and tau; three copies of the record.",
+    use="A bound for this record: the angle error over tau never exceeded it.",
+    limits="A maximum: it grows with the length of the record and has no degrees of freedom; a single outlier "
+    "determines it.",
+    cost="15 ns per sample and tau; three copies of the record.",
     order=1,
     norm=lambda m: np.ones(np.shape(m)),
     span=(1, 0),

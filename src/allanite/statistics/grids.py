@@ -25,7 +25,7 @@ def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: flo
     if not isinstance(taus, str):
         return _of_seconds(np.atleast_1d(np.asarray(taus, dtype=np.float64)), row, (size, rate), join)
     if taus not in GRIDS:
-        raise UsageError(f"unknown grid of averaging times {taus!r}; known are {', '.join(GRIDS)}, or give seconds")
+        raise UsageError(f"unknown grid of averaging times {taus!r}; known grids: {', '.join(GRIDS)}, or give seconds")
     parts = row.parts or (row,)
     made = [GRIDS[taus](part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
     if len(made) < 2:
@@ -49,8 +49,8 @@ def _of_seconds(taus: FloatArray, row: Statistic, clock: tuple[int, float], join
         unit = step[i] * factor[i] / rate
         near = m[i] * factor[i] / rate
         raise UsageError(
-            f"tau = {taus[i]:g} s is no multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; "
-            f"the nearest is {max(near, unit):g} s"
+            f"tau = {taus[i]:g} s is not a multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; the "
+            f"nearest is {max(near, unit):g} s"
         )
     return np.asarray(m, dtype=np.int64)
 
@@ -59,22 +59,22 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
     """Averaging factors, if the statistic allows them for a record of `size` intervals; an error names the largest."""
     factors = np.atleast_1d(np.asarray(m))
     if factors.size and factors.dtype.kind not in "iu":
-        raise UsageError(f"averaging factors are integers, not {factors.dtype}; give times in seconds as taus")
+        raise UsageError(f"averaging factors must be integers, not {factors.dtype}; give times in seconds as taus")
     largest, least = (row.parts or (row,))[-1].largest(size), row.step
     if largest < least:
-        raise UsageError(f"{row.name} needs {_least(row)} samples or more, and there are {size}")
+        raise UsageError(f"{row.name} needs at least {_least(row)} samples, but there are {size}")
     outside = factors[(factors < least) | (factors > largest)]
     if outside.size or not factors.size:
         came = ", ".join(map(str, outside[:3])) or "none"
         raise UsageError(
-            f"averaging factors of {row.name} lie between {least} and {largest} for {size} samples; {came} came"
+            f"averaging factors of {row.name} must be between {least} and {largest} for {size} samples, not {came}"
         )
     step = np.array([part.step for part in row.parts or (row,)])[part_of(row, factors, size, join)]
     odd = factors % step != 0
     if odd.any():
         raise UsageError(
-            f"averaging factors of {row.name} are even{' beyond the joint' * (len(row.parts) > 1)}, but "
-            f"{factors[odd][0]} came; the largest possible is {largest}"
+            f"averaging factors of {row.name} must be even{' beyond the joint' * (len(row.parts) > 1)}, not "
+            f"{factors[odd][0]}; the largest possible is {largest}"
         )
     return np.asarray(factors, dtype=np.int64)
 

@@ -1,4 +1,4 @@
-"""The parabolic deviation: differences of slopes that are fitted to the angle by least squares."""
+"""The parabolic deviation: differences of slopes fitted to the angle by least squares."""
 
 import numpy as np
 
@@ -25,10 +25,10 @@ PDEV = Statistic(
     formula=r"\frac{72}{m^4 \tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} \Bigl[ \sum_{k=0}^{m-1} \bigl(\tfrac{m-1}{2} - k\bigr) "
     r"(x_{i+k} - x_{i+m+k}) \Bigr]^2 \quad (m = 1: \mathrm{OAVAR})",
     reference="F. Vernotte, M. Lenczner, P.-Y. Bourgeois & E. Rubiola, IEEE UFFC 63, 2016; F. Vernotte et al., 2020",
-    meaning="The Allan deviation of rates that are slopes fitted to the angle, not differences of its ends.",
-    use="Fast noise of the angle (quantization): it is suppressed as in mdev, over windows of 2 tau instead of 3.",
-    limits="White rate noise reads 6/5 of its Allan variance, other noise other shares.",
-    cost="24 units of 0.16 ns for each sample and tau; a copy of the record and segments of 16 tau.",
+    meaning="The Allan deviation with rates from least-squares slopes of the angle instead of its differences.",
+    use="Fast angle noise (quantization): it is suppressed as in mdev, over windows of 2 tau instead of 3.",
+    limits="White rate noise gives 6/5 of its Allan variance, other noise other ratios.",
+    cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.",
     order=2,
     norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
     span=(2, 0),

@@ -1,4 +1,4 @@
-"""What is read off the Allan deviation of a record: the deviation at 1 s, the minimum, the slope by range."""
+"""Values read off the Allan deviation of a record: the deviation at 1 s, the minimum, slopes."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -21,10 +21,10 @@ MEANS = (10.0, 100.0)
 """Averaging times, s, of the N-second stability of data sheets."""
 
 FEWEST_MEANS = 10
-"""Means from which on their standard deviation is shown."""
+"""Minimum number of means for which their standard deviation is given."""
 
 WINDOWS = 8
-"""Windows of a point's length, one after the other, that it must have."""
+"""Minimum number of successive windows at an averaging time."""
 
 WIDE = 2.0
 """Ratio of averaging times below which a range is too narrow for a slope."""
@@ -43,15 +43,15 @@ class _Limits:
 
 
 def readings(record: Record, curve: Curve | None = None) -> Readings:
-    """Read off the overlapping Allan deviation of a record what data sheets and other programs do.
+    """Read off the overlapping Allan deviation the values that data sheets and other programs give.
 
-    Points with fewer than eight successive windows are left out: the lowest of points that scatter is low by luck.
+    Points with fewer than eight successive windows are omitted: the lowest of scattered points is biased low.
 
     Parameters
     ----------
     record : Record
     curve : Curve, optional
-        The record's oadev on the grid "log", where it is there already.
+        The record's oadev on the grid "log", if it is already computed.
 
     Raises
     ------
@@ -105,7 +105,7 @@ class _Points:
         if last < WIDE * first or not variance.all():
             return None
         ratio = math.log(tau[1] / tau[0])
-        # as if the two were independent: they go together, if at all, which makes their ratio scatter less
+        # as if the two were independent: correlation can only reduce the scatter of their ratio
         error = math.sqrt(float((2 / edf).sum())) / 2 / ratio
         return Slope(float(tau[0]), float(tau[1]), math.log(variance[1] / variance[0]) / 2 / ratio, error)
 

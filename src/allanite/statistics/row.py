@@ -1,4 +1,4 @@
-"""What a row of the table of statistics holds."""
+"""Definition of a row of the table of statistics."""
 
 import math
 from collections.abc import Callable
@@ -24,9 +24,9 @@ def interleaved(points: int, m: IntArray, threads: int) -> list[IntArray]:
 
 @dataclass(frozen=True)
 class Sharp:
-    """How the ratios of white noise of the angle with the other terms, and with itself, depend on m.
+    """How the ratios of white angle noise with the other terms, and with itself, depend on m.
 
-    `levels` as of `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
+    `levels` as for `Scheme`; ratios fall as 1 / (m scale(m)); `itself`, (m, count) -> ratio, is that with itself where
     it follows no power of m.
     """
 
@@ -46,7 +46,7 @@ class Scheme:
     power : int
         The extrapolation is a polynomial in ``m^-power``.
     sharp : Sharp, optional
-        For white noise of the angle, where the window holds single points of the angle; None where it averages them, so
+        For white angle noise, where the window holds single points of the angle; None where it averages them, so
         that this noise scales as the other terms do.
     response : (term, m) -> E, or None
         Expectation of one window, where it is known for any m.
@@ -84,9 +84,9 @@ class Statistic:
     Attributes
     ----------
     name, title, formula, reference
-        The field's name, in words, LaTeX of the variance, source.
+        Name used in the field, full name, LaTeX formula of the variance, source.
     meaning, use, limits, cost
-        For the documentation: what it tells, when to take it, where it misleads, its time and memory.
+        For the documentation: what it measures, when to use it, its limitations, time and memory.
     order : int
         Differences of x it takes: 1 removes a constant angle, 2 a constant rate, 3 a ramp of the rate too.
     norm : m -> float
@@ -114,7 +114,7 @@ class Statistic:
     extreme : bool
         Whether the windows' largest value counts, not their mean.
     gaps : bool
-        Whether it has a meaning in a record with lost samples.
+        Whether it is defined for a record with missing samples.
     parts : tuple of Statistic
         What a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf.
     kept : (slope, share) -> float
@@ -167,7 +167,7 @@ class Statistic:
 
     @property
     def readable(self) -> bool:
-        """Whether its expectation is known for every term and any length of the record: a fit can read its curve."""
+        """Whether its curve can be fitted: its expectation is known for every term and any length of the record."""
         return self.order > 1 and not self.power and self.window is not None and not self.parts
 
     @property

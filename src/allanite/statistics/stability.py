@@ -1,4 +1,4 @@
-"""What is read off a record or a curve beside the statistics: N-second stability, and the minimum of the curve."""
+"""N-second stability of a record, and the minimum of a curve."""
 
 import math
 from typing import NamedTuple
@@ -16,14 +16,14 @@ FLOOR = math.sqrt(2 * math.log(2) / math.pi)
 """Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
 
 KNOWN = 10.0
-"""Degrees of freedom from which on a point's minimum is not the luck of the draw."""
+"""Minimum degrees of freedom of a point for the minimum."""
 
 
 class Stability(NamedTuple):
-    """Standard deviation `value` of N-second means, SI, and what a model leads one to expect, exactly (`expected`).
+    """Standard deviation `value` of N-second means, SI, and its exact expectation under a model (`expected`).
 
-    There are `blocks` means over `seconds`; `duration` is that of the record, s: for all but white noise the value
-    grows with it.
+    There are `blocks` means over `seconds`; `duration` is that of the record, s: except for white noise the value grows
+    with it.
     """
 
     value: float
@@ -35,10 +35,10 @@ class Stability(NamedTuple):
 
 
 class Minimum(NamedTuple):
-    """The lowest point of a curve, and the bias instability if all of it were flicker: at most this.
+    """The minimum of a curve, and the bias instability if all of it were flicker, which is an upper limit.
 
     `value` is ``deviation / 0.66428``, in the curve's unit. `inside` says whether the curve rises again beyond `tau`;
-    else the minimum is its last point and only a limit.
+    otherwise the minimum is the last point and only an upper limit.
     """
 
     value: float
@@ -50,14 +50,13 @@ class Minimum(NamedTuple):
 def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLike | None = None) -> Stability:
     """N-second stability: the standard deviation of the means over `seconds`, without overlap.
 
-    ``s^2 = sum (Y_j - mean Y)^2 / (K - 1)``. Under a model its expectation is
-    ``1/(K (K-1)) sum_l (K - l) (2 D(tau) + 2 D(l tau) - D((l+1) tau) - D((l-1) tau)) / tau^2``. Means that touch a gap
-    are left out.
+    ``s^2 = sum (Y_j - mean Y)^2 / (K - 1)``. Under a model its expectation is ``1/(K (K-1)) sum_l (K - l) (2 D(tau) + 2
+    D(l tau) - D((l+1) tau) - D((l-1) tau)) / tau^2``. Means that overlap a gap are omitted.
 
     Raises
     ------
     UsageError
-        `seconds` is no multiple of the sample interval.
+        `seconds` is not a multiple of the sample interval.
     DataError
         There are fewer than 2 means.
 
@@ -69,15 +68,15 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     """
     m = round(seconds * record.rate)
     if m < 1 or abs(m - seconds * record.rate) > 1e-6 * m:
-        raise UsageError(f"{seconds:g} s is no multiple of the sample interval {record.interval:g} s")
+        raise UsageError(f"{seconds:g} s is not a multiple of the sample interval {record.interval:g} s")
     rates = record.rate_values
     means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
     whole = np.isfinite(means)
     blocks = int(whole.sum())
     if blocks < 2:
         raise DataError(
-            f"{record.name!r} has {blocks} complete means over {seconds:g} s, 2 are needed; the longest possible is "
-            f"{record.duration / 2:g} s"
+            f"{record.name!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
+            f"possible time is {record.duration / 2:g} s"
         )
     value = float(np.std(means[whole], ddof=1))
     expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
@@ -97,8 +96,8 @@ def _variance(model: Model, tau: float, whole: BoolArray) -> float:
 def minimum(curve: Curve) -> Minimum:
     """The minimum of a curve as an upper limit of the bias instability.
 
-    Only points with 10 degrees of freedom count, if the curve knows them: the lowest of points that scatter is low by
-    luck. With N and K alone, and no flicker at all, the minimum is sqrt(2 N K / 1.732).
+    Only points with at least 10 degrees of freedom are used, if these are known: the lowest of scattered points is
+    biased low. With N and K alone, and no flicker at all, the minimum is sqrt(2 N K / 1.732).
 
     Examples
     --------

@@ -25,7 +25,7 @@ STATISTICS: dict[str, Statistic] = {
 def statistic_named(name: str) -> Statistic:
     """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
     if name not in STATISTICS:
-        raise UsageError(f"unknown statistic {name!r}; known are {', '.join(STATISTICS)}")
+        raise UsageError(f"unknown statistic {name!r}; known statistics: {', '.join(STATISTICS)}")
     return STATISTICS[name]
 
 
@@ -33,7 +33,7 @@ class Points(NamedTuple):
     """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
 
     `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
-    where the runs lie, if windows with lost readings count too.
+    where the runs lie, if windows with missing samples count too.
     """
 
     row: Statistic

@@ -45,11 +45,11 @@ THEO1 = Statistic(
     reference="D. A. Howe & T. K. Peppler, 2003; D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 eq. 30 "
     "(which omits the 0.75)",
     meaning="The Allan deviation at three quarters of the window, from all pairs of differences within it.",
-    use="Long tau: it reaches to 0.75 of the record, with up to three times the degrees of freedom of oadev.",
-    limits="Unbiased for white rate noise only; for flicker, random walk and ramp the variance is low by 1.9, 2.7 and "
-    "3.7, for quantization it is high. m is even; published use begins at m = 10.",
-    cost="0.16 ns n m / 2 for each tau of a few; of many 0.25 us m, or all even m up to the largest in 0.2 ns of its "
-    "square; ten copies of the record.",
+    use="Long tau: it extends to 0.75 of the record, with up to three times the degrees of freedom of oadev.",
+    limits="Unbiased for white rate noise only; for flicker, random walk and ramp the variance is low by factors of "
+    "1.9, 2.7 and 3.7, for quantization it is high. m is even; published use begins at m = 10.",
+    cost="For a few tau 0.16 ns n m / 2 each; for many 0.25 us m each, or all even m up to the largest in 0.2 ns "
+    "times its square; ten copies of the record.",
     order=2,
     norm=constant(0.75),
     span=(1, 0),
@@ -89,10 +89,10 @@ THEOBR = replace(
     formula=r"k_f\,\mathrm{Theo1}(\tau), \quad k_f = \frac{1}{p+1} \sum_{i=0}^{p} "
     r"\frac{\mathrm{OAVAR}(m = 9+3i)}{\mathrm{Theo1}(m = 12+4i)}, \quad p = \lfloor (n+1)/30 - 3 \rfloor",
     reference="D. A. Howe, Metrologia 43, 2006; J. A. Taylor & D. A. Howe, 2010",
-    meaning="Theo1 brought to the level of the Allan variance by one ratio, taken where both are known well.",
-    use="As Theo1, to be read like an Allan deviation, where one kind of noise rules the whole record.",
-    limits="The ratio is that of tau below a tenth of the record: where the kind of noise changes beyond, the "
-    "deviation is wrong by up to 1.5. bias='model' corrects it by the model.",
+    meaning="Theo1 scaled to the Allan variance by one ratio, taken at averaging times where both are known well.",
+    use="As Theo1, to be read like an Allan deviation, if one kind of noise dominates the whole record.",
+    limits="The ratio is that of tau below a tenth of the record: if the kind of noise changes beyond, the deviation "
+    "is wrong by up to a factor of 1.5. bias='model' corrects it with the model.",
     cost="That of theo1, and once that of every even m up to 2/15 of the record: 4 ps n^2.",
     parts=(THEO1,),
     kept=_kept,

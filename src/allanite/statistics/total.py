@@ -1,4 +1,4 @@
-"""Total statistics: the record, or each window, is folded back at its ends, so that long tau keep more terms."""
+"""Total statistics: the record, or each window, is extended by reflection, so that long tau keep more terms."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
     from allanite.kernels.allan import overlapped
 
     sums = _modified_total(np.diff(x), m)
-    # SP 1065: at m = 1 the overlapped Hadamard form, whose windows are as many
+    # SP 1065: at m = 1 the overlapping Hadamard form, which has as many windows
     return np.where(m == 1, overlapped(x, m, 3), sums)
 
 
@@ -58,11 +58,12 @@ TOTDEV = Statistic(
     formula=r"\frac{1}{2\tau^2 (n-1)} \sum_{i=1}^{n-1} (x^*_{i-m} - 2x^*_i + x^*_{i+m})^2, \quad "
     r"x^*_{-j} = 2x_0 - x_j, \quad x^*_{n+j} = 2x_n - x_{n-j}",
     reference="D. A. Howe, 1995; C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 eq. 25",
-    meaning="The Allan deviation of the record continued by its own reflection at both ends.",
+    meaning="The Allan deviation of the record extended by reflection at both ends.",
     use="Long tau of short records, up to the whole length: the last points scatter less than those of oadev.",
     limits="Biased at long tau: low by up to a quarter (flicker) or 3/8 (random walk) of the variance at half the "
-    "record, high by two thirds for quantization, which published tables omit. No meaning in a record with gaps.",
-    cost="2 units of 0.16 ns for each sample and tau; two copies of the record.",
+    "record, high by two thirds for quantization, which published tables omit. Not defined for a record with "
+    "gaps.",
+    cost="About 0.3 ns per sample and tau; two copies of the record.",
     order=2,
     norm=constant(2.0),
     span=(0, 2),
@@ -73,7 +74,7 @@ TOTDEV = Statistic(
     gaps=False,
     published=PublishedBias(
         reference="C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 section 5.2.11",
-        limits="tau up to half the record; nothing for noise of the angle, where the variance is high by 1.34 tau/T",
+        limits="tau up to half the record; not for angle noise, whose variance is high by 1.34 tau/T",
         factor=lambda c, m, size: np.asarray(1 - c[0] * m / size),
         coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
     ),
@@ -86,11 +87,12 @@ MTOTDEV = Statistic(
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{window of } 3m \text{ points less its half-mean "
     r"slope, folded back at both ends}",
     reference="C. A. Greenhall & D. A. Howe, FCS 1999; NIST SP 1065 eq. 27",
-    meaning="The modified Allan deviation with every window folded back, so that it is used all the way round.",
-    use="As mdev, where the record is short.",
-    limits="Biased low: by 0 to 32 % of the variance, by noise (the factor is known exactly); by half at m = 1.",
-    cost="30 ns for each sample and tau, however large: running sums stand for the 6m terms of a window; a copy of "
-    "the record.",
+    meaning="The modified Allan deviation with every window extended by reflection, so that all its points are used.",
+    use="As mdev, if the record is short.",
+    limits="Biased low: by 0 to 32 % of the variance, depending on the noise (the factor is known exactly); by half at "
+    "m = 1.",
+    cost="30 ns per sample and tau, independent of m: running sums replace the 6m terms of a window; a copy of the "
+    "record.",
     order=2,
     norm=constant(2.0),
     span=(3, -1),
@@ -110,11 +112,11 @@ MTOTDEV = Statistic(
 TTOTDEV = replace(
     MTOTDEV,
     name="ttotdev",
-    title="time total deviation of the angle",
+    title="time total deviation (TTOTDEV) of the angle",
     formula=r"\frac{\tau^2}{3}\,\mathrm{MTOT}(\tau)",
     reference="NIST SP 1065 eq. 28 (which prints tau^3: a misprint)",
-    meaning="The time deviation with every window folded back.",
-    use="As tdev, where the record is short.",
+    meaning="The time deviation with every window extended by reflection.",
+    use="As tdev, if the record is short.",
     norm=constant(6.0),
     target="tdev",
     power=1,
@@ -127,9 +129,10 @@ HTOTDEV = replace(
     formula=r"\frac{1}{6 (n+1-3m)} \sum_{k=0}^{n-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{as in mtotdev, of the rate}",
     reference="D. A. Howe et al., FCS 2000; NIST SP 1065 eq. 29",
-    meaning="The Hadamard deviation with every window folded back.",
+    meaning="The Hadamard deviation with every window extended by reflection.",
     use="Drift and random walk at long tau of short records.",
-    limits="Biased low by 0 to 32 % of the variance, by noise (the factor is known exactly). Equal to ohdev at m = 1.",
+    limits="Biased low by 0 to 32 % of the variance, depending on the noise (the factor is known exactly). Equal to "
+    "ohdev at m = 1.",
     order=3,
     norm=lambda m: 6.0 / np.asarray(m, dtype=np.float64) ** 2,
     span=(3, 0),
@@ -139,7 +142,7 @@ HTOTDEV = replace(
     scheme=Scheme(sharp=Sharp(levels=(10, 20, 40), scale=lambda m: 1.0)),
     published=PublishedBias(
         reference="D. A. Howe et al., PTTI 2000; NIST SP 1065 section 5.2.14",
-        limits="nothing for noise of the angle; m = 1 is the overlapped Hadamard variance, without bias",
+        limits="not for angle noise; m = 1 is the overlapping Hadamard variance, without bias",
         factor=lambda c, m, size: np.where(m > 1, c[0], 1.0),
         coefficients={0: (0.995,), -1: (0.851,), -2: (0.771,), -3: (0.717,), -4: (0.679,)},
     ),

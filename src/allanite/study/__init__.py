@@ -1,1 +1,1 @@
-"""The jobs, and the one loop over the channels of a recording."""
+"""The analyzes, and the loop over the channels of a recording."""

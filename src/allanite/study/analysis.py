@@ -1,4 +1,4 @@
-"""The main job: noise coefficients of every channel with intervals, and the curve that they explain."""
+"""The main analysis: noise coefficients of every channel with intervals, and its curve."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,28 +26,28 @@ class Channel(ChannelResult):
 
     @property
     def curve(self) -> Curve | None:
-        """The curve that the noise explains."""
+        """The curve of the record, with intervals under the identified noise."""
         return self.curves[0] if self.curves else None
 
     @property
     def residuals(self) -> Residuals | None:
-        """What the model leaves of the record; None without a model of all frequencies, or by a method without one."""
+        """The residuals of the model; None without a model of all frequencies, or if the method has none."""
         return None if self.noise is None else self.noise.residuals
 
     @property
     def explained(self) -> bool:
-        """Whether there is a model, and nothing says that it does not explain the record."""
+        """Whether there is a model that is not known to be inadequate."""
         return self.noise is not None and self.noise.explained
 
     @property
     def verdict(self) -> str:
-        """Whether the model explains the record, in a sentence; empty where the method does not say."""
+        """Whether the model explains the record, in a sentence; empty if the method does not test it."""
         return "" if self.noise is None else self.noise.verdict
 
     @property
     def alerts(self) -> tuple[str, ...]:
-        """What must stand beside its numbers: its warnings, and that the model does not explain it."""
-        # what the residuals name is not said twice, nor lines that were taken out or left out of the fit
+        """Warnings to report with the results, including that the model does not explain the record."""
+        # not repeated if the residuals name it; removed or excluded lines need no warning
         settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
         scope = self.fit.scope if self.fit else None
         met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
@@ -57,14 +57,14 @@ class Channel(ChannelResult):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written."""
+        """The value written by `to_dict`."""
         found = super().from_dict(data)
         if found.noise is None:
             return found
         return replace(found, noise=replace(found.noise, fit=replace(found.noise.fit, curve=found.curve)))
 
     def _summary(self) -> str:
-        return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analysed')}"
+        return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analyzed')}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,11 +74,11 @@ class Study(Job[Channel]):
     _channel = Channel
 
     common: Shared | None = field(default=None, compare=False)
-    """What the channels share, where it was read and not worked out."""
+    """Correlations between the channels, if they were read and not computed."""
 
     @cached_property
     def shared(self) -> Shared | None:
-        """What the channels have in common beyond their models; None where fewer than two can be compared."""
+        """Correlations between the residuals of the channels; None if fewer than two can be compared."""
         fits = {c.record.name: c.fit for c in self.channels if c.fit is not None and c.noise and c.noise.leftover}
         records = tuple(c.record for c in self.channels if c.record.name in fits and isinstance(c.record, Record))
         if len(records) < 2 or len({record.size for record in records}) > 1:
@@ -86,18 +86,18 @@ class Study(Job[Channel]):
         return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark")
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`; at the recipe's by default."""
+        """Plain data, with limits at `level`, by default that of the recipe."""
         data = super().to_dict(level)
         del data["common"]
         return data | {"shared": None if self.shared is None else self.shared.to_dict()}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Study":
-        """What `to_dict` has written."""
+        """The value written by `to_dict`."""
         return super().from_dict({**data, "common": data["shared"]})
 
 
@@ -107,28 +107,28 @@ def analyze(
     *,
     progress: Progress | None = None,
 ) -> Study:
-    """The main job: noise coefficients of every channel, with intervals, and the curve they explain.
+    """Analyze a recording: noise coefficients of every channel, with intervals, and its curve.
 
     Parameters
     ----------
     source : Recording, Record or path
         A path is read with the recipe's options.
     recipe : Recipe, optional
-        All choices; the defaults are the ordinary analysis.
+        All choices; the defaults are the standard analysis.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Returns
     -------
     Study
-        Channels that cannot support the job carry the reason and no numbers.
+        Channels that cannot be analyzed have a reason instead of results.
 
     Raises
     ------
     DataError
-        The file cannot be read, or none of its channels supports the job.
+        The file cannot be read, or none of its channels can be analyzed.
     UsageError
-        An option is wrong, or one that is needed is missing.
+        An option is wrong, or a required one is missing.
     """
     recipe = recipe or Recipe()
 
@@ -144,9 +144,9 @@ def analyze(
 
 
 def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None) -> Study:
-    """What is in a recording, and whether it is fit for the job: a study without numbers.
+    """Summarize a recording and check its quality: a study without results.
 
-    Parameters, errors and result are those of `analyze`; no channel has a curve or a fit.
+    Parameters, exceptions and result are those of `analyze`, but no channel has a curve or a fit.
     """
     recipe = recipe or Recipe()
     return run(

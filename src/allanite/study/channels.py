@@ -1,6 +1,6 @@
-"""The loop over channels: read, cut, mark outliers, inspect, refuse, tell progress, and say where it all came from.
+"""The loop over channels: read, trim, mark outliers, check, refuse, report progress, and record the provenance.
 
-Every job that takes a recording goes through here, so that the same file gets the same words in each of them.
+Every analysis of a recording uses it, so that the same file gets the same findings in each of them.
 """
 
 import os
@@ -32,21 +32,21 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Job(Value, Generic[Result]):
-    """What a job gives: a result for each channel, and how it came about.
+    """Result of a job: one result per channel, and how it was obtained.
 
-    A subclass says in `_channel` what its channels are; its own fields are written and read with the others.
+    A subclass defines the type of its channels in `_channel`; its own fields are written and read with the others.
 
     Attributes
     ----------
     channels : tuple
-        One result a channel, in the order of the file; each has its `record`, and a `refusal` where there is none.
+        One result per channel, in the order of the file; each has its `record`, and a `refusal` if there is no result.
     recipe : Recipe
     findings : tuple of Finding
-        About the file as a whole: its clock.
+        Findings about the file as a whole: its clock.
     notes : tuple of str
-        What was assumed when reading.
+        Assumptions made when reading.
     provenance : dict
-        Version and inputs.
+        Version and input files.
     """
 
     _channel: ClassVar[type[Any]]
@@ -63,33 +63,33 @@ class Job(Value, Generic[Result]):
         for name, channel in zip(self._names, self.channels, strict=True):
             if name == key:
                 return channel
-        raise UsageError(f"no channel {key!r}; there are {', '.join(self._names)}")
+        raise UsageError(f"no channel {key!r}; channels: {', '.join(self._names)}")
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.channels)
 
     @property
     def _names(self) -> list[str]:
-        """Of the channels: their own, or those of their records."""
+        """Names of the channels: their own, or those of their records."""
         channels: tuple[Any, ...] = self.channels
         return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
 
     @property
     def rejected(self) -> tuple[str, ...]:
-        """Names of the channels that have no result, or whose noise no model explains."""
+        """Names of the channels without a result, or whose noise no model explains."""
         pairs = zip(self._names, self.channels, strict=True)
         return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
 
     def _explained(self, channel: Any) -> bool:
-        """Whether nothing says that a model does not explain the noise of a channel, where it was identified."""
+        """Whether no model is known to be inadequate for the noise of a channel, if it was identified."""
         return channel.noise is None or bool(channel.noise.explained)
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
 
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`; at the recipe's by default."""
+        """Plain data, with limits at `level`, by default that of the recipe."""
         level = self.recipe.level if level is None else level
         return {
             "allanite": VERSION,
@@ -103,7 +103,7 @@ class Job(Value, Generic[Result]):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written; limits are known for the stored level only, and records without readings."""
+        """The value written by `to_dict`; limits are known for the stored level only, and records have no samples."""
         demand_type(data, cls.__name__)
         known = {f.name for f in fields(Recipe)}
         return cls(
@@ -117,7 +117,7 @@ class Job(Value, Generic[Result]):
 
     @classmethod
     def _keeps(cls, key: str) -> bool:
-        """Whether a key of the stored recipe is the recipe's, and not that of settings which have the same name."""
+        """Whether a key of the stored recipe belongs to the recipe, not to settings of the same name."""
         hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
         kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
         return key not in {f.name for kind in kinds for f in fields(kind)}
@@ -128,21 +128,21 @@ class Job(Value, Generic[Result]):
 
 
 def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:
-    """The part of a recording that the recipe selects.
+    """The part of a recording selected by the recipe.
 
     Parameters
     ----------
     source : Recording, Record or path
         A path is read with the recipe's options.
     along : sequence of str
-        Other columns of the file that are read too, as the last channels; their outliers are not marked.
+        Other columns of the file to read as the last channels; their outliers are not marked.
 
     Raises
     ------
     DataError
-        The file cannot be read, or its clock does not support the job.
+        The file cannot be read, or its clock is unusable.
     UsageError
-        An option is wrong, or one that is needed is missing.
+        An option is wrong, or a required one is missing.
     """
     whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
@@ -171,23 +171,23 @@ def each_channel(
     doing: str = "analysing",
     progress: Progress | None = None,
 ) -> tuple[Result, ...]:
-    """Inspect every channel, and do the work on those that support it.
+    """Inspect every channel, and process those that can support the job.
 
     Parameters
     ----------
     channels : sequence of (name, records)
     work : Inspected -> result
-        It may raise DataError, which becomes a refusal.
+        May raise DataError, which becomes a refusal.
     refused : (Inspected, reason) -> result
-        What a channel without a result becomes.
+        Makes the result of a refused channel.
     findings : sequence of Finding
-        About the files as a whole; a fatal one refuses every channel.
+        Findings about the files as a whole; a fatal one refuses every channel.
     look : Record -> Quality
-        What is found in a record, where that is not what `inspect` finds.
+        Function that checks a record, instead of `inspect`.
     doing : str
-        What is told as progress, before the name.
+        Progress message, placed before the name.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
     """
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
@@ -201,7 +201,7 @@ def each_channel(
 
 
 def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
-    """The channels with what the others of the same recording tell: the records of one place are one body's."""
+    """The channels with the findings of the others of the same recording, since these are mounted on one body."""
     count = {len(seen.records) for seen in channels}
     if len(channels) < 2 or len(count) > 1:
         return channels
@@ -233,25 +233,25 @@ def run(
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:
-    """Open one source and do the work on each of its channels.
+    """Open a source and process each of its channels.
 
     Parameters
     ----------
     kind : callable
-        Makes the job's result of the fields of `Job`.
+        Makes the result of the job from the fields of `Job`.
     source, recipe
-        As of `open_recording`.
+        As for `open_recording`.
     work, refused, doing, progress
-        As of `each_channel`.
+        As for `each_channel`.
     demand : bool
-        Whether it is an error if no channel supports the job.
+        Whether it is an error if no channel can be processed.
 
     Raises
     ------
     DataError
-        The file cannot be read, or no channel supports the job.
+        The file cannot be read, or no channel can be processed.
     UsageError
-        An option is wrong, or one that is needed is missing.
+        An option is wrong, or a required one is missing.
     """
     if progress is not None:
         progress("reading", 0.0)
@@ -266,7 +266,7 @@ def run(
 
 
 def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
-    """Raise DataError, with the reason of each channel, where none has a result."""
+    """Raise DataError, with the reason of each channel, if none has a result."""
     if all(result.refusal for result in results):
         reasons: dict[str, list[str]] = {}
         for name, result in zip(names, results, strict=True):
@@ -275,7 +275,7 @@ def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
 
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:
-    """Version and inputs, for whoever wants to do it again."""
+    """Version and input files, for reproducing the result."""
     import platform
 
     made = {"allanite": __version__, "python": platform.python_version()}

@@ -1,4 +1,4 @@
-"""Whether the drift of channels follows another column of their file, and what to type then."""
+"""Whether the drift of channels follows another column of their file, and the command that removes it."""
 
 import shlex
 from collections.abc import Sequence
@@ -11,20 +11,20 @@ from allanite.prepare.drift import follows
 from .recipe import READING, SELECTING, Recipe
 
 OPTIONS = {"start": "from"}
-"""Options whose names are not those of the recipe's keys."""
+"""Options whose names differ from the recipe's keys."""
 
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
-    """A finding for each column beside the channels that the drift of some of them follows.
+    """A finding for each additional column that the drift of some channels follows.
 
     Parameters
     ----------
     recording : Recording
-        Its `others` are asked.
+        Its `others` are tested.
     recipe : Recipe
-        How it was read; the command that is offered reads it in the same way.
+        How it was read; the suggested command reads it in the same way.
     names : sequence of str
-        The channels that are asked: those that have a result.
+        The channels to test: those that have a result.
     """
     found = []
     for other in recording.others:
@@ -36,15 +36,15 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
                     "drift",
                     f"the drift of {', '.join(shares)} follows {other.name}, up to {percent(largest)} of the variance "
                     "of block means",
-                    "B, K and R are partly the sensitivity to it",
-                    f"take it off: {compensation(recording.source, recipe, other.name)}",
+                    "B, K and R partly represent the sensitivity to it",
+                    f"remove it: {compensation(recording.source, recipe, other.name)}",
                 )
             )
     return tuple(found)
 
 
 def compensation(source: str, recipe: Recipe, column: str) -> str:
-    """The command that takes off what follows a column.
+    """The command that removes the dependence on a column.
 
     Examples
     --------

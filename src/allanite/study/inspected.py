@@ -1,4 +1,4 @@
-"""One channel before a job begins with it."""
+"""One channel after its inspection."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ from allanite.core.record import Record
 
 @dataclass(frozen=True, eq=False)
 class Inspected:
-    """One channel before a job begins with it.
+    """One channel after its inspection, before it is processed.
 
-    `records` are those that the job takes together: one, or a record of each recording that is compared.
+    `records` are processed together: one, or a record of each recording that is compared.
     """
 
     name: str
@@ -24,16 +24,16 @@ class Inspected:
 
     @property
     def quality(self) -> Quality:
-        """What was found in the first record."""
+        """The findings about the first record."""
         return self.qualities[0]
 
     @property
     def alerts(self) -> tuple[str, ...]:
-        """What must stand beside the numbers, with the number of the record where there are several."""
+        """The findings to report with the results, with the number of the record if there are several."""
         return tuple(f"{which}{finding}" for which, q in self.numbered for finding in q.warnings)
 
     @property
     def numbered(self) -> list[tuple[str, Quality]]:
-        """What was found in each record, and the words before it: the number of the record where there are several."""
+        """The findings about each record, and their prefix: the number of the record if there are several."""
         many = len(self.records) > 1
         return [(f"record {i}: " if many else "", quality) for i, quality in enumerate(self.qualities, 1)]

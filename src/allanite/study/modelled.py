@@ -1,4 +1,4 @@
-"""What follows from the noise of every channel, or from a model that is given: plans, checks, state spaces."""
+"""What follows from the noise of every channel, or from a given model: plans, checks, state spaces."""
 
 import math
 from collections.abc import Callable
@@ -16,6 +16,7 @@ from allanite.core.header import Header
 from allanite.core.model import Model
 from allanite.core.plain import Value, from_dict
 from allanite.core.record import Record
+from allanite.core.wording import spelled
 from allanite.planning.plan import RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
 from allanite.simulation.recording import readings
@@ -33,7 +34,7 @@ Result = RecordingPlan | SelfCheck | StateSpace
 
 @dataclass(frozen=True)
 class Supposed:
-    """A noise, and the sampling rate and length of the record that it was found in; no length of a given model."""
+    """A noise, and the sampling rate and length of its record; no length for a given model."""
 
     model: Model
     rate: float
@@ -43,9 +44,9 @@ class Supposed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Modelled(Value):
-    """What follows from the noise of one channel, or the reason (`refusal`) why nothing does.
+    """What follows from the noise of one channel, or the reason (`refusal`) why there is no result.
 
-    `record`, `quality` and `noise` are None of a model that was given.
+    `record`, `quality` and `noise` are None for a given model.
     """
 
     name: str
@@ -64,7 +65,7 @@ class Modelled(Value):
 
     @property
     def missing(self) -> str:
-        """Terms that were looked for and not identified, with their limits: the result does not reckon with them."""
+        """Terms that were looked for and not identified, with their limits: the result does not include them."""
         absent = (
             e for e in self.fit or () if e.value is None and (e.upper is not None or e.status == "not observable")
         )
@@ -78,7 +79,7 @@ class Modelled(Value):
         return deviation(self.record, "oadev", taus="log", noise=self.noise.fit)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data: the name, what the result has, and the noise that it follows from."""
+        """Plain data: the name, the result, and the noise from which it follows."""
         own: dict[str, Any] = {"rate": self.rate} if self.result is None else self.result.to_dict()
         return {
             "name": self.name,
@@ -92,7 +93,7 @@ class Modelled(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":
-        """What `to_dict` has written; the record without its readings."""
+        """The value written by `to_dict`; the record has no samples."""
         return cls(
             data["name"],
             data["rate"],
@@ -107,7 +108,7 @@ class Modelled(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelJob(Job[Modelled]):
-    """What follows from each noise, and the settings; `channels` has one item where a model was given."""
+    """What follows from each noise, and the settings; `channels` has one item for a given model."""
 
     _channel: ClassVar = Modelled
 
@@ -118,11 +119,11 @@ class ModelJob(Job[Modelled]):
 
     @property
     def exceeded(self) -> list[str]:
-        """Which limits of the settings are exceeded beyond chance, in sentences; only a check has limits."""
+        """Which limits of the settings are significantly exceeded, in sentences; only a check has limits."""
         return []
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         recorded = any(channel.record is not None for channel in self.channels)
         return self.recipe.to_dict(self.settings.counting(recorded=recorded)) | chosen(self.settings)
 
@@ -132,11 +133,11 @@ class RecordingPlans(ModelJob):
 
 
 class SelfChecks(ModelJob):
-    """What the identification makes of simulated records of each channel's noise."""
+    """Results of the identification on simulated records with each channel's noise."""
 
     @property
     def exceeded(self) -> list[str]:
-        """Which limits of the settings are exceeded beyond chance, in sentences."""
+        """Which limits of the settings are significantly exceeded, in sentences."""
         limits = self.settings.limits if isinstance(self.settings, SelfCheckSettings) else {}
         found = [(c.name, c.result) for c in self.channels if isinstance(c.result, SelfCheck)]
         return [f"{name} {what}".strip() for name, check in found for what in check.exceeded(**limits)]
@@ -164,7 +165,9 @@ def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Re
 def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> StateSpace:
     bias = settings.bias(noise.model.signal.unit)
     if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
-        raise DataError("only white noise was identified, which is the measurement's: a filter needs no states for it")
+        raise DataError(
+            "only white noise was identified, which belongs to the measurement: a filter needs no states for it"
+        )
     low, high = settings.tau
     return state_space(
         noise.model, noise.rate, tau=(low, high), ripple=settings.ripple / 100, order=settings.order, turn_on=bias,
@@ -177,7 +180,7 @@ KINDS: dict[type[NoiseSettings], tuple[type[ModelJob], Callable[..., Result]]] =
     SelfCheckSettings: (SelfChecks, _check),
     StateSpaceSettings: (StateSpaces, _space),
 }
-"""What is made by these settings, and what is done with each noise."""
+"""The type of result for these settings, and the function applied to each noise."""
 
 
 def run_model_job(
@@ -188,12 +191,12 @@ def run_model_job(
     Parameters
     ----------
     source : Recording, Record or path, or None
-        None where the settings give a model, whose sampling rate is that of the recipe.
+        None if the settings give a model, whose sampling rate is that of the recipe.
     settings : PlanSettings, SelfCheckSettings or StateSpaceSettings
     recipe : Recipe, optional
         How the file is read, and how its noise is identified.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Returns
     -------
@@ -202,9 +205,9 @@ def run_model_job(
     Raises
     ------
     DataError
-        The file cannot be read, or no channel has a noise of which something follows.
+        The file cannot be read, or no channel has a noise for which there is a result.
     UsageError
-        There is neither a source nor a model, or there are both; an option is wrong, or is one of a recording.
+        There is neither a source nor a model, or there are both; an option is wrong, or applies only to recordings.
 
     Examples
     --------
@@ -217,7 +220,12 @@ def run_model_job(
     rng = np.random.default_rng(settings.seed if isinstance(settings, SelfCheckSettings) else None)
     kind, work = partial(job, settings=settings), partial(make, settings, rng)
     if (given is None) == (source is None):
-        raise UsageError("give either a recording, or the noise by --model or --sensor")
+        raise UsageError(
+            spelled(
+                "give either a recording, or the noise with --model or --sensor",
+                "give either a source, or the noise with model or sensor of the settings",
+            )
+        )
     tell = progress or (lambda what, fraction: None)
     if given is not None:
         noise = Supposed(given, _rate(settings, recipe), settings.sensor or "")
@@ -252,14 +260,19 @@ def _named(tell: Progress, name: str) -> Progress:
 
 
 def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
-    """The sampling rate of a given model, once nothing else is said of a recording."""
+    """The sampling rate of a given model, after checking that no option of a recording is given."""
     usual, counting = Recipe(), settings.counting(recorded=False)
     for key in (*READING, *SELECTING, *IDENTIFYING):
         if key not in counting and getattr(recipe, key) != getattr(usual, key):
             option = {"start": "from"}.get(key, key.replace("_", "-"))
             raise UsageError(
-                f"--{option} is for a recording, but the noise is given by --model or --sensor; leave it out"
+                f"{spelled('--' + option, key)} applies to a recording, but the noise is given by "
+                + spelled("--model or --sensor", "model or sensor")
+                + "; omit it"
             )
     if recipe.rate is None or not (math.isfinite(recipe.rate) and recipe.rate > 0):
-        raise UsageError(f"a model needs the sampling rate, above 0: --rate HZ, not {recipe.rate!r}")
+        raise UsageError(
+            f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}"
+            + ("" if recipe.rate is None else f", not {recipe.rate!r}")
+        )
     return recipe.rate

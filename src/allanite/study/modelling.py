@@ -1,4 +1,4 @@
-"""Settings of what is done with a noise model: plans, checks and state spaces."""
+"""Settings of the uses of a noise model: plans, checks and state spaces."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -8,6 +8,7 @@ from allanite.core.model import Model
 from allanite.core.notation import parse_model, split_quantities
 from allanite.core.plain import Value
 from allanite.core.units import convert
+from allanite.core.wording import spelled
 from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
 
@@ -16,7 +17,7 @@ from .recipe import IDENTIFYING, READING, SELECTING
 
 @dataclass(frozen=True, repr=False)
 class NoiseSettings(Value):
-    """Where the noise comes from if there is no recording.
+    """The source of the noise if there is no recording.
 
     Attributes
     ----------
@@ -27,27 +28,32 @@ class NoiseSettings(Value):
     """
 
     identifies: ClassVar[bool] = False
-    """Whether the options of the identification count for a given model too."""
+    """Whether the options of the identification also apply to a given model."""
 
     model: str | None = None
     sensor: str | None = None
 
     def given(self) -> Model | None:
-        """The model that is written out, or the sensor's; None where there is neither.
+        """The given model, or that of the sensor; None if there is neither.
 
         Raises
         ------
         UsageError
-            There are both, or it cannot be understood.
+            Both are given, or the text cannot be parsed.
         """
         if self.model is not None and self.sensor is not None:
-            raise UsageError("the noise is given twice: by --model and by --sensor")
+            raise UsageError(
+                spelled(
+                    "the noise is given twice: use either --model or --sensor",
+                    "the noise is given twice: use either model or sensor",
+                )
+            )
         if self.model is not None:
             return parse_model(self.model)
         return None if self.sensor is None else typical(self.sensor)
 
     def counting(self, *, recorded: bool) -> tuple[str, ...]:
-        """The keys of a recipe that count, of a recording or of a given model."""
+        """The keys of a recipe that apply, for a recording or a given model."""
         if recorded:
             return (*READING, *SELECTING, *IDENTIFYING)
         return ("rate", *(IDENTIFYING if self.identifies else ()))
@@ -55,7 +61,7 @@ class NoiseSettings(Value):
 
 @dataclass(frozen=True, repr=False)
 class PlanSettings(NoiseSettings):
-    """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as of `plan`."""
+    """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as for `plan`."""
 
     durations: tuple[float, ...] = DURATIONS
     accuracy: float = 10.0
@@ -69,9 +75,9 @@ class SelfCheckSettings(NoiseSettings):
     Attributes
     ----------
     duration, samples : float, int, optional
-        Length of the simulated records, by one of them; by default that of the recording.
+        Length of the simulated records, given by one of the two; by default that of the recording.
     records, seed : int
-        How many records are simulated, and the seed of their random numbers.
+        Number of records to simulate, and the seed of the random number generator.
     max_bias, min_coverage, max_false, max_missed : float, optional
         Limits in percent, see `SelfCheck.exceeded`.
     """
@@ -89,7 +95,7 @@ class SelfCheckSettings(NoiseSettings):
 
     @property
     def limits(self) -> dict[str, float]:
-        """The limits that are given, as shares, by the names of `SelfCheck.exceeded`."""
+        """The given limits, as shares, by the names used by `SelfCheck.exceeded`."""
         named = {
             "bias": self.max_bias, "coverage": self.min_coverage, "false": self.max_false, "missed": self.max_missed
         }  # fmt: skip
@@ -98,7 +104,7 @@ class SelfCheckSettings(NoiseSettings):
 
 @dataclass(frozen=True, repr=False)
 class StateSpaceSettings(NoiseSettings):
-    """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as of `state_space`."""
+    """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as for `state_space`."""
 
     tau: tuple[float, ...] = (1.0, 1000.0)
     ripple: float = 2.0
@@ -108,17 +114,17 @@ class StateSpaceSettings(NoiseSettings):
 
     def __post_init__(self) -> None:
         if len(self.tau) != 2:
-            raise UsageError(f"two averaging times are wanted, as 1,1000 or '1 s,1 h', not {self.tau!r}")
+            raise UsageError(f"expected two averaging times, e.g. 1,1000 or '1 s,1 h', not {self.tau!r}")
 
     def bias(self, si: str) -> float:
-        """The bias at switch-on in the unit `si`."""
+        """The turn-on bias in the unit `si`."""
         if self.turn_on is None:
             return 0.0
         found = split_quantities(self.turn_on.split())
         if len(found) != 1 or not found[0][1]:
-            raise UsageError(f"a bias is given as '3 deg/h', not {self.turn_on!r}")
+            raise UsageError(f"a bias has the form '3 deg/h', not {self.turn_on!r}")
         return convert(*found[0], si)
 
 
 Use = PlanSettings | SelfCheckSettings | StateSpaceSettings
-"""What is done with a noise."""
+"""What a noise model is used for."""

@@ -1,4 +1,4 @@
-"""The noise of a channel: identified in one way for every job, with whether the model explains the record."""
+"""The noise of a channel, identified in the same way for every job, and whether the model explains the record."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -25,9 +25,9 @@ from .recipe import Recipe
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Noise(Portable):
-    """A fit whose coefficients are graded, and what its model leaves of the record.
+    """A fit with graded coefficients, and its residuals.
 
-    `leftover` gives `residuals`; None where the method has no test.
+    `leftover` computes `residuals`; None if the method has no test.
     """
 
     fit: Fit
@@ -35,37 +35,37 @@ class Noise(Portable):
 
     @cached_property
     def residuals(self) -> Residuals | None:
-        """What the model leaves of the record; None where the method does not give it."""
+        """The residuals of the model; None if the method does not give them."""
         return None if self.leftover is None else self.leftover()
 
     @property
     def validity(self) -> str:
-        """Grade of the model, one of `GRADES`; empty where the method does not test it."""
+        """Grade of the model, one of `GRADES`; empty if the method does not test it."""
         return worst(self.fit.validity, "" if self.residuals is None else self.residuals.grade)
 
     @property
     def explained(self) -> bool:
-        """Whether nothing says that the numbers are wrong: the model explains the record, if only approximately."""
+        """Whether the results are not known to be wrong: the model explains the record, at least approximately."""
         return self.validity != UNEXPLAINED
 
     @property
     def statement(self) -> Statement:
-        """How well the model explains the record, in words."""
+        """How well the model explains the record, as text."""
         return statement(self.validity, self.fit, self.residuals)
 
     @property
     def verdict(self) -> str:
-        """The same in a sentence; empty where the method does not say."""
+        """The same in a sentence; empty if the method does not test it."""
         return str(self.statement)
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What must stand beside every number that uses this noise: that the model does not explain the record."""
+        """A warning to report with every result that uses this noise if the model does not explain the record."""
         return () if self.explained else (self.verdict,)
 
 
 def graded(noise: Noise, record: Record) -> Noise:
-    """The noise whose coefficients are not valid where the record, or its curve, contradicts them."""
+    """The noise, with coefficients marked as not valid if the record, or its curve, contradicts them."""
     if noise.residuals is None:
         return noise
     fit, noise = replace(noise.fit, checked=noise.residuals.grade), replace(noise, leftover=Stored(noise.residuals))
@@ -85,25 +85,25 @@ def noise_of(
     band: Band | None = None,
     lines: bool = True,
 ) -> Noise:
-    """The noise of a channel as the recipe wants it identified.
+    """Identify the noise of a channel with the choices of the recipe.
 
-    A method that reads a curve reads that of the recipe's statistic, or the fit says that it cannot.
+    A method that fits a curve uses the recipe's statistic; if it cannot, the notes of the fit say so.
 
     Parameters
     ----------
     record : Record
     recipe : Recipe
     terms : str, optional
-        In place of those of the recipe.
+        Instead of those of the recipe.
     band : {"auto", "all"} or (low, high), optional
-        In place of that of the recipe.
+        Instead of that of the recipe.
     lines : bool
-        Whether sinusoids are found and taken out first.
+        Whether sinusoids are detected and removed first.
 
     Raises
     ------
     DataError
-        The record does not support it.
+        The record cannot support the identification.
     """
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
@@ -119,9 +119,7 @@ def noise_of(
         lines=lines,
     )
     if row is not None and row.allowed and not readable:
-        note = (
-            f"method {recipe.method!r} does not read {recipe.statistic}: the coefficients are those of {row.statistic}"
-        )
+        note = f"method {recipe.method!r} cannot fit {recipe.statistic}: the coefficients are those of {row.statistic}"
         fit = replace(fit, notes=(*fit.notes, note))
     if fit.goodness is None:
         return Noise(fit)
@@ -129,7 +127,7 @@ def noise_of(
 
 
 def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
-    """What a stored channel says of its noise: the fit, what it leaves, and whether it explains the record."""
+    """The stored data of a channel's noise: the fit, its residuals, and whether it explains the record."""
     if noise is None:
         return dict.fromkeys(("fit", "residuals", "explained", "validity", "verdict"))
     fit = replace(noise.fit, curve=None)  # the channel has its curves
@@ -139,16 +137,16 @@ def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
 
 
 def noise_from(data: dict[str, Any]) -> Noise | None:
-    """The noise that `noise_dict` has written."""
+    """The noise written by `noise_dict`."""
     left = data["residuals"] and Stored(Residuals.from_dict(data["residuals"]))
     return data["fit"] and Noise(Fit.from_dict(data["fit"]), left)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordResult(Value):
-    """What was found of one record; a subclass adds its fields.
+    """Results for one record; a subclass adds its fields.
 
-    Stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
+    When stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
     """
 
     record: Record | Header
@@ -163,7 +161,7 @@ class RecordResult(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` has written."""
+        """The value written by `to_dict`."""
         own = {name: hint for name, hint in stored_fields(cls) if name != "record"}
         values = {n: noise_from(data) if n == "noise" else read(data[n], hint) for n, hint in own.items()}
         return cls(header_from(data), **values)
@@ -174,9 +172,9 @@ class RecordResult(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ChannelResult(RecordResult):
-    """What a job found in one channel, or the reason (`refusal`) why there is nothing.
+    """The result of a job for one channel, or the reason (`refusal`) why there is none.
 
-    A subclass adds fields with defaults. What must stand beside its numbers is its `alerts`.
+    A subclass adds fields with defaults. `alerts` are the warnings to report with the results.
     """
 
     quality: Quality
@@ -185,10 +183,10 @@ class ChannelResult(RecordResult):
 
     @property
     def fit(self) -> Fit | None:
-        """The identified noise, where it was asked for and could be identified."""
+        """The identified noise, if it was requested and could be identified."""
         return None if self.noise is None else self.noise.fit
 
     @classmethod
     def refused(cls, seen: Inspected, why: str) -> Self:
-        """The result of a channel that has none."""
+        """The result of a refused channel."""
         return cls(seen.record, seen.quality, refusal=why)

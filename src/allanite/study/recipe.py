@@ -1,4 +1,4 @@
-"""Recipe: every choice of a job as plain data."""
+"""Recipe: every choice of an analysis as plain data."""
 
 import os
 from dataclasses import asdict, dataclass, fields
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
-"""Keys that say what the file holds."""
+"""Keys that describe the contents of the file."""
 
 SELECTING = ("start", "until", "quiet_window", "outliers")
-"""Keys that select readings."""
+"""Keys that select samples."""
 
 IDENTIFYING = ("terms", "method", "band", "level")
 """Keys of the identification."""
@@ -31,8 +31,8 @@ _WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outl
 class Recipe:
     """Every choice of an analysis as plain data.
 
-    The first group says what the file holds (None: taken from the file), the second which readings are used, the others
-    what is done with them. `outliers`: "mark" excludes them everywhere, "keep" includes them everywhere; by default
+    The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
+    the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
     they are excluded from the fit only.
     """
 
@@ -61,19 +61,19 @@ class Recipe:
             value = getattr(self, key)
             fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
             if value is not None and (isinstance(value, bool) or not fine):
-                raise UsageError(f"{key} is a number, not {value!r}")
+                raise UsageError(f"{key} must be a number, not {value!r}")
         for key in _WORDS:
             value = getattr(self, key)
             if value is not None and not isinstance(value, str):
-                raise UsageError(f"{key} is a word, not {value!r}")
+                raise UsageError(f"{key} must be a word, not {value!r}")
         if self.outliers is not None:
             demand_choice(self.outliers)
         if not 0 < self.level < 1:
-            raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
+            raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
 
     def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
-        """Plain data of these keys; what was left open is left out."""
+        """Plain data of these keys; those not given are omitted."""
         return {key: value for key, value in chosen(self).items() if key in keys}
 
     @classmethod
@@ -88,7 +88,7 @@ class Recipe:
         known = [f.name for f in fields(cls)]
         for key in data:
             if key not in known:
-                raise UsageError(f"unknown key {key!r} in the recipe; known are {', '.join(known)}")
+                raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(known)}")
         values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
         return cls(**values)
 
@@ -99,12 +99,12 @@ class Recipe:
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:
-    """Settings as plain data, under the names of the command line; what was left open is left out."""
+    """Settings as plain data, under the names of the command line; those not given are omitted."""
     return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
 
 
 def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The table in a TOML file.
+    """The table of a TOML file.
 
     Raises
     ------

@@ -34,11 +34,11 @@ class Deviations(Value):
     statistic : tuple of str
         Names in `STATISTICS`.
     taus, m, threads
-        As of `deviation`.
+        As for `deviation`.
     limits : bool
-        Whether there are confidence limits, for which the noise is identified.
+        Whether to compute confidence intervals, for which the noise is identified.
     to : str, optional
-        Unit of the values; that of data sheets by default.
+        Unit of the values; by default the data-sheet unit.
     """
 
     statistic: tuple[str, ...] = ("oadev",)
@@ -53,11 +53,11 @@ class Deviations(Value):
 
     @property
     def fitted(self) -> bool:
-        """Limits suppose a noise."""
+        """The intervals assume a noise."""
         return self.limits
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
-        """One curve a statistic."""
+        """One curve per statistic."""
         noise: Supposing | None = fit or ("auto" if self.limits else None)
         for name in self.statistic:
             yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
@@ -65,9 +65,9 @@ class Deviations(Value):
 
 @dataclass(frozen=True, repr=False)
 class Densities(Value):
-    """A power spectral density; `fit` identifies the noise too, and draws its terms.
+    """A power spectral density; `fit` also identifies the noise and draws its terms.
 
-    The other attributes are those of `spectrum` and of its methods.
+    The other attributes are those of `spectrum` and its methods.
     """
 
     estimator: str = "welch"
@@ -91,7 +91,7 @@ class Densities(Value):
 
     @property
     def fitted(self) -> bool:
-        """As asked."""
+        """The value of `fit`."""
         return self.fit
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
@@ -101,7 +101,7 @@ class Densities(Value):
 
 @dataclass(frozen=True, repr=False)
 class Windows(Value):
-    """A statistic in windows that slide along the record; attributes as of `dynamic`."""
+    """A statistic in sliding windows of the record; attributes as for `dynamic`."""
 
     statistic: str = "oadev"
     window: float | None = None
@@ -115,7 +115,7 @@ class Windows(Value):
 
     @property
     def fitted(self) -> bool:
-        """The noise is not identified: it may change."""
+        """The noise is not identified, since it may change."""
         return False
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
@@ -133,7 +133,7 @@ class Measured(ChannelResult):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Survey(Job[Measured]):
-    """Curves, spectra or surfaces of every channel, and the settings that made them."""
+    """Curves, spectra or surfaces of every channel, and the settings used."""
 
     _channel = Measured
 
@@ -141,7 +141,7 @@ class Survey(Job[Measured]):
 
     @property
     def values(self) -> tuple[Result, ...]:
-        """All values, in the order of the channels; each carries the name of its channel."""
+        """All values, in the order of the channels; each has the name of its channel."""
         return tuple(value for channel in self.channels for value in channel.values)
 
     @property
@@ -150,7 +150,7 @@ class Survey(Job[Measured]):
         return {channel.record.name: channel.fit for channel in self.channels if channel.fit is not None}
 
     def choices(self) -> dict[str, Any]:
-        """The recipe that was really used, as plain data."""
+        """The recipe that was actually used, as plain data."""
         used = (*READING, *SELECTING, *(IDENTIFYING if self.settings.fitted else ("level",)))
         return self.recipe.to_dict(used) | chosen(self.settings)
 
@@ -162,24 +162,24 @@ def survey(
     *,
     progress: Progress | None = None,
 ) -> Survey:
-    """Measure every channel of a recording.
+    """Compute curves, spectra or surfaces of every channel of a recording.
 
     Parameters
     ----------
     source : Recording, Record or path
     settings : Deviations, Densities or Windows
-        What is measured.
+        What is computed.
     recipe : Recipe, optional
-        How the file is read, and how the noise is identified where the settings ask for it.
+        How the file is read, and how the noise is identified if the settings request it.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with a description of the current step and the fraction completed.
 
     Raises
     ------
     DataError
-        The file cannot be read, or no channel supports the measurement.
+        The file cannot be read, or no channel can be processed.
     UsageError
-        An option is wrong, or one that is needed is missing.
+        An option is wrong, or a required one is missing.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """The table of noise terms: pure mathematics, one row a term.
 
 A term enters every statistic through one function, its structure function ``D(t) = E[(x(s+t) - x(s))^2]`` of the angle
-x (in the generalised sense: polynomials that every statistic here removes are left out). All functions are for a
-coefficient of 1 and, but for `structure` and `spectrum`, for a sample interval of 1; they are linear in the square of
+x (in the generalized sense: polynomials that every statistic here removes are omitted). All functions are for a
+coefficient of 1 and, except `structure` and `spectrum`, for a sample interval of 1; they are linear in the square of
 the coefficient.
 """
 

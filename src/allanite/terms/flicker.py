@@ -1,4 +1,4 @@
-"""Bias instability: flicker of the rate."""
+"""Bias instability: flicker rate noise."""
 
 import math
 
@@ -72,7 +72,7 @@ def _flicker_spectrum(f: FloatArray, tau0: float) -> FloatArray:
 
 
 def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
-    # DCT-II does not quite diagonalise flicker: a factor of k alone, whatever n (computed exactly for k <= 8)
+    # the DCT-II nearly diagonalizes flicker: a factor of k alone, for any n (computed exactly for k <= 8)
     edge = np.where(
         k < 8.5, FLICKER_EDGE[np.clip(k, 1, 8).astype(np.int64) - 1], 1 - 2 / (math.pi**2 * np.maximum(k, 1))
     )
@@ -82,7 +82,7 @@ def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
 FLICKER = NoiseTerm(
     symbol="B",
     title="bias instability",
-    meaning="flicker of the rate: the floor of the Allan deviation lies at 0.664 B",
+    meaning="flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B",
     formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
     reference="IEEE Std 952",
     power=0.0,
@@ -96,12 +96,12 @@ FLICKER = NoiseTerm(
     spectrum=_flicker_spectrum,
     dct=_flicker_dct,
     density=r"S(f) = \frac{B^2}{2 \pi f}",
-    origin="Flicker of electronics, of the discharge in a ring laser, of whatever has many relaxation times: a "
-    "spectrum that rises as 1/f towards low frequencies, so that every decade of time brings as much "
-    "wandering of the bias as the one before.",
-    advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random "
-    "walk make a minimum by themselves, at sqrt(2 N K / sqrt(3)), without any flicker. Kalman filters "
-    "have no state for it; it is stood in for by one or several Gauss-Markov processes.",
+    origin="Flicker noise of electronics, of the discharge in a ring laser, and of systems with many relaxation times: "
+    "a power spectral density that increases as 1/f towards low frequencies, so that every decade of time "
+    "contributes as much bias drift as the one before.",
+    advice="The flat part of the curve lies at 0.664 B. The minimum of the curve is not B: angle and rate random walk "
+    "alone have a minimum, at sqrt(2 N K / sqrt(3)), without any flicker. It has no finite-dimensional state "
+    "model; in a Kalman filter it is approximated by one or several Gauss-Markov processes.",
     typical=1.0,
     color="#008F6B",
     alpha=-1,

@@ -27,7 +27,7 @@ def _rest(u: FloatArray, order: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Markov:
-    """The functions of Gauss-Markov noise of effective value 1 with a time constant of T sample intervals."""
+    """The functions of Gauss-Markov noise of RMS 1 with a time constant of T sample intervals."""
 
     T: float
 
@@ -95,14 +95,14 @@ class _Markov:
 
 
 def gauss_markov(T: float) -> NoiseTerm:
-    """The row of Gauss-Markov noise of the rate, with a time constant of T sample intervals."""
+    """The row of Gauss-Markov rate noise, with a time constant of T sample intervals."""
     functions = _Markov(T)
     return NoiseTerm(
         symbol="GM",
         title="Gauss-Markov noise",
-        meaning="noise of the rate that forgets itself exponentially, with a time constant T",
+        meaning="exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T",
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
-        reference="IEEE Std 952; s is the effective value of the rate, q = s sqrt(2/T) its driving noise",
+        reference="IEEE Std 952; s is the RMS rate, q = s sqrt(2/T) the driving noise",
         power=0.0,
         slope=math.nan,
         read_at=math.nan,
@@ -117,21 +117,21 @@ def gauss_markov(T: float) -> NoiseTerm:
         shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
-        origin="One relaxation: a temperature that follows its surroundings, a trapped charge, a filter in front of "
-        "the output, a control loop. Sums of a few such processes with time constants a decade apart are hardly told "
-        "from flicker.",
-        advice="A hump: the Allan deviation rises with slope +1/2 up to tau = 1.89 T, where it is 0.617 s, and falls "
-        "with slope -1/2 beyond. Well below T it looks like a rate random walk with K = s sqrt(2/T), well above like "
-        "an angle random walk with N = s sqrt(2 T). A Kalman filter takes it as a state with "
-        "Phi = exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). Do not call it flicker because the top of the hump "
-        "is flat: the ranking of both by the likelihood tells them apart where the record can.",
+        origin="A single relaxation process: a temperature that follows its surroundings, a trapped charge, a filter "
+        "at the output, a control loop. Sums of a few such processes with time constants a decade apart can "
+        "hardly be distinguished from flicker.",
+        advice="A hump: the Allan deviation increases with slope +1/2 up to tau = 1.89 T, where it is 0.617 s, and "
+        "decreases with slope -1/2 beyond. Well below T it resembles a rate random walk with K = s sqrt(2/T), "
+        "well above an angle random walk with N = s sqrt(2 T). In a Kalman filter it is a state with Phi = "
+        "exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). A flat top of the hump is not flicker: the "
+        "likelihood distinguishes the two if the record permits.",
         color="#5D6B00",
         block=lambda size, shape, h: markov_block(size, shape[0], h),
     )
 
 
 def markov_block(size: float, T: float, h: float) -> Block:
-    """Gauss-Markov noise of effective value `size` and time constant `T`."""
+    """Gauss-Markov noise of RMS `size` and time constant `T`."""
     u = h / T
     loss = -math.expm1(-u)
     var_mean = size**2 * _mean_variance(u)

@@ -47,7 +47,7 @@ def _ramp(n: int) -> FloatArray:
 
 
 def white_noise(N: float, h: float) -> Block:
-    """White noise of the rate: no state, only noise of the reading."""
+    """White rate noise: no state, only measurement noise."""
     nothing, one = np.zeros((0, 0)), np.zeros(0)
     return Block((), nothing, nothing, nothing, one, np.zeros((1, 1)), nothing, one, white=N**2 / h)
 
@@ -83,12 +83,12 @@ def integrators(names: tuple[str, ...], h: float, *, density: float = 0.0, start
 
 
 def angle_noise(Q: float, h: float) -> Block:
-    """White noise of the angle: the mean rate over an interval gets the difference of its ends' errors, over h.
+    """White angle noise: the mean rate over an interval gets the difference of its ends' errors, over h.
 
     A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     """
     return Block(
-        names=(("error of the angle", 1),),
+        names=(("angle error", 1),),
         F=np.zeros((1, 1)),
         Qc=np.zeros((1, 1)),
         Phi=np.zeros((1, 1)),
@@ -96,8 +96,8 @@ def angle_noise(Q: float, h: float) -> Block:
         Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
         P0=np.array([[Q**2]]),
         output=np.zeros(1),
-        note="quantization is taken for white Gaussian noise of the angle; that it is bounded by half a step, and "
-        "depends on the angle itself, is left out",
+        note="quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends "
+        "on the angle itself, is neglected",
     )
 
 
@@ -119,14 +119,13 @@ QUANTIZATION = NoiseTerm(
     dct=lambda k, n: 4 * _sine_squared(k, n),
     edge=1.0,
     density=r"S(f) = \frac{4 Q^2}{\tau_0} \sin^2(\pi f \tau_0) \approx (2 \pi f)^2 \tau_0 Q^2",
-    origin="Rounding of an angle output: the pulses of a ring laser gyroscope or of a rebalance loop, and the "
-    "jitter of the instant at which they are read. What one sample loses the next one gains, so that the "
-    "angle never errs by more than a step. Rounding of a rate output is something else: its errors add "
-    "up, and make angle random walk.",
-    advice="It rules the shortest averaging times with slope -1. The line has the value of Q at tau = sqrt(3). "
-    "Overlapped Allan and Hadamard deviation cannot tell it from other noise of the angle; in the "
-    "modified Allan deviation it falls faster, with slope -3/2. It does not grow with time: for "
-    "navigation beyond seconds it can mostly be ignored.",
+    origin="Rounding of an angle output: the pulses of a ring laser gyroscope or of a rebalance loop, and the jitter "
+    "of the readout times. What one sample loses the next one gains, so that the angle error never exceeds a "
+    "step. Rounding of a rate output is different: its errors accumulate and produce angle random walk.",
+    advice="It dominates the shortest averaging times, with slope -1. The line has the value Q at tau = sqrt(3). "
+    "Overlapping Allan and Hadamard deviations cannot distinguish it from other angle noise; in the modified "
+    "Allan deviation it falls faster, with slope -3/2. It does not grow with time: in navigation beyond a few "
+    "seconds it can usually be neglected.",
     typical=0.5,
     color="#AA4499",
     alpha=2,
@@ -152,13 +151,13 @@ ANGLE_RANDOM_WALK = NoiseTerm(
     spectrum=lambda f, tau0: np.ones_like(f),
     dct=lambda k, _: np.ones_like(k),
     density=r"S(f) = N^2",
-    origin="Everything that is faster than the sampling: shot noise of the light and spontaneous emission in "
-    "optical gyroscopes, thermal motion of the proof mass and noise of the amplifier in micromechanical "
-    "ones, dither of a ring laser, rounding of a rate output.",
-    advice="Slope -1/2; N is the value of the line at tau = 1, in the unit of time of the coefficient: one hour "
-    "for deg/sqrt(h). It is the square root of the two-sided density; a one-sided density "
+    origin="All noise faster than the sampling: shot noise and spontaneous emission in optical gyroscopes, thermal "
+    "motion of the proof mass and amplifier noise in MEMS gyroscopes, dither of a ring laser, rounding of a "
+    "rate output.",
+    advice="Slope -1/2; N is the value of the line at tau = 1, in the unit of time of the coefficient: one hour for "
+    "deg/sqrt(h). It is the square root of the two-sided power spectral density; a one-sided one "
     "(scipy.signal.welch, many data sheets) gives sqrt(2) N. A sample of duration tau0 has the standard "
-    "deviation N / sqrt(tau0); after a time t the angle has wandered by N sqrt(t).",
+    "deviation N / sqrt(tau0); after a time t the standard deviation of the angle is N sqrt(t).",
     typical=0.1,
     color="#0072B2",
     alpha=0,
@@ -170,7 +169,7 @@ ANGLE_RANDOM_WALK = NoiseTerm(
 RATE_RANDOM_WALK = NoiseTerm(
     symbol="K",
     title="rate random walk",
-    meaning="random walk of the rate; the bias wanders as K sqrt(t)",
+    meaning="random walk of the rate; the bias drifts as K sqrt(t)",
     formula=r"\sigma^2(\tau) = K^2 \tau / 3",
     reference="IEEE Std 952; the rate is the mean over each sample interval",
     power=-0.5,
@@ -184,11 +183,11 @@ RATE_RANDOM_WALK = NoiseTerm(
     spectrum=_random_walk_spectrum,
     dct=lambda k, n: _random_walk_spectrum(k / (2.0 * n), 1.0),
     density=r"S(f) = \frac{K^2}{(2 \pi f)^2}",
-    origin="Slow change that adds up: temperature that wanders, ageing, the beginning of an exponentially "
-    "correlated process whose correlation time is longer than the record.",
-    advice="Slope +1/2; K is the value of the line at tau = 3. It lives at the long end, where the curve has few "
-    "degrees of freedom: one record of a length of 10 tau says little about it at tau. It is the driving "
-    "noise of the bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
+    origin="Slow changes that accumulate: a drifting temperature, ageing, or an exponentially correlated process whose "
+    "correlation time is longer than the record.",
+    advice="Slope +1/2; K is the value of the line at tau = 3. It is visible at long averaging times, where the curve "
+    "has few degrees of freedom: a record of 10 tau says little about it at tau. It is the driving noise of the "
+    "bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
     typical=10.0,
     color="#C1272D",
     alpha=-2,
@@ -200,7 +199,7 @@ RATE_RANDOM_WALK = NoiseTerm(
 RAMP = NoiseTerm(
     symbol="R",
     title="rate ramp",
-    meaning="a steady drift of the rate, with a sign",
+    meaning="a linear drift of the rate, with a sign",
     formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
     reference="IEEE Std 952",
     power=-1.0,
@@ -214,13 +213,12 @@ RAMP = NoiseTerm(
     spectrum=lambda f, tau0: np.zeros_like(f),
     dct=lambda k, _: np.zeros_like(k),
     waveform=_ramp,
-    origin="A steady change during the record: warming up, ageing, a light source that fades, a platform that "
-    "turns ever faster. It is no noise, and the next record may have another one.",
-    advice="Slope +1; the size of R is the value of the line at tau = sqrt(2). A curve has no sign, so that here "
-    "R is estimated from the record. The Hadamard deviation does not see it: where the Allan deviation is "
-    "more than sqrt(2) times the Hadamard deviation, there is a ramp, or a noise steeper than a random "
-    "walk. Remove it by a model of its cause (temperature), not by a fitted line, before you speak of the "
-    "noise at long times.",
+    origin="A steady change during the record: warm-up, ageing, a fading light source, an accelerating platform. It is "
+    "not a noise, and the next record may have a different one.",
+    advice="Slope +1; |R| is the value of the line at tau = sqrt(2). A curve has no sign, so that R is estimated from "
+    "the record. The Hadamard deviation is insensitive to it: where the Allan deviation is more than sqrt(2) "
+    "times the Hadamard deviation, there is a ramp, or a noise steeper than a random walk. Remove it with a "
+    "model of its cause (temperature), not with a fitted line, before interpreting the noise at long times.",
     typical=10.0,
     color="#B97700",
     automatic=True,
@@ -228,6 +226,6 @@ RAMP = NoiseTerm(
         ("bias", "rate ramp"),
         h,
         start=R,
-        note="the ramp is a state whose start has the standard deviation |R|, and no noise of its own",
+        note="the ramp is a state whose initial standard deviation is |R|, without driving noise",
     ),
 )

@@ -1,4 +1,4 @@
-"""What a noise term is: a row of the table, and what it is as states of a filter."""
+"""Definition of a noise term: a row of the table, and its state-space form."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 WHITE = -0.5
-"""Slope of white noise of the rate."""
+"""Slope of white rate noise."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A noise term as states z of a filter: exact transition over a sample interval, and what the mean over it gets.
+    """A noise term as states z of a filter: exact transition over a sample interval, and the mean over it.
 
     With dz = F z dt + w, the covariance of w being Qc per second, it is over an interval h
 
@@ -54,11 +54,11 @@ class Block:
     output : array, shape (s,)
         What a state adds to the rate at an instant; 0 for a state of discrete time.
     white : float
-        Variance of the white noise that each reading gets besides.
+        Variance of the white noise that each measurement gets besides.
     bias : bool
         Whether the states are the bias and its derivatives, which such blocks of a model have in common.
     note : str
-        What a user of the filter should know.
+        Remark for users of the filter.
     """
 
     names: tuple[tuple[str, float], ...]
@@ -81,7 +81,7 @@ class NoiseTerm:
     Attributes
     ----------
     symbol, title, meaning, formula, reference
-        What it is, in words and in LaTeX (Allan variance), and where that is written.
+        Names, description, LaTeX formula (Allan variance) and source.
     power : float
         The coefficient is a signal times time to this power.
     slope : float
@@ -95,8 +95,8 @@ class NoiseTerm:
     derivative : (order, t) -> d^order D/dt^order
         For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
     summed : l -> E(l)
-        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, but for a square of l, which the statistics
-        remove; for l >= 0, and between the integers from l = 3 on.
+        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, except for a square of l, which the
+        statistics remove; for l >= 0, and between the integers from l = 3 on.
     increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
         For 0 < f <= 1 / (2 tau0).
@@ -113,11 +113,11 @@ class NoiseTerm:
         The values of `parameters` that the functions of this row hold for, at a sample interval of 1.
     shaped : (shape, rate) -> the row of another shape (in SI), at a sample interval of 1 / rate.
     density : str
-        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate but for Q.
+        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate except for Q.
     origin, advice : str
-        For the documentation: where it comes from, and how it is read off and used.
+        For the documentation: its origin, and how to read it off and use it.
     typical : float
-        For the documentation: the coefficient of an example, in the unit that data sheets of gyros give it in.
+        For the documentation: an example coefficient, in the data-sheet unit of gyros.
     color : str
         Of its line in figures, ``#RRGGBB``.
     alpha : int or None
@@ -126,7 +126,7 @@ class NoiseTerm:
         Whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
         its expectation then depends on the rate.
     automatic : bool
-        Whether it is looked for where nobody says which terms to look for.
+        Whether it is among the default terms.
     block : (coefficient, shape, interval) -> Block, or None
         What it is as states of a Kalman filter, SI; None where a finite filter has none.
     substitute : str

@@ -60,12 +60,12 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         ),
         shape=(frequency, phase),
         shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
-        origin="Vibration, sway of the building or the vehicle, a dither that is not taken out, interference of the "
-        "mains and its beats with the sampling. Nothing random: the next record may have it elsewhere.",
-        advice="A hump with its top at tau = 0.371/f, where the Allan deviation is 0.725 A, and zeros at multiples of "
-        "1/f; the envelope falls with slope -1. The top may be taken for bias instability, and its flank for "
-        "quantization. In the spectrum it is a narrow peak: there it is found, its amplitude and frequency "
-        "estimated, and it is taken out before the noise is identified.",
+        origin="Vibration, sway of the building or the vehicle, residual dither, mains interference and its beats with "
+        "the sampling. It is not random: the next record may have it elsewhere.",
+        advice="A hump with its maximum at tau = 0.371/f, where the Allan deviation is 0.725 A, and zeros at multiples "
+        "of 1/f; the envelope falls with slope -1. The maximum may be mistaken for bias instability, and the "
+        "flank for quantization. In the spectrum it is a narrow peak: there it is detected, its amplitude and "
+        "frequency are estimated, and it is removed before the noise is identified.",
         color="#444B54",
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
     )
@@ -84,7 +84,7 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
         Q=np.zeros((3, 3)),
         P0=np.eye(2) * amplitude**2 / 2,
         output=np.array([1.0, 0.0]),
-        note="a sinusoid is an oscillator without noise: its frequency must be known and steady",
+        note="a sinusoid is an oscillator without noise: its frequency must be known and constant",
     )
 
 

@@ -123,7 +123,7 @@ def test_the_choices_reach_the_recipe(monkeypatch):
         (["analyze", "{file}", "--rate", "fast"], 2, "'fast' is not a valid float"),
         (["analyze", "{file}", "--level", "95"], 2, "between 0 and 1"),
         (["analyze", "{file}", "--plot", "a.bmp"], 2, "png, svg, pdf"),
-        (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one thing"),
+        (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one result"),
         (["analyze", "{file}", "--report", "no/such/folder/a.html"], 2, "does not exist"),
         (["analyze", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
         (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
@@ -167,7 +167,7 @@ def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
     monkeypatch.setattr(allanite.study.analysis, "analyze", broken)
     result = run("analyze", file)
     assert result.exit_code == 1
-    assert "a defect of allanite (ZeroDivisionError: by zero)" in result.stderr
+    assert "internal error (ZeroDivisionError: by zero)" in result.stderr
     assert len(result.stderr.splitlines()) == 1
     for asked in (run("--debug", "analyze", file), run("analyze", file, env={"ALLANITE_DEBUG": "1"})):
         assert asked.exit_code == 1

@@ -108,7 +108,7 @@ def test_a_part_against_the_rest(folder):
     [
         ((), 2, ["FILE"]),
         (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
-        (("before.csv", "after.csv", "--part", "20"), 2, ["--part cuts one file"]),
+        (("before.csv", "after.csv", "--part", "20"), 2, ["--part splits a single file"]),
         (("before.csv", "--against", "y"), 2, ["--against"]),
         (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
         (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
@@ -222,5 +222,5 @@ def test_a_model_that_does_not_explain_its_record_is_not_passed_over():
     assert pair.alerts[0].startswith("record 2: ")
     assert "the noise level changes" in pair.alerts[0]
     assert pair.grades[0] == "explained"
-    assert "may pass for one of its terms" in pair.alerts[0]
+    assert "may appear as a change of one of its terms" in pair.alerts[0]
     assert 'class="doubt"' in page(found)

@@ -59,7 +59,7 @@ def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
 
 def test_curves_that_differ_are_never_under_no_change():
     found = al.compare(simulated(5), simulated(6)).pairs[0]
-    assert found.verdict.startswith("no change of the noise is seen")
+    assert found.verdict.startswith("no change of the noise is detected")
     p = np.where(np.arange(found.ratios.p.size) == 3, 1e-4, found.ratios.p)
     differing = replace(found, ratios=replace(found.ratios, p=p))
     assert differing.changed

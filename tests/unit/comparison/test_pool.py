@@ -26,7 +26,7 @@ def test_equal_runs_have_one_noise(equal):
     channel = equal["z"]
     assert channel.alike
     assert not channel.apart
-    assert "one noise describes all 5 runs" in equal.verdict
+    assert "one noise model describes all 5 runs" in equal.verdict
     low, high = channel["N"].interval()
     assert low < MODEL["N"].value < high
     one = al.identify(run(1))["N"].interval()
@@ -88,7 +88,7 @@ def test_the_beginning_of_a_record_agrees_with_the_whole():
 
 
 def test_what_cannot_be_pooled():
-    with pytest.raises(al.UsageError, match="three on, and 2 came"):
+    with pytest.raises(al.UsageError, match="at least three runs, not 2"):
         al.pool([run(1), run(2)])
     with pytest.raises(al.DataError, match="same readings"):
         al.pool([run(1), run(2), run(1)])

@@ -11,7 +11,7 @@ from allanite.core.files import demand_writable, write
 def test_an_existing_file_is_refused_and_kept(tmp_path):
     path = tmp_path / "page.html"
     path.write_bytes(b"old")
-    with pytest.raises(UsageError, match=r"exists already.*--force"):
+    with pytest.raises(UsageError, match=r"already exists.*force=True"):
         write(path, b"new")
     assert path.read_bytes() == b"old"
 

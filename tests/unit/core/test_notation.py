@@ -31,15 +31,15 @@ def test_what_is_printed_is_understood():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "nothing in '' is no noise term"),
+        ("", "nothing in '' is not a noise term"),
         ("X 3 deg/h", "a term is a symbol .Q, N, B, K, R, GM, Sine."),
-        ("N 3", "after N come a number and a unit"),
-        ("N three deg", "'three' .* stands where a number is wanted"),
-        ("N 1 deg/h", "is no unit of N"),
+        ("N 3", "N must be followed by a number and a unit"),
+        ("N three deg", "expected a number instead of 'three'"),
+        ("N 1 deg/h", "is not a unit of N"),
         ("GM 0.1 deg/h", "GM has time_constant in s"),
-        ("N 1 deg/sqrt(h) 3 s", "is no noise term"),
+        ("N 1 deg/sqrt(h) 3 s", "is not a noise term"),
         ("GM 0.1 deg/h 3 deg", "cannot be converted"),
-        ("N 1 deg/sqrt(h), N 2 deg/sqrt(h)", "may stand once"),
+        ("N 1 deg/sqrt(h), N 2 deg/sqrt(h)", "may occur once"),
     ],
 )
 def test_what_is_refused(text, words):
@@ -50,5 +50,5 @@ def test_what_is_refused(text, words):
 def test_typical_sensors():
     for name in al.SENSORS:
         assert al.sensor(name.upper()).signal.name == "gyro"
-    with pytest.raises(al.UsageError, match="known are mems, fog, rlg"):
+    with pytest.raises(al.UsageError, match="known sensors: mems, fog, rlg"):
         al.sensor("hrg")

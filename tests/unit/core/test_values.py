@@ -24,13 +24,13 @@ WRONG = [
     ({"unit": "furlong"}, "unknown unit"),
     ({"unit": "deg"}, "does not fit kind 'rate'"),
     ({"kind": "speed"}, "unknown kind 'speed'"),
-    ({"kind": "count", "unit": "arcsec"}, "worth of one pulse"),
+    ({"kind": "count", "unit": "arcsec"}, "size of one pulse"),
     ({"scale": -2.0}, "positive"),
     ({"values": [[1.0, 2.0]]}, r"shape \(n,\)"),
     ({"values": ["a", "b", "c"]}, "not real numbers"),
     ({"values": [1.0 + 2j, 2.0]}, "not real numbers"),
     ({"values": [1.0]}, "too few"),
-    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts are integers"),
+    ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, 2.5, 3.0]}, "counts must be integers"),
     ({"kind": "count", "unit": "arcsec", "scale": 1.0, "values": [1.0, np.inf, 3.0]}, "finite"),
 ]
 
@@ -106,7 +106,7 @@ def test_recordings_by_name_and_number():
     recording = al.Recording((record(name="x"), record(name="y")))
     assert recording["y"] is recording[1]
     assert [r.name for r in recording] == ["x", "y"]
-    with pytest.raises(al.UsageError, match="there are x, y"):
+    with pytest.raises(al.UsageError, match="channels: x, y"):
         recording["z"]
     with pytest.raises(al.UsageError, match="must differ"):
         al.Recording((record(name="x"), record(name="x")))
@@ -124,7 +124,7 @@ def test_models_add_and_come_back():
         model + al.N(1.0, "deg/sqrt(h)")
     with pytest.raises(al.UsageError, match="not negative"):
         al.N(-1.0, "deg/sqrt(h)")
-    with pytest.raises(al.UsageError, match="there are Q, N, B, R"):
+    with pytest.raises(al.UsageError, match="Q, N, B, R"):
         model["K"]
 
 
@@ -135,7 +135,7 @@ def test_curves_come_back_with_their_limits_as_numbers():
         np.testing.assert_allclose(getattr(again, name), getattr(curve, name), rtol=1e-14)
     np.testing.assert_allclose(again.interval(0.95), curve.interval(0.95), rtol=1e-12)
     assert (again.unit, again.name, again.noise) == ("deg/h", "z", MODEL)
-    with pytest.raises(al.UsageError, match=r"stored with limits for 0\.95"):
+    with pytest.raises(al.UsageError, match=r"were stored for level 0\.95"):
         again.interval(0.5)
 
 
@@ -178,9 +178,9 @@ def test_fits_are_plain_data():
     headings, rows = fit.rows()
     assert len(rows) == 5
     assert all(len(row) == len(headings) for row in rows)
-    with pytest.raises(al.UsageError, match="not asked for"):
+    with pytest.raises(al.UsageError, match="not a term of this fit"):
         fit["GM"]
-    with pytest.raises(al.UnitError, match="no unit of N"):
+    with pytest.raises(al.UnitError, match="not a unit of N"):
         fit["N"].to("deg/h")
 
 
@@ -200,7 +200,7 @@ def test_windows():
 def test_what_cannot_support_the_job_is_refused():
     y = record().values
     for values, words in [
-        (np.where(np.arange(5000) > 170, np.nan, y), "4829 of 5000 readings are lost"),
+        (np.where(np.arange(5000) > 170, np.nan, y), "4829 of 5000 samples are missing"),
         (np.full(5000, 2.0), "never changes"),
         (y[:50], "too few"),
         (np.full(5000, 1e308), "too large"),
@@ -209,7 +209,7 @@ def test_what_cannot_support_the_job_is_refused():
     assert inspect(record()).refusal == ""
     gap = inspect(al.Record(np.where(np.arange(5000) == 17, np.nan, y), 1.0, "deg/s"))
     assert gap.refusal == ""
-    assert "1 of 5000 readings are lost" in gap.findings[0].what
+    assert "1 of 5000 samples are missing" in gap.findings[0].what
 
 
 def test_a_study_takes_no_more_than_six_times_the_records_memory():
@@ -234,9 +234,9 @@ def test_recipes_are_plain_data(tmp_path):
     with pytest.raises(al.UsageError, match="unknown key 'speed'"):
         al.Recipe.load(path)
     for line, words in [
-        ('level = "0.95"', "level is a number"),
+        ('level = "0.95"', "level must be a number"),
         ("level = 95", "between 0 and 1"),
-        ("unit = 3", "unit is a word"),
+        ("unit = 3", "unit must be a word"),
         ("band = [1.0]", "two frequencies"),
         ("rate = true", "rate is a number"),
     ]:

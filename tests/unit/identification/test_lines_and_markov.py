@@ -114,7 +114,7 @@ def test_sinusoids_are_found_and_taken_out(frequency, ratio):
         assert abs(line.amplitude - size) < 5 * line.standard_error
         assert line.standard_error == pytest.approx(math.sqrt(3 * level / n) / np.sinc(frequency / RATE), rel=0.5)
         assert fit.goodness.explained == clean.goodness.explained
-        assert "a sinusoid was taken out first" in fit.goodness.verdict
+        assert "a sinusoid was removed first" in fit.goodness.verdict
         assert fit.model["Sine"].shape[0] == line.frequency
         assert fit.to_dict()["lines"][0]["frequency"] == line.frequency
         # what is left of the noise is what was there without the line

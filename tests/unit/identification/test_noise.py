@@ -204,9 +204,9 @@ def test_terms_asked_for_are_obeyed():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 30_000, 100.0, rng=np.random.default_rng(1))
     assert [e.symbol for e in al.identify(record, terms="QNK")] == ["Q", "N", "K"]
     for terms, words in [
-        ("NX", "known are Q, N, B, K, R"),
+        ("NX", "known terms: Q, N, B, K, R"),
         ("NN", "once"),
-        ("R", "at least one is noise"),
+        ("R", "at least one noise"),
         ("", "noise"),
     ]:
         with pytest.raises(al.UsageError, match=words):
@@ -217,7 +217,7 @@ def test_wrong_methods_and_bands():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 5000, 100.0, rng=np.random.default_rng(1))
     curve = al.deviation(record)
     for source, options, words in [
-        (record, {"method": "magic"}, "known are whittle, gls, joint, nnls, piecewise, ls, slopes"),
+        (record, {"method": "magic"}, "known methods: whittle, gls, joint, nnls, piecewise, ls, slopes"),
         (curve, {"method": "whittle"}, "needs the record"),
         (curve, {"method": "ls", "band": (0, 1)}, "band is for method 'whittle'"),
         (record, {"band": (5, 1)}, "low < high"),
@@ -235,7 +235,9 @@ def test_a_band_without_low_frequencies_says_nothing_of_slow_terms():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)") + al.R(1.0, "deg/h/s"), 30_000, 100.0, rng=np.random.default_rng(1))
     fit = al.identify(record, band=(1, 50))
     assert fit["N"].to("deg/sqrt(h)") == pytest.approx(0.1, rel=0.03)
-    assert fit["R"].words() == "not observable: the band begins at 1 Hz, above where it would be seen"
+    assert (
+        fit["R"].words() == "not observable: the band begins at 1 Hz, above the frequencies where it would be visible"
+    )
 
 
 @pytest.mark.parametrize("sign", [-1, 1])

@@ -96,7 +96,7 @@ def test_what_cannot_be_asked_is_refused():
     fit = al.identify(record)
     with pytest.raises(al.UsageError, match="gyro"):
         al.whitened(accelerometer, fit.model)
-    with pytest.raises(al.UsageError, match="needs noise"):
+    with pytest.raises(al.UsageError, match="needs a model with noise"):
         al.whitened(record, al.Model((al.R(1.0, "deg/h/s"),)))
     with pytest.raises(al.UsageError, match="'mark'"):
         al.residuals(record, fit, outliers="fill")
@@ -167,9 +167,9 @@ def test_the_study_says_it_in_words_and_pictures():
     assert (x.explained, z.explained, dead.explained) == (True, False, False)
     shown = " ".join(table(study).split())
     assert "the noise level changes" in shown
-    assert "goes together fast" in shown
+    assert "are correlated sample by sample" in shown
     assert shown.count("the noise level changes") == 2
-    assert "y, of the same body: the noise level changes" in shown
+    assert "y, on the same body: the noise level changes" in shown
     html = page(study)
     assert html.count("What the model leaves") == 2
     assert "What the channels share" in html
@@ -183,7 +183,7 @@ def test_a_band_has_residuals_and_says_where_it_holds():
     study = al.analyze(record_of("MEMS", 1), al.Recipe(band=(0.1, 50.0)))
     channel = study.channels[0]
     assert [check.name for check in channel.residuals.checks] == ["correlation", "kurtosis", "halves", "eighths"]
-    assert channel.noise.statement.points == ("the model holds from 0.1 to 50 Hz, that is from 0.01 s to 2.5 s",)
+    assert channel.noise.statement.points == ("the model holds from 0.1 to 50 Hz, that is, from 0.01 s to 2.5 s",)
     assert "--band" not in channel.verdict
 
 

@@ -138,7 +138,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
 def test_the_window_that_a_warm_up_advises_is_free_of_it():
     record = record_of(N + B, 2**16, 3, settling(-30, 0.1))
     text = str(al.identify(record).findings[0])
-    first = float(re.search(r"\(--from ([0-9.]+)\)", text)[1])
+    first = float(re.search(r"prepare\.trim\(recording, ([0-9.]+)\)", text)[1])
     rest = al.identify(al.Record(record.values[round(first * RATE) :], RATE, "rad/s"))
     assert rest.findings == ()
     assert rest.goodness.explained
@@ -146,8 +146,8 @@ def test_the_window_that_a_warm_up_advises_is_free_of_it():
 
 def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
     text = str(al.identify(record_of(N + B, 2**16, 2, settling(200, 0.3))).findings[0])
-    assert "record again, at least" in text
-    assert "--from" not in text
+    assert "record again, starting at least" in text
+    assert "trim" not in text
 
 
 @pytest.mark.parametrize("a", [0.8, 1.2])
@@ -188,12 +188,12 @@ def test_bursts_are_named_with_a_window_without_them():
     left = al.residuals(record, al.identify(record))
     (finding,) = left.findings
     assert finding.name == "popcorn"
-    size, at = map(float, re.search(r"largest burst, of (\S+) deg/h, is at (\S+) s", finding.what).groups())
+    size, at = map(float, re.search(r"largest burst, (\S+) deg/h, is at (\S+) s", finding.what).groups())
     assert size == pytest.approx(15 * 7.2, rel=0.3)
     assert at == pytest.approx(402.5, abs=2)
     assert finding.place[0] < 402.5 < finding.place[1]
     assert not left.explained
-    first, last = map(int, re.search(r"--from (\d+) --until (\d+)", finding.remedy).groups())
+    first, last = map(int, re.search(r"trim\(recording, (\d+), (\d+)\)", finding.remedy).groups())
     part = al.Record(record.values[first * 100 : last * 100], RATE, "rad/s")
     assert al.residuals(part, al.identify(part)).findings == ()
 

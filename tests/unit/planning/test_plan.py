@@ -101,7 +101,7 @@ def test_the_nodes_are_enough(monkeypatch, n):
 def test_what_cannot_be_seen_is_infinite():
     model = al.N(1.0, "deg/sqrt(h)") + al.Sine(1.0, "deg/h", frequency=1e-4)
     assert al.bound(model, 1000, 10.0)["Sine"] == math.inf
-    with pytest.raises(al.UsageError, match="no noise in it"):
+    with pytest.raises(al.UsageError, match="no noise"):
         al.bound(al.Sine(1.0, "deg/h", frequency=1.0), 1000, 10.0)
     with pytest.raises(al.UsageError, match="at least 8"):
         al.bound(al.N(1.0, "deg/sqrt(h)"), 7, 10.0)
@@ -124,7 +124,7 @@ def test_a_term_that_is_not_known_to_be_absent_costs_as_much_as_a_tiny_one():
     assert al.bound(noise, n, 1.0, terms="QBKRN")["N"] == pytest.approx(beside, rel=1e-3)
     known = al.bound(noise, n, 1.0)["N"]
     assert known < al.bound(noise, n, 1.0, terms="Q")["N"] < beside
-    with pytest.raises(al.UsageError, match="terms are 'known', 'auto' or symbols"):
+    with pytest.raises(al.UsageError, match="terms must be 'known', 'auto' or symbols"):
         al.bound(noise, n, 1.0, terms="X")
 
 
@@ -177,10 +177,10 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
         ((), "either a recording, or the noise"),
         (("file.csv", "--sensor", "fog"), "either a recording, or the noise"),
         (("--sensor", "fog"), "--rate HZ"),
-        (("--sensor", "hrg", "--rate", 1), "known are mems, fog, rlg"),
+        (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
         (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
-        (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band is for a recording"),
-        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from is for a recording"),
+        (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band applies to a recording"),
+        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
     ],
 )
 def test_what_the_verb_refuses(arguments, words):

@@ -65,7 +65,7 @@ def test_limits_are_exceeded_beyond_chance_only():
     assert check.exceeded() == []
     assert check.exceeded(bias=0.11, coverage=0.9, missed=0.0, false=0.09) == []
     said = check.exceeded(bias=0.09, coverage=0.9, false=0.05)
-    assert said == ["N: bias 10 +- 0.014 %, beyond 9 %", "B: falsely found in 10 +- 1.5 %, beyond 5 %"]
+    assert said == ["N: bias 10 +- 0.014 %, limit 9 %", "B: falsely found in 10 +- 1.5 %, limit 5 %"]
     uncovered = made(low=np.full(many, 2.05), high=np.full(many, 3.0), value=np.full(many, 2.1), claimed=[False] * many)
     broken = SelfCheck(MODEL, 100, 1.0, many, 0.95, (uncovered,), (0.0, 0.0)).exceeded(coverage=0.9, missed=0.1)
     assert [words.split(":")[1].split()[0] for words in broken] == ["coverage", "missed"]
@@ -74,7 +74,7 @@ def test_limits_are_exceeded_beyond_chance_only():
 def test_terms_that_cannot_be_compared_are_named():
     pair = al.parse_model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
     check = al.selfcheck(pair, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
-    assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not found in any record",)
+    assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not identified in any record",)
     with pytest.raises(al.UsageError, match="'GM' was not looked for"):
         _ = check["GM"]
     with pytest.raises(al.UsageError, match="at least 2 records"):
@@ -123,7 +123,7 @@ def test_another_method_can_be_checked():
     assert abs(check["N"].bias[0]) < 0.2
     assert check["N"].found[0] == 0.0
     assert math.isnan(check.unexplained[0])
-    assert "method 'nnls' gives no evidence for a term: none is counted as found" in check.notes
+    assert "method 'nnls' gives no evidence for a term: none is counted as identified" in check.notes
     result = run(*FEW, "--method", "gls", "--json", "-")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["recipe"]["method"] == "gls"

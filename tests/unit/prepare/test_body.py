@@ -45,7 +45,7 @@ def test_one_axis_that_moves_refuses_all():
     study = examine(triad(gy=moved(record_of("gy", 2), 300, 400)))
     assert all(channel.refusal for channel in study)
     assert study["gx"].refusal.startswith("the body moved: gy moves from 299.2 s")
-    assert "(--channels)" in study["ax"].refusal
+    assert "(channels=...)" in study["ax"].refusal
     assert "the body moved" not in study["gy"].refusal
 
 
@@ -94,14 +94,14 @@ def test_the_stretch_that_is_offered_passes_the_test_in_every_axis(seed):
     assert end - start > 50
     assert all(moving(View(record)) is None for record in trim(Recording(tuple(axes)), start, end))
     study = examine(Recording(tuple(axes)))
-    assert f"--until {end:g}" in study["gx"].refusal
+    assert f", {end:g})" in study["gx"].refusal
 
 
 def test_where_nothing_is_still_nothing_is_offered():
     y = np.random.default_rng(1).standard_normal(N)
     y *= np.where(np.arange(N) // 100 % 2, 500.0, 1.0)  # by turns, five seconds each
     study = examine(Recording((al.Record(y, RATE, "deg/s", name="gx"), record_of("gy", 2))))
-    assert "no stretch of it is still" in study["gy"].refusal
+    assert "no stretch of it is static" in study["gy"].refusal
 
 
 def test_times_are_those_of_the_recording_after_a_cut():
@@ -110,7 +110,7 @@ def test_times_are_those_of_the_recording_after_a_cut():
     y[9000] = 60.0
     part = trim(Recording((al.Record(y, RATE, "deg/s", name="gx"),)), 200.0, 600.0)[0]
     found = {finding.name: finding for finding in inspect(part).findings}
-    assert found["gaps"].remedy == "the longest stretch without a gap: --from 200 --until 400"
+    assert found["gaps"].remedy == "the longest stretch without a gap: prepare.trim(recording, 200, 400)"
     assert found["gaps"].place == (400.0, 400.5)
     assert "the first from 400 s" in found["gaps"].what
     assert "the first at 450 s" in found["outliers"].what
@@ -123,4 +123,4 @@ def test_the_still_stretch_of_a_part_is_in_times_of_the_recording():
     (part,) = trim(whole, 400.0, 1000.0)
     motion = moving(View(part))
     assert motion.what.startswith("moves from 699.2 s")
-    assert motion.remedy == "the longest still stretch: --from 400 --until 699"
+    assert motion.remedy == "the longest static stretch: --from 400 --until 699"

@@ -61,7 +61,7 @@ def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
 @pytest.mark.parametrize("statistic", list(al.STATISTICS))
 def test_a_ramp_is_not_removed_for_a_statistic_that_sees_it(statistic):
     if al.STATISTICS[statistic].order < 3:
-        with pytest.raises(al.UsageError, match="sees a ramp"):
+        with pytest.raises(al.UsageError, match="is sensitive to a ramp"):
             detrend(record(), statistic)
 
 
@@ -126,8 +126,8 @@ def test_a_gap_names_the_longest_whole_stretch():
     quality = inspect(al.Record(y, 100.0, "rad/s"))
     assert quality.refusal == ""
     gaps = next(str(finding) for finding in quality.findings if finding.name == "gaps")
-    assert "--from 1.01 --until 80" in gaps
-    assert "3 of 10000 readings are lost (0.03 %), in 2 gaps, the first from 1 s" in gaps
+    assert "prepare.trim(recording, 1.01, 80)" in gaps
+    assert "3 of 10000 samples are missing (0.03 %), in 2 gaps, the first from 1 s" in gaps
 
 
 def test_findings_are_plain_data():

@@ -236,13 +236,13 @@ def test_gaps_hardly_move_the_coefficients(sensor, count, length):
 
 
 REFUSED = {
-    "most are lost": (lambda y: y[150:].fill(np.nan), "4850 of 5000 readings are lost; 150 are left"),
-    "nearly all": (lambda y: y[300:].fill(np.nan), "less than a tenth is left"),
+    "most are lost": (lambda y: y[150:].fill(np.nan), "4850 of 5000 samples are missing; 150 remain"),
+    "nearly all": (lambda y: y[300:].fill(np.nan), "less than a tenth remains"),
     "every second": (
         lambda y: np.put(y, np.arange(0, 5000, 2), np.nan),
-        "of 2500 that are left 0 have the next one too",
+        "of 2500 that remain, 0 are followed by the next one",
     ),
-    "infinite": (lambda y: y[7:9].fill(np.inf), "2 of 5000 readings are infinite, the first at sample 7"),
+    "infinite": (lambda y: y[7:9].fill(np.inf), "2 of 5000 samples are infinite, the first is sample 7"),
 }
 
 

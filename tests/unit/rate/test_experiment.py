@@ -36,7 +36,7 @@ def white(n=1000, mean=10.0, seed=1, rate=10.0):
 def test_the_incomplete_end_is_left_out_and_said():
     found = experiment(white(1050), MODEL, ExperimentSettings(interval=10.0, methods=("mean",)))
     assert found.start.tolist() == [10.0 * i for i in range(10)]
-    assert found.notes == ("5 s of 105 s fill no interval and are left out",)
+    assert found.notes == ("5 s of 105 s do not fill an interval and are omitted",)
     means = white(1050).values[:1000].reshape(10, 100).mean(axis=1)
     np.testing.assert_allclose(found.rates[0] / DEG_H, means)
 
@@ -62,8 +62,8 @@ def test_gaps_are_an_error_or_split_the_record(kind):
     starts = [0, 10, *(np.array([252, 352, 452, 552]) / 10), 70.1, 80.1]
     np.testing.assert_allclose(found.start, starts)
     assert np.isfinite(found.rates).all()
-    assert "3 readings are lost" in found.notes[0]
-    with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 lost readings"):
+    assert "3 samples missing" in found.notes[0]
+    with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 missing samples"):
         experiment(broken, MODEL, ExperimentSettings(interval=60.0, gaps="split"))
 
 
@@ -83,7 +83,7 @@ def test_methods_that_cannot_be_used_are_named():
     [
         ({"interval": 0.0}, "positive number of seconds"),
         ({"interval": math.nan}, "positive number of seconds"),
-        ({"gaps": "fill"}, "'split' at them"),
+        ({"gaps": "fill"}, "'error' or 'split'"),
         ({"methods": ("median",)}, "unknown rate estimator"),
     ],
 )
@@ -145,7 +145,7 @@ def test_earth_rate():
     for wrong in (91.0, -100.0, math.nan):
         with pytest.raises(al.UsageError, match="between -90 and 90"):
             earth_rate(wrong)
-    with pytest.raises(al.UsageError, match="'vertical' and 'north'"):
+    with pytest.raises(al.UsageError, match="'vertical' or 'north'"):
         earth_rate(0.0, "east")
 
 
@@ -197,7 +197,7 @@ def test_what_gives_no_heading_is_refused():
         north(position(30.0, 90.0), 90.0)
     with pytest.raises(al.DataError, match="more than the earth turns"):
         north(position(0.0, 55.8, bias=1.0), 55.8)
-    with pytest.raises(al.UsageError, match="not turned at all"):
+    with pytest.raises(al.UsageError, match="is no rotation"):
         north(position(30.0, 50.0), 50.0, second=position(30.0, 50.0), turned=360.0)
     flat = north(replace(position(0.0, 55.8), value=earth_rate(55.8, "north")), 55.8, near=0.0)
     assert flat.standard_error == math.inf
@@ -286,7 +286,7 @@ def test_the_study_identifies_the_noise_where_dither_hides_it():
     )
     study = measure_rates(record, settings=settings)
     (channel,) = study.channels
-    assert "blocks of 400 readings" in channel.alerts[0]
+    assert "blocks of 400 samples" in channel.alerts[0]
     assert channel.fit.model["Q"].to("arcsec") == pytest.approx(GL1.model["Q"].to("arcsec"), rel=0.1)
     assert channel.experiment.known
     assert abs(channel.experiment.errors).max() / DEG_H < 0.015
@@ -296,7 +296,7 @@ def test_the_study_identifies_the_noise_where_dither_hides_it():
 def test_a_record_too_short_for_its_noise_is_measured_with_care():
     record = al.simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
     (channel,) = measure_rates(record).channels
-    assert any("supposed at its upper limit" in alert for alert in channel.alerts)
+    assert any("assumed at their upper limits" in alert for alert in channel.alerts)
     best = channel.estimates[-1]
     assert best.method == "optimal"
     low, high = (v / DEG_H for v in best.interval())

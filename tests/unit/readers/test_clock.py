@@ -48,12 +48,12 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     record = recording["gx"]
     assert (record.size, record.rate) == (1050, pytest.approx(100.0))
     assert np.flatnonzero(np.isnan(record.values)).tolist() == list(range(600, 650))
-    assert record.history == ("50 lost readings marked as gaps",)
+    assert record.history == ("50 missing samples marked as gaps",)
     finding = only(recording, "lost samples")
     assert finding.place == pytest.approx((6.0, 6.5))
     for words in ("50 samples", "4.8 %", "1 gap", "of 0.5 s at 6 s", "--from", "--time none"):
         assert words in str(finding)
-    assert any("50 lost intervals counted" in note for note in recording.notes)
+    assert any("50 missing intervals" in note for note in recording.notes)
     closed = read(stamped(stamps), time="none", rate=100)
     assert (closed["gx"].size, closed.findings) == (1000, ())
 
@@ -78,7 +78,7 @@ def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
     recording = read(stamped(bursts))
     assert recording["gx"].rate == pytest.approx(999 / bursts[-1])
     finding = only(recording, "bursty stamps")
-    assert "500 Hz by the median step" in finding.what
+    assert "500 Hz from the median step" in finding.what
     assert read(stamped(bursts), rate=100)["gx"].rate == 100.0
 
 
@@ -86,7 +86,7 @@ def test_a_clock_that_is_set_back_is_refused(stamped):
     stamps = np.arange(1000) * 0.01
     stamps[500:] -= 3
     with pytest.raises(
-        DataError, match=r"1 stamp of column 'time \[s\]' is earlier than the one before, the first in row 501"
+        DataError, match=r"1 time stamp of column 'time \[s\]' is earlier than the previous one, the first in row 501"
     ) as caught:
         read(stamped(stamps))
     assert "--rate" in str(caught.value)
@@ -99,7 +99,7 @@ def test_a_clock_that_is_set_forward_is_refused(stamped):
     stamps[3:] += 1.7e9
     with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
         read(stamped(stamps))
-    assert "closed up" in only(read(stamped(stamps), rate=100), "lost samples").consequence
+    assert "is ignored" in only(read(stamped(stamps), rate=100), "lost samples").consequence
 
 
 def test_stamps_of_whole_seconds(stamped):
@@ -117,7 +117,7 @@ def test_a_second_that_is_missing_from_whole_seconds(stamped):
 
 
 def test_constant_stamps_are_asked_around(stamped):
-    with pytest.raises(UsageError, match=r"all stamps .* are equal .*--rate 100"):
+    with pytest.raises(UsageError, match=r"all time stamps .* are equal .*--rate 100"):
         read(stamped(np.zeros(50)))
     only(read(stamped(np.zeros(50)), rate=100), "constant stamps")
 
@@ -125,7 +125,7 @@ def test_constant_stamps_are_asked_around(stamped):
 def test_missing_stamps(stamped):
     stamps = np.arange(50.0)
     stamps[7] = np.nan
-    with pytest.raises(DataError, match="no stamp in 1 of 50 rows, the first is row 8"):
+    with pytest.raises(DataError, match="no time stamp in 1 of 50 rows, the first in row 8"):
         read(stamped(stamps))
 
 
@@ -141,7 +141,7 @@ def test_a_drifting_clock_is_no_gap(stamped):
 
 def test_one_lost_sample_of_many(stamped):
     recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
-    assert "1 sample (0.1 %) lost in 1 gap" in only(recording, "lost samples").what
+    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "lost samples").what
     assert np.isnan(recording["gx"].values[500])
 
 
@@ -165,7 +165,7 @@ def test_a_clock_of_32_bits_starts_again(stamped):
     stamps = (2**32 - 5_000_000 + np.arange(1000) * 10_000) % 2**32
     recording = read(stamped(stamps, "micros"))
     assert recording["gx"].rate == pytest.approx(100.0)
-    assert any("starts again at 2^32" in note for note in recording.notes)
+    assert any("wraps around at 2^32" in note for note in recording.notes)
     assert recording.findings == ()
 
 
@@ -184,9 +184,9 @@ def test_of_several_clocks_the_steadiest_is_taken_and_that_is_said(tmp_path):
     path.write_text(CLOCKS + "\n" + "".join(rows))
     recording = read(path)
     assert recording["gx"].rate == pytest.approx(40.0)
-    note = next(note for note in recording.notes if "taken as the clock" in note)
-    assert note.startswith("column 'stamp [s]' is taken as the clock, of 3")
-    assert "repeats 98 % of its stamps" in note
+    note = next(note for note in recording.notes if "used as the clock" in note)
+    assert note.startswith("column 'stamp [s]' is used as the clock, of 3")
+    assert "repeats 98 % of its time stamps" in note
     assert recording.findings == ()
 
 
@@ -201,13 +201,13 @@ def counted(tmp_path, steps, header="Packet number,gx [deg/s]", row="{count},{va
 def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     steps = np.tile([1, 2, 1, 3], 100)
     path = counted(tmp_path, steps)
-    with pytest.raises(UsageError, match=r"counter column 'Packet number' says which samples were lost.*--rate 100"):
+    with pytest.raises(UsageError, match=r"counter column 'Packet number' shows which samples are missing.*rate=100"):
         read(path)
     recording = read(path, rate=100)
     assert recording.channels == ("gx",)
     assert recording["gx"].size == steps.sum() + 1
     finding = only(recording, "lost samples")
-    assert "by the counter column 'Packet number'" in finding.what
+    assert "according to the counter column 'Packet number'" in finding.what
     assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
 
 
@@ -256,7 +256,7 @@ def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
 
 
 def test_fractions_without_unit_are_seconds(stamped):
-    assert any("taken as seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
+    assert any("assumed to be in seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
 
 
 def test_the_given_rate_wins_and_a_difference_is_noted(stamped):

@@ -57,7 +57,7 @@ def test_one_channel(save):
 def test_rows_are_channels_where_they_are_fewer(save):
     recording = read(save(DATA.T), rate=100, unit="deg/s")
     assert np.array_equal(recording[2].values, DATA[:, 2])
-    assert any("3 rows of 50 values are taken as channels" in note for note in recording.notes)
+    assert any("3 rows of 50 values are used as channels" in note for note in recording.notes)
 
 
 def test_structured_fields_are_headers(save):

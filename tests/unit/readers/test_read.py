@@ -75,7 +75,7 @@ def test_a_pipe_is_refused_and_does_not_hang(tmp_path):
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no /dev/zero")
 def test_a_device_is_refused():
-    with pytest.raises(DataError, match="no regular file"):
+    with pytest.raises(DataError, match="not a regular file"):
         read("/dev/zero")
 
 
@@ -113,7 +113,7 @@ def test_useless_content_is_refused_in_words(write, name, content):
 
 def test_rows_of_thousands_of_numbers_are_refused(write):
     row = b"1.5," * 1500
-    with pytest.raises(DataError, match="one row for each sample"):
+    with pytest.raises(DataError, match="one row per sample"):
         read(write((row + b"\n") * 2000), rate=100, unit="deg/s")
 
 

@@ -133,7 +133,7 @@ def test_the_asked_unit_wins_with_a_note_but_not_over_the_other_sensor(write):
     path = write("gx [rad/s],ax [g],gy\n" + "1.5,2.5,0.5\n1.0,2.0,1.5\n" * 10)
     recording = read(path, rate=100, unit="deg/s")
     assert [record.unit for record in recording] == ["deg/s", "g", "deg/s"]
-    assert noted(recording, "unit deg/s as asked, over the header of", "gx [rad/s]")
+    assert noted(recording, "unit deg/s as requested, overriding the header of", "gx [rad/s]")
     assert noted(recording, "unit g, which deg/s does not fit", "ax [g]")
     chosen = read(path, rate=100, unit="deg/s", channels=["ax"])
     assert chosen["ax"].unit == "deg/s"
@@ -148,7 +148,7 @@ def test_names_of_the_other_sensor_are_left_out(write):
 def test_columns_whose_unit_is_known_are_taken_and_the_others_noted(write):
     recording = read(write("gx [deg/s],foo,roll [deg]\n" + "1.5,2.5,1\n1.0,2.0,2\n" * 10), rate=100)
     assert recording.channels == ("gx",)
-    assert noted(recording, "left out", "the unit is not known", "'foo'")
+    assert noted(recording, "left out", "the unit is unknown", "'foo'")
     assert noted(recording, "left out", "'roll [deg]'")
 
 
@@ -162,7 +162,7 @@ def test_temperature_counters_and_compass_are_left_out(write):
 
 
 def test_only_other_columns(write):
-    with pytest.raises(UsageError, match=r"no column is recognised.*channels=.*'temp'"):
+    with pytest.raises(UsageError, match=r"no column is recognized.*channels=.*'temp'"):
         read(write("temp,index\n" + "20.5,1\n20.75,2\n" * 10), rate=100, unit="deg/s")
 
 
@@ -223,7 +223,7 @@ def test_a_table_of_pandas_without_names(write):
     recording = read(write(",0,1\n" + "".join(f"{k},{k % 3}.5,0.25\n" for k in range(20))), rate=10, unit="deg/s")
     assert recording.channels == ("0", "1")
     assert recording["0"].size == 20
-    assert noted(recording, "taken as column names")
+    assert noted(recording, "used as column names")
     assert noted(recording, "left out", "'column 1'")
 
 
@@ -231,7 +231,7 @@ def test_a_leading_clock_without_header_is_never_a_gyro(write):
     path = write("".join(f"{k * 0.01:.2f} {k % 3}.5 {k % 4}.25\n" for k in range(50)))
     recording = read(path, rate=100, unit="deg/s")
     assert recording.channels == ("column 2", "column 3")
-    assert noted(recording, "rising at every row", "time='1'", "--time 1", "column 1")
+    assert noted(recording, "increases in every row", "time='1'", "--time 1", "column 1")
     with pytest.raises(UsageError, match="time='1'"):
         read(path, unit="deg/s")
     timed = read(path, unit="deg/s", time="1")
@@ -259,7 +259,7 @@ def test_words_among_numbers_are_named_by_line_and_column(write, delimiter, line
 
 
 def test_a_row_of_another_width_is_named(write):
-    with pytest.raises(DataError, match="line 31 has 3 columns where 2 are expected"):
+    with pytest.raises(DataError, match="line 31 has 3 columns instead of 2"):
         read(write("gx,gy\n" + "1.5,2.5\n" * 29 + "1.5,2.5,3\n" + "1.5,2.5\n" * 20), rate=10, unit="deg/s")
     with pytest.raises(DataError, match=r"names 3 columns.*have 2"):
         read(write("gx,gy,gz\n" + "1.5,2.5\n" * 9), rate=10, unit="deg/s")
@@ -353,7 +353,7 @@ def test_a_row_for_each_sensor(write):
     recording = read(write("id,t [s],x,y,z\n" + text), unit="rad/s", channels=["4 x", "4 z"])
     assert np.array_equal(recording["4 z"].values, NOISE[:, 2])
     assert recording[0].rate == pytest.approx(100.0)
-    assert noted(recording, "rows are those of 2 sensors by column 'id': 3 (60 rows), 4 (60 rows)")
+    assert noted(recording, "rows belong to 2 sensors by column 'id': 3 (60 rows), 4 (60 rows)")
     bare = read(write(text), rate=100, unit="rad/s", channels=["4 column 3"])
     assert np.array_equal(bare[0].values, NOISE[:, 0])
 
@@ -403,7 +403,7 @@ def test_dates_in_words(write, shape):
     assert recording.findings == ()
     assert np.array_equal(recording[0].values, NOISE.ravel())
     if shape in ("date and time of day", "time of day first", "no names"):
-        assert noted(recording, "columns 1 and 2 are taken as date and time of day")
+        assert noted(recording, "columns 1 and 2 are used as date and time of day")
 
 
 def test_a_time_of_day_goes_past_midnight(write):
@@ -417,7 +417,7 @@ def test_a_time_of_day_goes_past_midnight(write):
 def test_a_damaged_date_is_named(write):
     rows = [f"2018-04-25 15:20:{k:02d}.5,{k % 3}.5" for k in range(60)]
     rows[30] = "yesterday,1.5"
-    with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is no date or time"):
+    with pytest.raises(DataError, match="row 31 of the data, column 'time': 'yesterday' is not a date or time"):
         read(write("time,gx [deg/s]\n" + "\n".join(rows)))
 
 

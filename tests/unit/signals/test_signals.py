@@ -41,7 +41,7 @@ def test_the_scale_factor_is_the_torque_over_the_momentum():
 @pytest.mark.parametrize("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
 @pytest.mark.parametrize("value", [0, -1.0, math.nan, math.inf, True, "1"])
 def test_constants_are_positive(name, value):
-    with pytest.raises(al.UsageError, match=f"the {name} of a torquer is a positive number, not"):
+    with pytest.raises(al.UsageError, match=f"the {name} of a torquer must be a positive number, not"):
         replace(SCALE, **{name: value})
 
 
@@ -76,11 +76,11 @@ def test_lost_readings_stay_lost_and_history_is_kept():
 
 
 WRONG = [
-    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2}, "sensor's gain"),
-    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2, "sense": 0.0}, "sense gain is a positive number"),
-    (al.Record([1.0, 2.0], 1.0, "A"), {"scale": -0.2}, "scale is a positive number of rad/s per A"),
-    (al.Record([1.0, 2.0], 1.0, "deg/s"), {"scale": 0.2}, "is in 'deg/s': a rate is made of a current"),
-    (al.Record([1, 2], 1.0, "1"), {"scale": 0.2}, "made of a current"),
+    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2}, "gain of its sensor"),
+    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2, "sense": 0.0}, "sense gain must be a positive number"),
+    (al.Record([1.0, 2.0], 1.0, "A"), {"scale": -0.2}, "scale must be a positive number of rad/s per A"),
+    (al.Record([1.0, 2.0], 1.0, "deg/s"), {"scale": 0.2}, "is in 'deg/s': a rate is computed from a current"),
+    (al.Record([1, 2], 1.0, "1"), {"scale": 0.2}, "computed from a current"),
     (al.Record([1, 2], 1.0, "1"), {"scale": 0.2, "stage": al.Stage("ADC", 8, 1.0, "deg/s")}, "full scale in A or V"),
 ]
 
@@ -157,7 +157,7 @@ def test_a_path_of_several_stages_from_the_current_on():
     headings, *rows = csv.reader(io.StringIO(to_csv(found)))
     assert [len(row) for row in rows] == 2 * [len(headings)]
     assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
-    with pytest.raises(al.UsageError, match="say what rate it means"):
+    with pytest.raises(al.UsageError, match="give its relation to a rate"):
         al.budget(recorded, stages)
     with pytest.raises(al.UsageError, match="at least one stage"):
         al.budget(rates(), [])

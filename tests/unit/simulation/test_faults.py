@@ -83,7 +83,7 @@ def test_gaps_have_the_share_and_the_length():
     stretches = int((np.diff(lost.astype(int)) > 0).sum())
     assert lost.sum() / stretches == pytest.approx(50, rel=0.3)
     assert not lost[[0, -1]].any()
-    assert lossy.history[-1] == f"{lost.sum()} readings lost in {stretches} stretches"
+    assert lossy.history[-1] == f"{lost.sum()} samples missing in {stretches} stretches"
     np.testing.assert_array_equal(lossy.values[~lost], white().values[~lost])
 
 
@@ -141,19 +141,19 @@ RNG = np.random.default_rng(1)
 @pytest.mark.parametrize(
     ("fault", "words"),
     [
-        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before readings are lost"),
-        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before readings are lost"),
-        (lambda: faults.low_pass(NAN, 1.0), "before readings are lost"),
+        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples are removed"),
+        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples are removed"),
+        (lambda: faults.low_pass(NAN, 1.0), "before samples are removed"),
         (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
         (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
-        (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not into angles"),
+        (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
         (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),
-        (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is no unit of rad/s readings"),
-        (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "take arcsec"),
+        (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is not a unit of rad/s samples"),
+        (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "use arcsec"),
         (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
         (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
-        (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "take a larger step"),
-        (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "none to lose"),
+        (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "use a larger step"),
+        (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "no samples to remove"),
         (lambda: faults.Dither(0.0), "above 0"),
         (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
         (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),

@@ -168,7 +168,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
 @pytest.mark.parametrize(
     ("text", "options", "words"),
     [
-        ("N 1 deg/sqrt(h)", {}, "noise of the measurement alone"),
+        ("N 1 deg/sqrt(h)", {}, "measurement noise alone"),
         ("Q 1 arcsec", {"measurement": "sample"}, "needs measurement='mean'"),
         ("B 1 deg/h", {"tau": (10.0, 1.0)}, "0 < low < high"),
         ("B 1 deg/h", {"order": 0}, "between 1 and 40"),

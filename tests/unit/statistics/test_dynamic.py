@@ -134,11 +134,11 @@ def test_what_is_refused():
     record = record_of(noise(500))
     for options, words in [
         ({"window": 51.0}, "50 s long"),
-        ({"window": 0.5}, "8 samples take 0.8 s"),
+        ({"window": 0.5}, "8 samples is 0.8 s"),
         ({"window": -1.0}, "positive number of seconds"),
         ({"step": 0.0}, "positive number of seconds"),
         ({"window": 10.0, "taus": [6.0]}, "between 1 and 50"),
-        ({"window": 10.0, "statistic": "nadev"}, "known are"),
+        ({"window": 10.0, "statistic": "nadev"}, "known statistics"),
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.dynamic(record, **options)
@@ -148,5 +148,5 @@ def test_threads_give_the_same_numbers():
     record = record_of(noise(3000))
     one = al.dynamic(record, "mdev", window=50.0)
     np.testing.assert_array_equal(al.dynamic(record, "mdev", window=50.0, threads=2).variance, one.variance)
-    with pytest.raises(al.UsageError, match="threads are 1 or more"):
+    with pytest.raises(al.UsageError, match="number of threads must be 1 or more"):
         al.dynamic(record, "mdev", window=50.0, threads=0)

@@ -23,7 +23,9 @@ def test_limits_are_those_of_the_identified_noise():
     np.testing.assert_array_equal(curve.interval(0.9), same.interval(0.9))
     assert curve.supposed == same.supposed
     symbols = ", ".join(s for s in al.TERMS if s in {term.symbol for term in fit.averaged.terms})
-    assert curve.supposed == f"limits averaged over {len(fit.averaged)} models of {symbols} identified from the record"
+    assert (
+        curve.supposed == f"intervals averaged over {len(fit.averaged)} models of {symbols} identified from the record"
+    )
 
 
 def test_the_noise_is_identified_when_limits_are_asked_for_and_once(monkeypatch):
@@ -50,7 +52,7 @@ def unfit():
     return {
         "too few": al.Record(steps[:100:2], rate=1.0, unit="deg/h"),
         "never changes": al.Record(np.ones(500), rate=1.0, unit="deg/h"),
-        "repeat the one before": al.Record(steps, rate=1.0, unit="deg/h"),
+        "repeat the previous one": al.Record(steps, rate=1.0, unit="deg/h"),
         "frequency stability": al.Record(simulated().values, rate=1.0, unit="1", kind="rate"),
     }
 
@@ -67,8 +69,8 @@ def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
 @pytest.mark.parametrize(
     ("noise", "words"),
     [
-        (al.N(0.1, "deg/sqrt(h)"), "limits of the given model N = 0.1 deg/sqrt(h)"),
-        ("auto", "limits of the power law found at each averaging time"),
+        (al.N(0.1, "deg/sqrt(h)"), "intervals under the given model N = 0.1 deg/sqrt(h)"),
+        ("auto", "intervals for the power law identified at each averaging time"),
         (None, ""),
     ],
 )
@@ -90,7 +92,7 @@ def test_what_is_supposed_is_stored_pickled_and_shown():
     assert data["supposed"] == curve.supposed == al.from_dict(data).supposed == curve.to("deg/h").supposed
     assert pickle.loads(pickle.dumps(curve)).supposed == curve.supposed
     surface = al.dynamic(simulated(), window=500.0, noise=GYRO)
-    assert al.from_dict(surface.to_dict()).curve(1000.0).supposed.startswith("limits of the given model")
+    assert al.from_dict(surface.to_dict()).curve(1000.0).supposed.startswith("intervals under the given model")
     assert curve.supposed in curve._repr_html_()
 
 

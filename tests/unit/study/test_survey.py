@@ -119,14 +119,14 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; known are "),
-        (["dynamic", "{file}", "--statistic", "nadev"], 2, "known are "),
-        (["deviation", "{file}", "--m", "1.5"], 2, "integers are wanted"),
-        (["deviation", "{file}", "--taus", "often"], 2, "known are octave"),
-        (["deviation", "{file}", "--to", "m"], 2, "measure different things"),
+        (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; known statistics: "),
+        (["dynamic", "{file}", "--statistic", "nadev"], 2, "known statistics"),
+        (["deviation", "{file}", "--m", "1.5"], 2, "expected integers"),
+        (["deviation", "{file}", "--taus", "often"], 2, "known grids: octave"),
+        (["deviation", "{file}", "--to", "m"], 2, "their dimensions differ"),
         (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
-        (["spectrum", "{file}", "--estimator", "fft"], 2, "known are welch, multitaper"),
-        (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is no setting of 'welch'; it has segment, window"),
+        (["spectrum", "{file}", "--estimator", "fft"], 2, "known methods: welch, multitaper"),
+        (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is not a setting of 'welch'; its settings: segment, window"),
         (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
         (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),
         (["deviation", "missing.csv"], 3, "missing.csv"),
@@ -156,7 +156,7 @@ def test_a_recipe_repeats_the_run(file, tmp_path):
     recipe.write_text("statistics = 'adev'", encoding="utf-8")
     refused = run("deviation", file, "--recipe", recipe)
     assert refused.exit_code == 2
-    assert "unknown key 'statistics' in the recipe; known are" in refused.stderr
+    assert "unknown key 'statistics' in the recipe; known keys:" in refused.stderr
 
 
 def test_refusals_are_named_and_others_go_on():
@@ -167,7 +167,7 @@ def test_refusals_are_named_and_others_go_on():
     found = survey(pair, Densities("multitaper"))
     assert [value.name for value in found.values] == ["good"]
     assert "lost" in found["bad"].refusal
-    assert "no result: 1000 of 2000 readings are lost" in table(found)
+    assert "no result: 1000 of 2000 samples are missing" in table(found)
     with pytest.raises(al.DataError, match="bad: 1000"):
         survey(pair["bad"], Densities("multitaper"))
 
@@ -200,7 +200,7 @@ def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     assert len(figure.axes) == 1
     assert figure.axes[0].get_title("left") == "gz"
     assert labels(figure) == [
-        "Allan deviation", "expected by the model", "overlapped Allan deviation",
+        "Allan deviation", "expected by the model", "overlapping Allan deviation",
     ]  # fmt: skip
     drawn = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)
@@ -239,7 +239,7 @@ def test_a_surface(record):
         surface = al.dynamic(record.with_values(values, ""), window=100.0)
         figure = plot(surface)
         curves, ratios = figure.axes[:2]
-        assert curves.get_ylabel() == "overlapped Allan deviation (deg/h)"
+        assert curves.get_ylabel() == "overlapping Allan deviation (deg/h)"
         mesh = ratios.collections[0].get_array()
         assert mesh.shape == (surface.tau.size, surface.time.size)
         np.testing.assert_allclose(np.nanmedian(mesh.filled(np.nan), axis=1), 1.0, rtol=0.02)

@@ -1,1 +1,1 @@
-"""Whether the model explains the record, and what it leaves."""
+"""Whether the model explains the record, and the residuals."""

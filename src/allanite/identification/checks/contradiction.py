@@ -1,4 +1,4 @@
-"""Coefficients that the measured curve contradicts, whatever the likelihood says."""
+"""Coefficients that contradict the measured curve, whatever the likelihood says."""
 
 import numpy as np
 
@@ -11,15 +11,14 @@ from allanite.statistics import expected
 from allanite.terms import TERMS
 
 SURE = 0.99
-"""Level of the limits of the curve that a coefficient is held against."""
+"""Confidence level of the curve's intervals in this test."""
 
 
 def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
     """Why the curve contradicts coefficients, by symbol.
 
-    A term alone cannot lie above the whole curve: where the deviation that the lower limit of a coefficient makes is
-    larger than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is
-    wrong.
+    A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
+    than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
 
     Parameters
     ----------
@@ -32,7 +31,7 @@ def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
         return {}
     upper = np.where(inside, curve.upper(SURE), np.inf)
     filtered = fit.scope is not None and fit.scope.filter is not None
-    # behind a filter the curve does not show the noise of the angle itself
+    # after a filter the curve does not show angle noise
     shown = (e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge))
     reasons = ((e.symbol, _exceeds(e, curve, upper)) for e in shown)
     return {symbol: reason for symbol, reason in reasons if reason}
@@ -55,6 +54,6 @@ def _exceeds(estimate: Estimate, curve: Curve, upper: np.ndarray[tuple[int], np.
     if not excess[at] > 1:
         return ""
     return (
-        f"at {curve.tau[at]:.3g} s it alone would make an Allan deviation of at least {excess[at]:.3g} times the upper "
-        "limit of the measured one"
+        f"at {curve.tau[at]:.3g} s this term alone would give an Allan deviation of at least {excess[at]:.3g} times "
+        "the upper limit of the measured one"
     )

@@ -1,7 +1,7 @@
-"""The power law of what wanders: f^-1, as flicker has it, or another one.
+"""The power law of the bias drift: f^-1, as for flicker, or another exponent.
 
-Noise whose density falls as f^-1.2 is described by flicker with a little of a random walk or of quantization, well
-enough for a goodness of fit to pass, and all three coefficients are wrong.
+Noise with a power spectral density of f^-1.2 is described by flicker with some random walk or quantization well enough
+to pass a goodness-of-fit test, and all three coefficients are then wrong.
 """
 
 import math
@@ -25,16 +25,16 @@ GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
 """Exponents of the first search."""
 
 LEAST, MOST = 0.4, 1.8
-"""Exponents between which the limits are sought."""
+"""Range of exponents in which the limits are searched."""
 
 GAIN = 8.0
-"""What a free exponent must gain in 2 L over the best of the terms, which have more coefficients."""
+"""Gain in 2 L over the best of the terms that a free exponent needs; the terms have more coefficients."""
 
 NEAR = 3.0
 """Refining the exponent gains less than this in 2 L beyond the grid."""
 
 APART = 0.05
-"""Distance from 1 that the 95 % limits of the exponent must keep."""
+"""Minimum distance of the exponent's 95 % limits from 1."""
 
 INTERVAL = 3.841
 """Rise of 2 L at the 95 % limits."""
@@ -42,9 +42,9 @@ INTERVAL = 3.841
 
 @dataclass(frozen=True)
 class Exponent:
-    """A power law f^-a of what wanders.
+    """A power law f^-a of the bias drift.
 
-    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` what it gains in 2 L over the best of the terms;
+    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` the gain in 2 L over the best of the terms;
     `corner` is the frequency, Hz, at which it equals the white noise, `N` that noise with its standard error, SI, both
     0 without white noise; `p` the goodness of fit.
     """
@@ -65,9 +65,9 @@ class Exponent:
 
 
 def exponent(found: Found) -> Exponent | None:
-    """The free exponent of what wanders; None where flicker was not looked for, nothing wanders, or nothing is gained.
+    """The free exponent of the bias drift; None if flicker was not looked for, or there is no drift or no gain.
 
-    Quantization, angle random walk and a power law f^-a of any size are fitted in place of the terms.
+    Quantization, angle random walk and a power law f^-a of any size are fitted instead of the terms.
     """
     which = flicker_in(found.noise)
     wanders = np.array([not TERMS[s].slope < 0 for s in found.noise])
@@ -104,7 +104,7 @@ def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Expon
 
 
 def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) -> Exponent:
-    """The same with the angle random walk beside it, whose error allows for an exponent that is unknown."""
+    """The same, together with the angle random walk, whose error allows for the unknown exponent."""
     which, at = flicker_in(found.noise), found.noise.index("N")
     white, size = float(subset.theta[at]), float(subset.theta[which or 0])
     if white <= 0 or size <= 0:
@@ -118,13 +118,13 @@ def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) 
 
 
 def _with(found: Found, a: float, kept: BoolArray) -> Subset:
-    """The least of L with f^-a in the place of flicker."""
+    """The minimum of L with f^-a instead of flicker."""
     which = flicker_in(found.noise)
     assert which is not None  # noqa: S101 - `exponent` has seen to it
     part = found.plain.likelihood
     row = replace(TERMS[found.noise[which]], dct=partial(_dct, a=a))
     shape = column(row, found.seen)[found.used]
-    if "N" in found.noise:  # its column is 1, but for a filter
+    if "N" in found.noise:  # its column is 1, except for a filter
         shape = shape * part.S[:, found.noise.index("N")]
     part = part.with_column(which, shape)
     return Subset(part, kept, *part.minimise(kept))
@@ -143,10 +143,10 @@ def _dct(k: FloatArray, n: int, a: float) -> FloatArray:
 
 
 def other_law(found: Found, plain: Found) -> Exponent | None:
-    """The power law of what wanders, if it is not flicker's.
+    """The power law of the bias drift, if it is not that of flicker.
 
-    Where a `plain` reading of the whole spectrum failed, and another one was found, it failed for that reason if the
-    power law explains all of it.
+    If a `plain` fit of the whole spectrum failed, and another scope was found, the power law is the reason if it
+    explains the whole spectrum.
     """
     law = exponent(found)
     if (law is None or not law.named) and plain is not found:
@@ -156,16 +156,16 @@ def other_law(found: Found, plain: Found) -> Exponent | None:
 
 
 def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
-    """That what wanders is not flicker."""
+    """The finding that the bias drift is not flicker."""
     harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"
     if law.corner:
         unit = signal.sheet[TERMS["N"].power]
         value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
-        harm += f", and N is {value:.4g} ± {error:.2g} {unit} beside it"
+        harm += f", with N = {value:.4g} ± {error:.2g} {unit}"
         begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
     return Finding(
         "flicker exponent",
-        f"{begins} the power falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
+        f"{begins} the power spectral density falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
         harm,
-        "read the noise at your averaging times off the curve itself (allanite deviation)",
+        "read the noise at the averaging times of interest off the Allan deviation",
     )

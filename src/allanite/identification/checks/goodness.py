@@ -1,4 +1,4 @@
-"""Does the model explain the spectrum, and if not, why: in words a test engineer can act on."""
+"""Goodness of fit to the spectrum, and likely reasons for a misfit."""
 
 import math
 
@@ -19,10 +19,10 @@ def goodness(
 ) -> Goodness:
     """Cell-wise goodness of fit.
 
-    In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal
-    deviate is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The
-    likelihood is that of the bins that were `used`, theta the model, with every term free that may be there: else what
-    a selection left out would stay in the sum. `taken` are sinusoids that were taken out before.
+    In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
+    is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The likelihood is
+    that of the bins `used`, theta the model with every admissible term free, since terms omitted by the selection
+    would otherwise contribute to the sum. `taken` are sinusoids removed before.
     """
     from scipy.special import chdtrc
 
@@ -38,7 +38,7 @@ def goodness(
     bounds = np.append(edges[:-1][filled], edges[-1])
     reasons = [*_lines(spectrum, used, m, power)]
     if p < EXPLAINED:
-        moving = (z > 5) & (ratio > 2)  # excess first: where it is strong it lifts the model everywhere else
+        moving = (z > 5) & (ratio > 2)  # excess first: a strong one lifts the model everywhere else
         named = _roll_off(spectrum, used) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)
     return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
@@ -49,7 +49,7 @@ def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
         return ()
     where = ", ".join(line.words() for line in taken)
     many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
-    return (f"{many} taken out first, at {where}: vibration, sway or interference",)
+    return (f"{many} removed first, at {where}: vibration, sway or interference",)
 
 
 def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
@@ -59,7 +59,7 @@ def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], Float
 
 
 def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
-    """Chi-square values as standard normal deviates; by Wilson and Hilferty where the tail underflows."""
+    """Chi-square values as standard normal deviates; by Wilson and Hilferty if the tail underflows."""
     from scipy.special import gammainc, gammaincc, ndtri
 
     low, high = gammainc(nu / 2, total / 2), gammaincc(nu / 2, total / 2)
@@ -70,7 +70,7 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
 
 
 def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray) -> list[str]:
-    """Coefficients that stand out of their own neighbourhood, as one sentence; `rest` is power without directions."""
+    """Coefficients that exceed their neighbourhood, in a sentence; `rest` is the power without loose directions."""
     from scipy.special import ndtri
 
     power, count = spectrum.power[used], spectrum.count[used]
@@ -85,13 +85,13 @@ def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray)
     where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
     share = float(peak[found].sum() / (power * count).sum())
     return [
-        f"narrow peaks at {where} Hz (their tops alone hold {100 * share:.2g} % of the power): vibration, sway or "
-        "interference"
+        f"narrow peaks at {where} Hz (their maxima alone contain {100 * share:.2g} % of the power): vibration, sway "
+        "or interference"
     ]
 
 
 def _roll_off(spectrum: Spectrum, used: BoolArray) -> list[str]:
-    """Power that falls towards half the sampling rate: by its own levels, which no model bends."""
+    """Power that decreases towards half the sampling rate, judged by measured levels, independent of the model."""
     frequency = spectrum.frequency(spectrum.first[used]) / (spectrum.rate / 2)
     power, count = spectrum.power[used], spectrum.count[used]
     levels = []
@@ -105,12 +105,12 @@ def _roll_off(spectrum: Spectrum, used: BoolArray) -> list[str]:
         return []
     return [
         f"the spectrum rolls off: towards {spectrum.rate / 2:g} Hz it falls to {top / middle:.2g} of its level at a "
-        "tenth of that (a filter in the sensor or logger)"
+        "tenth of that frequency (a filter in the sensor or logger)"
     ]
 
 
 def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
-    """The cell that is furthest off and its neighbours of the same sign; nothing if all z are zero."""
+    """The cell with the largest misfit and its neighbours of the same sign; empty if all z are zero."""
     worst = int(np.abs(z).argmax())
     if z[worst] == 0:
         return []
@@ -121,7 +121,11 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
     while right < z.size - 1 and strong[right + 1]:
         right += 1
     mean = math.exp(float(np.log(ratio[left : right + 1]).mean()))
-    what = "motion, sway, vibration or a missing term" if mean > 1 else "a filter, or a term that does not belong here"
+    what = (
+        "motion, sway, vibration or a missing term"
+        if mean > 1
+        else ("a filter, or a term that does not belong in the model")
+    )
     return [
-        f"from {bounds[left]:.3g} to {bounds[right + 1]:.3g} Hz there is {mean:.3g} times the model's power: {what}"
+        f"from {bounds[left]:.3g} to {bounds[right + 1]:.3g} Hz the power is {mean:.3g} times that of the model: {what}"
     ]

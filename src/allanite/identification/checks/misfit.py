@@ -1,4 +1,4 @@
-"""What is likely wrong with a record whose residuals fail a check, and what to do."""
+"""Likely causes if residuals fail a check, and remedies."""
 
 import math
 
@@ -9,23 +9,24 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import Record
 from allanite.core.residuals import Check
+from allanite.core.wording import spelled, windowing
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import fast_noise, rounding
 
 UNSTEADY, TAILED, KIN = 1.05, 0.1, 0.02
-"""Ratio of levels, excess kurtosis and correlation from which a check that fails matters."""
+"""Ratio of levels, excess kurtosis and correlation above which a failed check matters."""
 
 LOUD = 1.2
-"""Ratio of levels from which it matters beside a spectrum that is not explained."""
+"""Ratio of levels above which it matters if the spectrum is not explained."""
 
 DIFFERENT = 1.5
-"""Ratio of levels of the noise from which one set of coefficients is none of either part's."""
+"""Ratio of noise levels above which one set of coefficients describes no part of the record."""
 
 
 def reasons(
     record: Record, fit: Fit, checks: tuple[Check, ...], level: tuple[FloatArray, FloatArray], *, kept: bool
 ) -> list[Finding]:
-    """What is likely wrong beside the spectrum, which `Goodness.reasons` explain."""
+    """Likely causes other than those of the spectrum, which `Goodness.reasons` explain."""
     spectral = fit.goodness is not None and not fit.goodness.explained
     if not spectral and all(check.passed for check in checks):
         return []
@@ -37,7 +38,7 @@ def reasons(
     ratio = max(halves.value, 1 / halves.value, eighths.value)
     if not (halves.passed and eighths.passed) and ratio > (LOUD if spectral else UNSTEADY):
         found.append(_unsteady(eighths, *level))
-    # where the spectrum is wrong neighbours correlate, and a line has tails of its own; rounding makes light ones
+    # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
     if not spectral and not tails.passed and tails.value > TAILED:
         found.append(_tailed(tails, curable=kept and outlying(record).at.size > 0))
     whole = fit.scope is None or fit.scope.whole
@@ -47,7 +48,7 @@ def reasons(
 
 
 def _undithered(record: Record) -> Finding | None:
-    """The readings are steps of a quantizer that nothing dithers."""
+    """The samples are steps of a quantizer without sufficient dither."""
     steps = record.steps[np.isfinite(record.steps)]
     middle = max(0, (steps.size - 200_000) // 2)
     part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
@@ -57,8 +58,8 @@ def _undithered(record: Record) -> Finding | None:
     size = found.step * (record.scale or 1.0)
     return Finding(
         "no dither",
-        f"quantization is not white here: {found.counted}steps of {size:.4g} {record.unit} (LSB), and the fast noise "
-        f"is {found.noise:.2g} step",
+        f"quantization errors are not white: {found.counted}steps of {size:.4g} {record.unit} (LSB), and the fast "
+        f"noise is {found.noise:.2g} step",
         "the rounding error follows the signal, and N and Q are not meaningful",
         "use a finer output of the sensor, or add dither before rounding",
         fatal=True,
@@ -73,10 +74,10 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     different = check.value > DIFFERENT
     return Finding(
         "level",
-        f"the noise level changes {check.value:.3g} times between eighths of the record, and is highest from "
-        f"{time[first]:.6g} s to {time[last]:.6g} s",
+        f"the noise level changes by a factor of {check.value:.3g} between eighths of the record, and is highest "
+        f"from {time[first]:.6g} s to {time[last]:.6g} s",
         "one set of coefficients describes neither part" if different else "the coefficients are those of the average",
-        "analyse the parts separately (--from, --until)",
+        f"analyze the parts separately ({windowing()})",
         (float(time[odd]), float(time[odd + 1])),
         fatal=different,
     )
@@ -85,10 +86,9 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
 def _tailed(check: Check, *, curable: bool) -> Finding:
     return Finding(
         "heavy tails",
-        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or noise that comes "
-        "and goes",
-        "the coefficients hold, but their intervals are too narrow",
-        "leave out the outliers (--outliers mark)" if curable else "",
+        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or intermittent noise",
+        "the coefficients are valid, but their intervals are too narrow",
+        f"exclude the outliers ({spelled('--outliers mark', 'prepare.mark_outliers')})" if curable else "",
     )
 
 
@@ -96,8 +96,8 @@ def _kin(check: Check, fit: Fit) -> Finding:
     tried = fit.scope is not None and fit.scope.choice == "auto"
     return Finding(
         "correlation",
-        f"the residuals are not white: neighbours correlate by {check.value:.2g}",
-        "the model misses something fast, and its intervals are too narrow",
-        "" if tried else "let the fit look for a filter and for the frequencies that the terms explain (--band auto)",
+        f"the residuals are not white: their autocorrelation is {check.value:.2g}",
+        "the model misses fast noise, and its intervals are too narrow",
+        "" if tried else "let the fit detect a filter and choose the band: " + spelled("--band auto", "band='auto'"),
         fatal=abs(check.value) > 5 * KIN,
     )

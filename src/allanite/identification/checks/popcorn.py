@@ -1,8 +1,8 @@
-"""Jumps and bursts in what a model leaves of a record: popcorn noise, whose spectrum that of Gaussian noise can match.
+"""Jumps and bursts in the residuals of a record: popcorn noise, whose spectrum can look like that of Gaussian noise.
 
-A level that jumps for a while is what a window of that length sees best, if the noise of each frequency is weighed by
-its inverse: the score of a window is the generalised least squares estimate of a jump that lasts as long. Scores of
-Gaussian noise are Gaussian; those of popcorn noise have tails, or a largest one that chance does not make.
+A bias that jumps for some time is best detected by a window of that length, if the noise of each frequency is weighted
+by its inverse: the score of a window is the generalized least-squares estimate of a jump of that duration. Scores of
+Gaussian noise are Gaussian; those of popcorn noise have heavy tails, or a significantly large maximum.
 """
 
 import math
@@ -16,27 +16,28 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.finding import Finding
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
+from allanite.core.wording import between
 from allanite.prepare.gaps import whole
 
 from .whitening import deviations
 
 FINEST, MOST = 8, 1 << 17
-"""Readings in a block, and how many blocks there may be before there are more readings in each."""
+"""Number of samples per block, and the number of blocks above which blocks become longer."""
 
 SHORTEST, LONGEST, GROWTH = 4, 1 / 16, math.sqrt(2)
-"""Windows: blocks in the shortest, share of the record of the longest, ratio of neighbours."""
+"""Windows: blocks in the shortest, share of the record of the longest, ratio of successive lengths."""
 
 FEWEST = 512
-"""Blocks that tails can be told from."""
+"""Number of blocks needed to detect tails."""
 
 TAILED = 2.9
-"""Normal deviate of the excess kurtosis that says so: the greatest of the windows exceeds it in 1 of 500 records."""
+"""Normal deviate of the excess kurtosis for detection: the maximum over windows exceeds it in 1 of 500 records."""
 
 CHANCE = 0.012
-"""The same for the expected number of scores beyond the largest; windows overlap, so that it is not a probability."""
+"""The same for the expected number of larger scores; windows overlap, so that it is not a probability."""
 
 QUIET = 0.25
-"""Share of the record from which a stretch without jumps is worth a window."""
+"""Share of the record that a stretch without jumps must have to be suggested as a window."""
 
 DENSE = 16
 """Windows that begin within the length of one."""
@@ -49,17 +50,17 @@ SEEN = 3.5
 
 
 HARMLESS = 0.05
-"""Share of the variance of the scores below which jumps change no coefficient."""
+"""Share of the variance of the scores below which jumps do not affect the coefficients."""
 
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """What the windows of one length say of a series.
+    """Scores of the windows of one length in a series.
 
     `size` of the series and `length` of the windows are in samples; `jump` is the largest, SI, in the window whose
-    middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` what the largest score is
-    compared with, `at` the middles of the windows that stand out, `share` the part of the variance of the scores that
-    jumps make.
+    middle is the sample `largest`. `deviate` is the kurtosis as a normal deviate, `chance` the reference for the
+    largest score, `at` the middles of the windows with significant jumps, `share` the part of the variance of the
+    scores due to jumps.
     """
 
     size: int
@@ -73,14 +74,14 @@ class Jumps:
 
     @property
     def weight(self) -> float:
-        """How far it stands out; 1 and above is named."""
+        """Significance relative to the threshold; 1 and above is reported."""
         return max(self.deviate / TAILED, math.log(max(self.chance, 1e-300)) / math.log(CHANCE))
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
-    """The windows that see jumps best in a whitened series; None if it is too short, or the shortest see best.
+    """The windows that detect jumps best in a whitened series; None if it is too short, or the shortest are best.
 
-    What the shortest windows see best is outliers and heavy tails of single readings, not jumps that last.
+    The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
     """
     block = max(FINEST, -(-u.size // MOST))
     blocks = u.size // block
@@ -124,7 +125,7 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     most = int(square.argmax())
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
-    quiet = float(np.median(square)) / MEDIAN  # bursts add to the variance, and hardly to this
+    quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
     return Jumps(
         size=(total.size - 1) * block,
         length=length * block,
@@ -158,7 +159,7 @@ def _normal(kurtosis: float, n: float) -> float:
 
 
 def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
-    """What to say of jumps; `seconds` gives the times of samples of the series."""
+    """The finding about jumps; `seconds` gives the times of samples of the series."""
     if found is None or found.weight < 1 or found.share < HARMLESS:
         return []
     unit = signal.sheet[0]
@@ -168,14 +169,14 @@ def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
     longest = int(free.argmax())
     first = math.ceil(ends[longest] + (2 * half if longest else 0))
     last = math.floor(ends[longest + 1] - (2 * half if longest < free.size - 1 else 0))
-    remedy = "look for a bad contact or a part that fails; the Allan deviation holds as it is measured"
+    remedy = "look for a bad contact or a failing component; the measured Allan deviation itself is valid"
     if last - first >= QUIET * ends[-1]:
-        remedy += f"; without them is --from {first} --until {last}"
+        remedy += f"; a part without them: {between(first, last)}"
     size = abs(convert(found.jump, signal.unit, unit))
     count = max(found.at.size, 1)
     what = (
-        f"the bias jumps: the largest burst, of {size:.3g} {unit}, is at {middle:.4g} s, and {count} of about "
-        f"{2 * half:.2g} s stand out in {ends[-1]:.4g} s"
+        f"the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} of "
+        f"about {2 * half:.2g} s in {ends[-1]:.4g} s"
     )
-    harm = "popcorn noise is none of the terms: B, K and GM hold what it adds, and their intervals are too narrow"
+    harm = "popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too narrow"
     return [Finding("popcorn", what, harm, remedy, (max(0.0, middle - half), middle + half), fatal=True)]

@@ -1,4 +1,4 @@
-"""Checks of what a model leaves of a record: is it white, Gaussian, steady, and if not, why."""
+"""Checks of residuals: whether they are white, Gaussian and stationary, and the cause if not."""
 
 import math
 from itertools import pairwise
@@ -18,35 +18,35 @@ from .popcorn import jumps, popcorn
 from .whitening import memory, whitened
 
 LAGS = 20
-"""Samples up to which residuals are asked whether they know of each other."""
+"""Largest lag, in samples, of the autocorrelation."""
 
 PARTS = 8
-"""Parts of the record whose levels are compared."""
+"""Number of parts of the record whose levels are compared."""
 
 CHUNK = 1 << 15
 """Residuals that are summed at a time, in double precision."""
 
 SHOWN, QUANTILES = 400, 100_000
-"""Stretches of which the extremes are kept for the eye; residuals of which quantiles are taken."""
+"""Number of stretches whose extremes are kept for figures, and of residuals used for quantiles."""
 
 
 def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
-    """What the fit's model leaves of the record, and whether that is white, Gaussian and steady.
+    """Compute the residuals of a fit, and test whether they are white, Gaussian and stationary.
 
     Parameters
     ----------
     record : Record
     fit : Fit
-        Of this record.
+        Fit of this record.
     outliers : {"mark", "keep"}
-        What the fit did with them.
+        How the fit treated outliers.
 
     Returns
     -------
     Residuals
-        With a check of the correlations of residuals up to 20 samples apart (Ljung and Box 1978), of their excess
-        kurtosis, and of their power in halves and in eighths of the record; and with findings that name the likely
-        reason, if the model does not explain the record.
+        With tests of the autocorrelation at lags of up to 20 samples (Ljung and Box 1978), of the excess kurtosis, and
+        of the power in halves and in eighths of the record; and with findings about the likely reason if the model does
+        not explain the record.
 
     Raises
     ------
@@ -64,13 +64,13 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     (True, ['correlation', 'kurtosis', 'halves', 'eighths'])
     """
     record = treated(record, outliers)
-    # the selected model takes for zero what it does not hold: what is left of a weak random walk would correlate
+    # the selected model sets absent terms to zero: the residuals of a weak random walk would correlate
     model = Model((*fit.averaged.model, *(line.term for line in fit.lines))) if fit.nodes else fit.model
     return checked(whitened(record, model, fit.scope), record, fit, outliers)
 
 
 def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:
-    """The residuals of a record, once its whitened series is known; see `residuals`."""
+    """The residuals of a record from its whitened series; see `residuals`."""
     there = _inside(u, memory(fit.model, record.size, record.rate))
     series = u if there is None else u[there]
     n = series.size
@@ -84,7 +84,7 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
 
     checks, correlation, power, error = _checks(series, parts)
     expected, observed = _quantiles(series)
-    # what else is slow, or a level that changes, makes tails of its own
+    # other slow effects, or a changing level, have tails of their own
     steady = not fit.findings and all(check.passed for check in checks if check.name in ("halves", "eighths"))
     jumping = popcorn(jumps(series, fit.model, record.rate), record.signal, seconds) if steady else []
     return Residuals(
@@ -110,12 +110,12 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
 
 
 def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
-    """The checks, the correlations, and the power of each part with the standard error of its rms."""
+    """The checks, the autocorrelation, and the power of each part with the standard error of its RMS."""
     count = np.diff(parts)
     sums = np.array([_sums(u, a, b) for a, b in pairwise(parts.tolist())])
     power, fourth = sums[:, 0] / count, sums[:, 1] / count
     correlation = sums[:, 2:].sum(axis=0) / sums[:, 0].sum()
-    # variance of u^2 relative to its mean, 2 for Gaussian ones; correlation makes that of a mean larger
+    # variance of u^2 relative to its mean, 2 for Gaussian residuals; correlation increases that of a mean
     spread = (fourth / power**2 - 1) * (1 + 2 * float(correlation @ correlation))
     checks = (
         _ljung_box(correlation, u.size),
@@ -127,7 +127,7 @@ def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...],
 
 
 def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
-    """Residuals that are there, and at least `margin` samples from an end or a gap; None if all are."""
+    """Valid residuals at least `margin` samples from an end or a gap; None if all are."""
     if not margin and np.isfinite(u.sum(dtype=np.float64)):
         return None
     there = np.flatnonzero(np.isfinite(u))
@@ -139,7 +139,7 @@ def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
 
 
 def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
-    """Sums over a part of u^2, u^4, and of products with what follows 1, 2 .. 20 samples later."""
+    """Sums over a part of u^2, u^4, and of products at lags of 1, 2 .. 20 samples."""
     total = np.zeros(2 + LAGS)
     for a in range(first, last, CHUNK):
         b = min(a + CHUNK, last)
@@ -155,26 +155,26 @@ def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
 
 
 def _ljung_box(r: FloatArray, n: int) -> Check:
-    """Sum of squared correlations: chi-square, for the terms are fitted to far more frequencies than 20 lags see."""
+    """Sum of squared autocorrelations: chi-square, as the terms are fitted to far more frequencies than 20 lags."""
     from scipy.special import chdtrc
 
     h = np.arange(1, LAGS + 1)
     statistic = float(n * (n + 2.0) * (r**2 / (n - h)).sum())
     largest = float(r[np.abs(r).argmax()])
     p = float(chdtrc(LAGS, statistic))
-    return Check("correlation", "correlation of neighbours", largest, p, f"largest up to {LAGS} samples apart")
+    return Check("correlation", "autocorrelation", largest, p, f"largest of lags 1 to {LAGS}")
 
 
 def _kurtosis(ratio: FloatArray, count: IntArray) -> Check:
-    """Mean fourth power over squared power, part by part, so that a level that changes makes no tails."""
+    """Mean fourth power over squared power, part by part, so that a changing level makes no tails."""
     n = int(count.sum())
     value = float(ratio @ count / n) - 3 + 6 * count.size / n
     p = _two_sided(value * math.sqrt(n / 24))
-    return Check("kurtosis", "excess kurtosis", value, p, "0 for Gaussian noise, above for heavy tails")
+    return Check("kurtosis", "excess kurtosis", value, p, "0 for Gaussian noise, positive for heavy tails")
 
 
 def _two_sided(z: float) -> float:
-    """Probability that a standard normal deviate is larger in size."""
+    """Two-sided p-value of a standard normal deviate."""
     from scipy.special import erfc
 
     return float(erfc(abs(z) / math.sqrt(2)))
@@ -185,7 +185,7 @@ def _halves(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
     first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
     error = math.sqrt(float(np.mean(spread)) * 4 / float(count.sum()))
     p = _two_sided(math.log(second / first) / error)
-    return Check("halves", "level of the halves", math.sqrt(second / first), p, "rms, second over first")
+    return Check("halves", "RMS of the halves", math.sqrt(second / first), p, "second over first (stationarity)")
 
 
 def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
@@ -195,12 +195,16 @@ def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
     statistic = float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))
     ratio = math.sqrt(float(power.max() / power.min()))
     return Check(
-        "eighths", "level of the eighths", ratio, float(chdtrc(PARTS - 1, statistic)), "rms, largest over least"
+        "eighths",
+        "RMS of the eighths",
+        ratio,
+        float(chdtrc(PARTS - 1, statistic)),
+        "largest over smallest (stationarity)",
     )
 
 
 def _quantiles(u: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
-    """Normal quantiles and those of a sample of the residuals, closer together in the tails."""
+    """Normal quantiles and those of a sample of the residuals, denser in the tails."""
     from scipy.special import ndtr
 
     part = np.sort(u[:: max(1, u.size // QUANTILES)]).astype(np.float64)

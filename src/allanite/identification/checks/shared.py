@@ -1,4 +1,4 @@
-"""What channels have in common beyond their models: vibration, temperature, supply."""
+"""Correlations between channels beyond their models: vibration, temperature, supply voltage."""
 
 from collections.abc import Mapping
 
@@ -19,25 +19,25 @@ STRETCHES = 64
 """Parts of the record over which slow residuals are averaged."""
 
 SIGMAS, MATTERS = 5.0, 0.05
-"""Standard errors, and size, from which a correlation is named."""
+"""Standard errors, and size, above which a correlation is reported."""
 
 
 def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark") -> Shared:
-    """Correlations between the residuals of channels: what one model for each channel cannot know.
+    """Correlations between the residuals of channels, which separate models of the channels cannot describe.
 
     Parameters
     ----------
     recording : Recording
     fits : name of a channel -> Fit
-        At least two, as ``identify(recording)`` gives them.
+        At least two, as returned by ``identify(recording)``.
     outliers : {"mark", "keep"}
-        What the fits did with them.
+        How the fits treated outliers.
 
     Returns
     -------
     Shared
-        "fast", of all samples, whose standard error is 1/sqrt(n); and "slow", of means over 64 stretches of the
-        record, whose standard error is 1/8: it shows what they share over minutes and hours, such as temperature.
+        "fast", of all samples, with standard error 1/sqrt(n); and "slow", of means over 64 stretches of the record,
+        with standard error 1/8, which shows common effects over minutes and hours, such as temperature.
 
     Raises
     ------
@@ -59,11 +59,11 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     demand_choice(outliers)
     names = [name for name in recording.channels if name in fits]
     if len(names) < 2 or len({recording[name].size for name in names}) > 1:
-        raise UsageError(f"correlations need two channels of one length or more, not {', '.join(names) or 'none'}")
+        raise UsageError(f"correlations need at least two channels of equal length, not {', '.join(names) or 'none'}")
     series, means = [], []
     for name in names:
         record = treated(recording[name], outliers)
-        # what was lost is zero, and counts nowhere
+        # missing samples are zero and do not contribute
         u = np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
         bounds = np.linspace(0, u.size, STRETCHES + 1).astype(np.int64)[:-1]
         series.append(u)
@@ -79,17 +79,17 @@ def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> Float
 
 
 def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list[Finding]:
-    """Pairs that share something, at once the fast and the slow of it."""
+    """Pairs with a significant correlation, fast and slow in one finding."""
     found = []
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
-        kinds = {"fast, sample by sample": (fast[i, j], n), "slowly, over minutes and hours": (slow[i, j], STRETCHES)}
+        kinds = {"sample by sample": (fast[i, j], n), "slowly, over minutes and hours": (slow[i, j], STRETCHES)}
         seen = [
             f"{what} ({r:+.2g})"
             for what, (r, count) in kinds.items()
             if abs(r) > MATTERS and abs(np.arctanh(np.clip(r, -0.999999, 0.999999))) * np.sqrt(count - 3) > SIGMAS
         ]
         if seen:
-            what = f"what the models leave of {names[i]} and {names[j]} goes together {' and '.join(seen)}"
-            remedy = "look for vibration, temperature, or a supply, clock or reference that they share"
+            what = f"the residuals of {names[i]} and {names[j]} are correlated {' and '.join(seen)}"
+            remedy = "look for vibration, temperature, or a common supply, clock or reference"
             found.append(Finding("shared", what, "their noises are not independent", remedy))
     return found

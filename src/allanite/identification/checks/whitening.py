@@ -1,4 +1,4 @@
-"""What a model leaves of a record: a series that is white, if the model is right."""
+"""Whitening of a record: the result is white if the model is right."""
 
 import math
 from dataclasses import replace
@@ -14,17 +14,17 @@ from allanite.core.scope import Scope
 from allanite.prepare.gaps import Gaps, joined, whole
 
 BLOCK = 64
-"""Coefficients that are brought to one level together where a fit does not read."""
+"""Number of coefficients normalized together where the fit does not read."""
 
 SINGLE, PER_OCTAVE = 64, 32
-"""Coefficients whose variance is computed one by one, and how many an octave beyond; in between it is smooth."""
+"""Number of coefficients whose variance is computed individually, and number per octave beyond, where it is smooth."""
 
 
 def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> NDArray[np.float32]:
-    """The record over its model: white Gaussian noise of variance 1, if the model explains the record.
+    """Whiten a record with its model: white Gaussian noise of variance 1, if the model explains the record.
 
-    Deterministic terms are taken off. Each coefficient of the orthonormal DCT-II of the rest (readings that were lost
-    are cut out) is divided by its standard deviation under the noise terms, and the result transformed back.
+    Deterministic terms are subtracted. Each coefficient of the orthonormal DCT-II of the rest (missing samples are cut
+    out) is divided by its standard deviation under the noise terms, and the result is transformed back.
 
     Parameters
     ----------
@@ -32,13 +32,13 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     model : Model, Term or Fit
         For example `Fit.model`.
     scope : Scope, optional
-        Of the fit: its filter is part of the model, and where the fit does not read, the power that was observed stands
-        in the place of the model's.
+        Scope of the fit: its filter is part of the model, and at excluded frequencies the observed power replaces that
+        of the model.
 
     Returns
     -------
     array of float32, shape (record.size,)
-        NaN where the reading was lost. With quantization it is larger within `memory` samples of an end or a gap.
+        NaN for missing samples. With quantization it is larger within `memory` samples of an end or a gap.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 
     model = model_of(model)
     if model.signal is not record.signal:
-        raise UsageError(f"a model of a {model.signal.name} does not explain a {record.signal.name}")
+        raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
     y, gaps, left = joined(record)
     unit = record.rate_factor
     for term in model:
@@ -67,7 +67,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
             shape = wave(record.size)
             y -= term.value * record.rate**term.row.power / unit * (shape if left is None else shape[left])
     y -= y.mean()
-    # what is slow is at most some thousand times what is fast: single precision halves time and memory
+    # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
     size = float(np.abs(y).max()) or 1.0
     c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
     del y
@@ -87,7 +87,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 
 
 def _flatten(c: NDArray[np.float32], scope: Scope, step: float) -> None:
-    """Give coefficients that the fit does not read a mean square of 1, block by block, in place."""
+    """Scale coefficients that the fit does not use to a mean square of 1, block by block, in place."""
     low, high = scope.band
     spans = [(0.0, low), *scope.masks, (high, step * c.size)]
     for a, b in ((max(1, math.ceil(f / step)), min(c.size, math.floor(g / step) + 1)) for f, g in spans if f < g):
@@ -99,7 +99,7 @@ def _flatten(c: NDArray[np.float32], scope: Scope, step: float) -> None:
 
 
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:
-    """Divide by the standard deviation in place; between the nodes k its inverse is straight."""
+    """Divide by the standard deviation in place; its inverse is interpolated linearly between the nodes k."""
     weight = unit / deviation
     c[0] = 0.0
     for a, b, start, end in zip(k[:-1], k[1:], weight[:-1], weight[1:], strict=True):
@@ -117,13 +117,13 @@ def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatAr
     rows = [(t.power(rate), t.sampled(rate)) for t in model]
     noise = [(power, row) for power, row in rows if row.waveform is None and power > 0]
     if not noise:
-        raise UsageError(f"a model needs noise to whiten a record, unlike {model}")
-    # what an open angle adds at ends and joints is not there in between
+        raise UsageError(f"whitening needs a model with noise, unlike {model}")
+    # the contribution of an open angle at ends and joints is absent in between
     return k, np.sqrt(sum(power * gaps.row(replace(row, edge=0.0), at) for power, row in noise))
 
 
 def memory(model: Model, size: int, rate: float) -> int:
-    """Samples from an end, or a gap, within which an open angle is felt; 0 if the model has no noise of the angle.
+    """Distance in samples from an end or a gap within which an open angle matters; 0 without angle noise.
 
     The whitening spreads what quantization has there over as many samples as the standard deviation of the fastest
     noise exceeds that of the least.

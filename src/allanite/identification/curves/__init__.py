@@ -1,1 +1,1 @@
-"""Coefficients read off a curve."""
+"""Methods that fit a curve."""

@@ -1,4 +1,4 @@
-"""Allan and Hadamard variance fitted together: what tells a ramp from a random walk of the rate."""
+"""Joint fit of Allan and Hadamard variance, which separates a ramp from a rate random walk."""
 
 from collections.abc import Sequence
 
@@ -18,14 +18,14 @@ from .reading import early, reported, result, signal_of
 PAIR = ("oadev", "ohdev")
 
 WALK = 0.5
-"""Hadamard over Allan variance of a random walk of the rate; only a ramp lies below."""
+"""Hadamard over Allan deviation of a rate random walk; only a ramp gives less."""
 
 
 def joint(record: Record, symbols: Sequence[str]) -> Fit:
     """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4.
 
-    Each point has the weight of its own degrees of freedom under the fit, as if all were independent, which they are
-    not: so there are no standard errors.
+    Each point is weighted by its degrees of freedom under the fit. The points are not independent, so there are no
+    standard errors.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     m = [curve.m[which].tolist() for curve, which in zip(curves, early_ones, strict=True)]
     variance = np.concatenate([c.variance[which] for c, which in zip(curves, early_ones, strict=True)])
     if variance.size < len(symbols) or not np.all(variance > 0):
-        raise DataError(f"{variance.size} points, none of them zero, are needed for {len(symbols)} terms")
+        raise DataError(f"{variance.size} nonzero points are needed for {len(symbols)} terms")
     X = np.concatenate([columns(name, symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)])
     products = np.zeros((len(X), len(X), len(symbols), len(symbols)))
     first = len(m[0])
@@ -47,16 +47,13 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     products[first:, first:] = variances(PAIR[1], symbols, m[1], record.size, record.rate)
     theta, _ = iterated(Moments(X, products), variance)
     ramp = any(TERMS[s].waveform is not None and v > 0 for s, v in zip(symbols, theta.tolist(), strict=True))
-    notes = [f"read from {variance.size} points of {' and '.join(PAIR)}", *drift(*curves, fitted=ramp)]
+    notes = [f"fitted to {variance.size} points of {' and '.join(PAIR)}", *drift(*curves, fitted=ramp)]
     estimates = reported(symbols, theta, X, signal=signal, method="joint")
     return result(curves[0], estimates, "joint", notes=notes)
 
 
 def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
-    """What the two curves say of a ramp, at the octave next below a tenth of the record.
-
-    Where only a random walk and a ramp matter, ``R^2 = 2 (AVAR - 2 HVAR) / tau^2``.
-    """
+    """What the two curves say about a ramp, at the largest octave below a tenth of the record."""
     both = np.intersect1d(allan.m[early(allan, 0.1)], hadamard.m[early(hadamard, 0.1)])[-1]
     a, h = (float(curve.variance[curve.m == both][0]) for curve in (allan, hadamard))
     tau = float(both) / allan.rate
@@ -64,12 +61,12 @@ def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
     if h < WALK * a:
         size = np.sqrt(2 * (a - 2 * h)) / tau
         return [
-            f"{found}, below the 0.707 of a random walk: a ramp, of about {size:.3g} {allan.unit}/s if only a random "
-            "walk lies beside it; one record can be that low by chance"
+            f"{found}, below the 0.707 of a random walk: a ramp of about {size:.3g} {allan.unit}/s if there is only "
+            "a random walk besides it; a single record can be that low by chance"
         ]
     warning = "; 2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0"
-    doubt = ", and the R of the fit is no evidence of one" if fitted else ""
+    doubt = ", and the R of the fit is no evidence of a ramp" if fitted else ""
     return [
-        f"{found}{warning}: a Hadamard deviation below the Allan deviation proves no drift (random walk alone gives "
-        f"0.707, flicker 0.90), only one below 0.707 needs a ramp{doubt}"
+        f"{found}{warning}: a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk "
+        f"alone gives 0.707, flicker 0.90), only a ratio below 0.707 requires a ramp{doubt}"
     ]

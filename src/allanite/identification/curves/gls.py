@@ -1,4 +1,4 @@
-"""Generalised least squares: what can be had from a curve if it is read as it scatters."""
+"""Generalized least squares: the optimal fit of a curve, given its covariance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,10 +23,10 @@ from .nonnegative import blind, columns, plain, solve, unit_model, whitened
 from .reading import early, reported, result, signal_of
 
 ROUNDS = 8
-"""Of a fit and the covariance under it; three to five are enough."""
+"""Iterations of the fit and the covariance under it; three to five suffice."""
 
 CLAIM = 4.0
-"""Rise of the quadratic form without a term from which on the term is claimed."""
+"""Increase of the quadratic form without a term above which the term is claimed."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Moments:
 
 @lru_cache(maxsize=64)
 def moments_of(name: str, symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
-    """Of a statistic at averaging factors `m`; of one whose points' covariance is not known, variances alone."""
+    """Moments of a statistic at averaging factors `m`; only variances if the covariance of its points is unknown."""
     X = columns(name, symbols, m, size, rate)
     return Moments(X, (_covariances if STATISTICS[name].correlated else variances)(name, symbols, m, size, rate))
 
@@ -81,12 +81,12 @@ def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatA
 def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
     covariance = moments.covariance(theta)
     if not np.all(np.diag(covariance) > 0):
-        raise DataError("a ramp alone describes the curve best: without noise nothing can be said of its accuracy")
+        raise DataError("a ramp alone describes the curve best: without noise its accuracy cannot be determined")
     return covariance
 
 
 def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Generalised least squares of the variance with the covariance that the model itself gives the points.
+    """Generalized least squares of the variance with the covariance of the points under the model itself.
 
     ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
     quarter of the record; C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
@@ -95,15 +95,15 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     Parameters
     ----------
     curve : Curve
-        Of a statistic whose windows overlap, SI. Where the covariance between points is not known (theo1), each has
-        the weight of its own degrees of freedom, and there are no standard errors.
+        Curve of a statistic with overlapping windows, SI. If the covariance between points is unknown (theo1), each
+        point is weighted by its degrees of freedom, and there are no standard errors.
     symbols : sequence of str
         Keys of `TERMS`.
 
     Raises
     ------
     DataError
-        Fewer points than terms.
+        There are fewer points than terms.
     """
     signal = signal_of(curve, 1)
     which = octaves(curve)
@@ -118,19 +118,21 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     if not STATISTICS[curve.statistic].correlated:
         estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
         notes += [
-            f"the covariance between points of {curve.statistic} is not known: each has the weight of its own degrees "
+            f"the covariance between points of {curve.statistic} is unknown: each point is weighted by its degrees "
             "of freedom, and there are no standard errors"
         ]
     else:
         estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
         notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
-    notes += [f"{e.symbol} is without its sign, which a curve does not have" for e in estimates if _unsigned(e)]
+    notes += [
+        (f"{e.symbol} is given without its sign, which a curve does not determine") for e in estimates if _unsigned(e)
+    ]
     return result(curve, estimates, "gls", notes=notes, model=model)
 
 
 GAUSSIAN = (
-    "the intervals suppose Gaussian errors: that of the slowest term, which rests on averaging times with few degrees "
-    "of freedom, holds the truth too seldom (method whittle has intervals that do not suppose it)"
+    "the intervals assume Gaussian errors: that of the slowest term, which depends on averaging times with few "
+    "degrees of freedom, contains the true value too rarely (the intervals of method whittle do not assume it)"
 )
 
 
@@ -144,7 +146,7 @@ def octaves(curve: Curve) -> IntArray:
 
 
 def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
-    """Points of which windows are lost scatter more, by about as much as there are fewer."""
+    """Points with missing windows scatter more, roughly in proportion."""
     row = STATISTICS[curve.statistic]
     more = np.sqrt(row.count(curve.size, curve.m[which]) / curve.count[which])
     return Moments(moments.columns, moments.products * np.outer(more, more)[:, :, None, None])
@@ -152,14 +154,14 @@ def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
 
 def _gaps(curve: Curve) -> list[str]:
     lost = bool(np.any(curve.count < STATISTICS[curve.statistic].count(curve.size, curve.m)))
-    return ["the record has gaps: the covariance is that of a whole one, scaled by the windows lost"] * lost
+    return ["the record has gaps: the covariance is that of a complete record, scaled by the missing windows"] * lost
 
 
 def _read_from(curve: Curve, which: IntArray) -> str:
     left = int(early(curve, 0.25).sum()) - which.size
     tau = curve.tau[which]
-    words = f"read from {which.size} points of {curve.statistic}, {tau[0]:g} to {tau[-1]:g} s"
-    return words + (f"; {left} more between these octaves would add nothing and are left out" if left else "")
+    words = f"fitted to {which.size} points of {curve.statistic}, {tau[0]:g} to {tau[-1]:g} s"
+    return words + (f"; {left} more between these octaves would add no information and are omitted" if left else "")
 
 
 def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> str:
@@ -167,7 +169,7 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
 
     freedom = variance.size - np.count_nonzero(theta)
     square = _misfit(X, variance, theta, covariance)
-    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else "no freedom left to judge"
+    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else "no degrees of freedom left for a test"
     return f"goodness of fit: chi-square {square:.1f} with {freedom} degrees of freedom, {p}"
 
 
@@ -207,7 +209,7 @@ def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray)
 
 @dataclass(frozen=True)
 class SquareLimits:
-    """Limits of a coefficient whose square is normal, with its standard error."""
+    """Interval of a coefficient with a normally distributed square, with its standard error."""
 
     square: float
     error: float

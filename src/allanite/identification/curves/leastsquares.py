@@ -1,4 +1,4 @@
-"""The classical fits of an Allan variance curve, for comparison: neither gives intervals or evidence."""
+"""The classical fits of an Allan variance curve, for comparison; neither gives intervals or evidence."""
 
 import math
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ from .reading import result, signal_of
 def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Unweighted least squares of the variance by powers of tau, as in much of the literature.
 
-    Every point counts the same in absolute terms, so the shortest tau decides everything: measured against the
-    Cramer-Rao bound it is 2 to 90 times worse. A square may come out negative; it is reported, not hidden.
+    All points have the same absolute weight, so that the shortest tau dominates: the errors are 2 to 90 times the
+    Cramer-Rao bound. A square may come out negative; this is reported.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
     squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
     estimates = [_of_square(s, signal, float(square)) for s, square in zip(symbols, squares, strict=True)]
     notes = [
-        f"the least squares fit gives a negative {e.symbol}^2: it has no physical meaning, and shows that this fit "
-        "is not to be trusted for the other terms either"
+        f"the least-squares fit gives a negative {e.symbol}^2, which has no physical meaning and shows that this "
+        "fit is unreliable for the other terms, too"
         for e in estimates
         if e.status == "negative"
     ]
@@ -42,7 +42,7 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
 
 
 def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Coefficients read off lines of the textbook slopes, each laid through the point where the curve is most alike."""
+    """Coefficients from lines of the textbook slopes, each through the point where the local slope is closest."""
     signal = signal_of(curve, 2)
     log_tau, log_sigma = np.log10(curve.tau), np.log10(curve.deviation)
     local = np.diff(log_sigma) / np.diff(log_tau)

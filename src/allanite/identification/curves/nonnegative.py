@@ -1,4 +1,4 @@
-"""Non-negative least squares, and the fit with equal relative weights that many programs do."""
+"""Non-negative least squares, and the fit with equal relative weights used by many programs."""
 
 from collections.abc import Sequence
 
@@ -19,12 +19,12 @@ from .reading import early, reported, result, signal_of
 def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Non-negative squares of the coefficients that fit the variance with equal relative weights, up to tau = T/10.
 
-    That a point at long tau scatters a thousand times as much as one at short tau is not taken into account.
+    The much larger scatter of points at long tau is not taken into account.
 
     Parameters
     ----------
     curve : Curve
-        Of a statistic that is `readable`, SI.
+        Curve of a statistic that is `readable`, SI.
     symbols : sequence of str
         Keys of `TERMS`.
     """
@@ -32,12 +32,14 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     which = early(curve, 0.1)
     used = int(which.sum())
     if used < len(symbols):
-        raise UsageError(f"{used} points lie below a tenth of the record, too few for {len(symbols)} terms")
+        raise UsageError(
+            f"{used} points at averaging times up to a tenth of the record are too few for {len(symbols)} terms"
+        )
     m, variance = curve.m[which], plain(curve)[which]
     X = columns(curve.statistic, symbols, m.tolist(), curve.size, curve.rate)
     squares = solve(X, variance, np.diag(variance**2))
     notes = [
-        f"read from {used} points of {curve.statistic} up to {curve.tau[which][-1]:g} s, a tenth of the record",
+        f"fitted to {used} points of {curve.statistic} up to {curve.tau[which][-1]:g} s, a tenth of the record",
         *blind(curve.statistic, symbols, X),
     ]
     return result(curve, reported(symbols, squares, X, signal=signal, method="nnls"), "nnls", notes=notes)
@@ -49,7 +51,7 @@ def plain(curve: Curve) -> FloatArray:
 
 
 def columns(statistic: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 where only rounding is left."""
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains."""
     row = STATISTICS[statistic]
     X = np.array([by_term(row, unit_model(symbols), k, size, rate) for k in m])
     tau = np.array(m) * row.tau_factor / rate
@@ -58,23 +60,23 @@ def columns(statistic: str, symbols: Sequence[str], m: Sequence[int], size: int,
 
 
 def unit_model(symbols: Sequence[str]) -> Model:
-    """Every term with a coefficient of 1 in SI; what the sensor is makes no difference to the numbers."""
+    """Every term with a coefficient of 1 in SI; the type of sensor does not affect the numbers."""
     from allanite.core.units import SIGNALS
 
     return Model(tuple(Term(s, 1.0, SIGNALS[0]) for s in symbols))
 
 
 def blind(statistic: str, symbols: Sequence[str], X: FloatArray) -> list[str]:
-    """Words for the terms that a statistic does not see."""
+    """Notes about the terms to which a statistic is insensitive."""
     return [
-        f"{s}: {statistic} does not see a {TERMS[s].title}"
+        f"{s}: {statistic} is insensitive to {TERMS[s].title}"
         for s, column in zip(symbols, X.T, strict=True)
         if not column.any()
     ]
 
 
 def solve(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Squares theta >= 0 that minimise the quadratic form of the residuals, shape (t,)."""
+    """Squares theta >= 0 that minimize the quadratic form of the residuals, shape (t,)."""
     from scipy.optimize import nnls as solver
 
     A, b = whitened(X, variance, covariance)

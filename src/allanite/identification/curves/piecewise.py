@@ -1,4 +1,4 @@
-"""Lines of the textbook slopes, each through a whole range of averaging times."""
+"""Lines of the textbook slopes, each through a range of averaging times."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,13 +14,13 @@ from allanite.terms import TERMS
 from .reading import early, result, signal_of
 
 NEAR = 0.25
-"""Slopes of the curve so near to a term's are taken for that term: the terms' slopes are 0.5 apart."""
+"""Difference between slopes up to which the curve is attributed to a term; slopes of terms differ by 0.5."""
 
 
 def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[float, float]] | None = None) -> Fit:
     """Coefficients from the mean of ``log sigma - slope log tau`` over a range of averaging times for each term.
 
-    Supposes that no other term counts there, which is seldom true: the others make every value too large.
+    Assumes that no other term contributes there, which is rarely true: the others make every value too large.
 
     Parameters
     ----------
@@ -29,13 +29,13 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
     symbols : sequence of str
         Keys of `TERMS`.
     ranges : mapping of symbol to (low, high), optional
-        Averaging times, s. Of a term without one: the longest stretch, up to a tenth of the record, where the local
-        slope is within 0.25 of the term's; a term without such a stretch is not identified.
+        Averaging times, s. By default the longest stretch, up to a tenth of the record, where the local slope is within
+        0.25 of the term's; a term without such a stretch is not identified.
     """
     signal = signal_of(curve, 2)
     given = dict(ranges or {})
     if unknown := sorted(set(given) - set(symbols)):
-        raise UsageError(f"a range for {', '.join(unknown)}, but the terms asked for are {', '.join(symbols)}")
+        raise UsageError(f"ranges are given for {', '.join(unknown)}, but the terms are {', '.join(symbols)}")
     log_tau, log_sigma = np.log(curve.tau), np.log(curve.deviation)
     estimates, notes = [], []
     for symbol in symbols:
@@ -48,7 +48,7 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
         line = float(np.mean(log_sigma[which] - row.slope * log_tau[which]))
         value = float(np.exp(line)) / np.sqrt(row.level)
         estimates.append(Estimate(symbol, signal, float(value), None, "reported", None, "piecewise"))
-        notes.append(f"{symbol}: read from {curve.tau[which[0]]:g} to {curve.tau[which[-1]]:g} s")
+        notes.append(f"{symbol}: fitted from {curve.tau[which[0]]:g} to {curve.tau[which[-1]]:g} s")
     return result(curve, estimates, "piecewise", notes=notes)
 
 
@@ -57,8 +57,8 @@ def _within(curve: Curve, symbol: str, limits: tuple[float, float]) -> IntArray:
     which = np.flatnonzero((curve.tau >= low * (1 - 1e-9)) & (curve.tau <= high * (1 + 1e-9)))
     if not which.size:
         raise UsageError(
-            f"no point of the curve lies in the range {low:g} to {high:g} s of {symbol}; "
-            f"there are points from {curve.tau[0]:g} to {curve.tau[-1]:g} s"
+            f"no point of the curve lies in the range {low:g} to {high:g} s of {symbol}; the points extend from "
+            f"{curve.tau[0]:g} to {curve.tau[-1]:g} s"
         )
     return which
 

@@ -1,4 +1,4 @@
-"""What the methods that read a curve share."""
+"""What the methods that fit a curve have in common."""
 
 from collections.abc import Sequence
 
@@ -14,27 +14,27 @@ from allanite.core.units import SIGNALS, Signal
 
 
 def signal_of(curve: Curve, points: int) -> Signal:
-    """What a curve is of.
+    """The signal of a curve.
 
     Raises
     ------
     DataError
-        It has fewer points than `points`, or one of them is zero.
+        The curve has fewer than `points` points, or one of them is zero.
     UsageError
-        It is not in SI.
+        The curve is not in SI.
     """
     if curve.tau.size < points or not np.all(curve.variance > 0):
         raise DataError(f"this method needs at least {points} points, none of them zero; there are {curve.tau.size}")
     for signal in SIGNALS:
         if signal.unit == curve.unit:
             return signal
-    raise UsageError(f"this method needs a curve in SI, not in {curve.unit}; leave out .to()")
+    raise UsageError(f"this method needs a curve in SI, not in {curve.unit}; omit .to()")
 
 
 def early(curve: Curve, share: float) -> BoolArray:
     """Which points average over at most this share of the record, shape of tau."""
     if not curve.size:
-        raise UsageError("this method needs to know the length of the record: the curve's size is 0")
+        raise UsageError("this method needs the length of the record, but the curve's size is 0")
     return np.asarray(curve.tau <= share * curve.size / curve.rate * (1 + 1e-9))
 
 
@@ -54,17 +54,17 @@ def reported(
 def result(
     curve: Curve, estimates: Sequence[Estimate], method: str, *, notes: Sequence[str], model: Model | None = None
 ) -> Fit:
-    """The fit; its model, if none is given, holds what was estimated above zero.
+    """The fit; its model, unless given, contains the terms estimated above zero.
 
     Raises
     ------
     DataError
-        Nothing was.
+        There are none.
     """
     signal = estimates[0].signal
     terms = tuple(Term(e.symbol, e.value, signal) for e in estimates if e.value is not None and e.value > 0)
     if model is None and not terms:
-        raise DataError(f"method {method!r} finds none of the terms asked for: {'; '.join(notes)}")
+        raise DataError(f"method {method!r} finds none of the terms: {'; '.join(notes)}")
     return Fit(
         tuple(estimates), method, signal, model or Model(terms), name=curve.name, curve=curve, notes=tuple(notes)
     )

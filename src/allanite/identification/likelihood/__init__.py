@@ -1,1 +1,1 @@
-"""The Whittle likelihood of a record, and which terms it asks for."""
+"""The Whittle likelihood of a record, and the selection of terms."""

@@ -8,7 +8,7 @@ from allanite.core.arrays import FloatArray
 
 
 def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
-    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, but for a factor 1 - (-1)^k exp(-n / tau).
+    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, except for a factor 1 - (-1)^k exp(-n / tau).
 
     Examples
     --------

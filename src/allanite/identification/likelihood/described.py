@@ -1,4 +1,4 @@
-"""Where a model was found to hold, as a value with words."""
+"""The frequencies for which a model holds, as a value with texts."""
 
 import numpy as np
 
@@ -17,14 +17,14 @@ WELL_KNOWN = 50
 """Coefficients of a bin whose power needs no smoothing."""
 
 CHANGED = 0.2
-"""Share of the power by which the spectrum outside a band differs from the model before it is mentioned."""
+"""Relative deviation of the spectrum from the model outside a band above which it is mentioned."""
 
 STANDS_OUT = 1.5
-"""Power over the average of what lies outside a band from which a frequency there is mentioned."""
+"""Peak over mean power outside a band above which a frequency is mentioned."""
 
 
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
-    """The scope of what was found; `asked` is a band that was given."""
+    """The scope of a fit; `asked` is a band that was given."""
     seen, level = found.seen, _levels(found)
     band = asked or _band(found)
     return Scope(
@@ -41,7 +41,7 @@ def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None
 
 
 def _band(found: Found) -> tuple[float, float]:
-    """The ends of what is read, Hz; 0 and half the sampling rate where nothing is left out."""
+    """The limits of the frequencies used, Hz; 0 and half the sampling rate if nothing is excluded."""
     seen, (first, last) = found.seen, np.flatnonzero(found.used)[[0, -1]]
     low = float(seen.frequency(seen.first[first])) if first else 0.0
     high = seen.first[last] + seen.count[last] - 0.5
@@ -111,7 +111,7 @@ def largest_misfit(found: Found) -> float:
 
 
 def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tuple[str, ...]:
-    """What the spectrum does beyond the ends of the band."""
+    """Behaviour of the spectrum beyond the ends of the band."""
     there = np.flatnonzero(found.used)
     first, last = int(there[0]), int(there[-1])
     said = []
@@ -124,15 +124,15 @@ def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tupl
 
 
 def _beyond(where: str, found: Found, level: FloatArray, part: slice, cause: str) -> str:
-    """What the spectrum does in a part that is not read."""
+    """Behaviour of the spectrum in an excluded part."""
     level, first = level[part], found.seen.first[part]
     ratio, highest = float(np.exp(np.log(level).mean())), int(level.argmax())
     if ratio < 1 - CHANGED:
-        return f"{where} the record has {ratio:.2g} of the model's power: a filter"
+        return f"{where} the power is {ratio:.2g} times that of the model: a filter"
     peak = ""
     if level[highest] > STANDS_OUT * max(ratio, 1.0):
         peak = f"{level[highest]:.2g} times at {float(found.seen.frequency(first[highest])):.3g} Hz"
     if ratio > 1 + CHANGED:
-        return f"{where} the record has {ratio:.2g} times the model's power{peak and ', ' + peak}: {cause}"
-    less = f"{where} the spectrum departs from the model by less than {100 * CHANGED:.0f} % on average"
+        return f"{where} the power is {ratio:.2g} times that of the model{peak and ', ' + peak}: {cause}"
+    less = f"{where} the spectrum deviates from the model by less than {100 * CHANGED:.0f} % on average"
     return f"{less}, but has {peak.replace(' at', ' its power at')}: {cause}" if peak else less

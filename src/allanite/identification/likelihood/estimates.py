@@ -1,4 +1,4 @@
-"""Estimates of the terms that a likelihood asks for: values, limits, and why there is none."""
+"""Estimates of the terms of a likelihood: values, intervals, and why there are none."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ TWO_SIDED = 1.96
 """Standard errors from an estimate to its 95 % limits."""
 
 HIDDEN = 0.6
-"""Share of half the sampling rate below which a band's end hides the noise of the angle."""
+"""Share of half the sampling rate below which the end of a band hides angle noise."""
 
 
 @dataclass(frozen=True)
@@ -129,13 +129,13 @@ def _absent(
 
 
 def under(law: Exponent, estimate: Estimate) -> Estimate:
-    """The estimate where what wanders follows another power law: of the terms only the white noise beside it holds."""
+    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
     row = TERMS[estimate.symbol]
     value, error = law.N
     if row.waveform is not None or estimate.status == "not observable":
         return estimate
     if row.slope != WHITE or not value:
-        return estimate.invalid(f"the power falls as f^-{law.a:.2f}, which is none of the terms")
+        return estimate.invalid(f"the power spectral density falls as f^-{law.a:.2f}, like none of the terms")
     normal = Normal(value, error)
     status = "identified" if error <= WEAK * value else "weak"
     return replace(
@@ -151,18 +151,16 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
 
 
 def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
-    """The estimate, unless what was read cannot tell the term: then why not."""
+    """The estimate, or why the term is not observable with the data used."""
     reason = ""
     if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
         if estimate is None or not _dominates(symbol, found):
-            hidden = (
-                "the filter hides" if scope.filter else f"the band, which ends at {scope.band[1]:.3g} Hz, leaves out"
-            )
-            reason = f"{hidden} the frequencies where it would be seen"
+            hidden = "the filter hides" if scope.filter else f"the band, which ends at {scope.band[1]:.3g} Hz, excludes"
+            reason = f"{hidden} the frequencies where it would be visible"
     elif (
         scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
     ):
-        reason = f"the band begins at {scope.band[0]:.3g} Hz, above where it would be seen"
+        reason = f"the band begins at {scope.band[0]:.3g} Hz, above the frequencies where it would be visible"
     if not reason and estimate is not None:
         return estimate
     return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
@@ -196,13 +194,13 @@ class RampLimits:
 
 
 def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
-    """The signed ramp: normal for given noise, averaged over what the noise of the longest memory may be.
+    """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
     Student's t, and holds where the noise was not seen at all.
     """
     part = found.everything.likelihood
-    if not part.flat.any():  # the band leaves out the frequencies where a ramp lives
+    if not part.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     thetas, weight = found.profile(found.slowest).weighted()
     along = [part.directions(theta)[:2] for theta in thetas]

@@ -1,4 +1,4 @@
-"""Which terms describe a spectrum, flicker or Gauss-Markov noise among them."""
+"""Which terms describe a spectrum, including flicker and Gauss-Markov noise."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -22,14 +22,15 @@ from .timeconstant import CLOSE, SHORTEST, Search
 from .whittle import Spectrum, spectrum
 
 SLOW = 30.0
-"""Samples above which a time constant is that of a wandering bias; a shorter one is a filter's, or the sampling's."""
+"""Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
 
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
 
 EVIDENCE = 12.0
-"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for the doubt
-that what is flicker everywhere else is none here: so it displaces true flicker in about 1 % of records."""
+"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
+flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class Found(Portable):
     """What describes the part of a spectrum that is read: the subset `chosen`.
 
     `noise` are the symbols of the columns of the likelihood, `every` the subsets without a Gauss-Markov term that was
-    not asked for; `plain` and `markov` are the best without and with one. `elsewhere` gives subsets under other
+    not requested; `plain` and `markov` are the best without and with one. `elsewhere` gives subsets under other
     suppositions, a filter's cut-off, that take part in the limits.
     """
 
@@ -62,7 +63,7 @@ class Found(Portable):
 
     @property
     def base(self) -> Portion:
-        """The portion without a Gauss-Markov term that nobody asked for."""
+        """The portion without a Gauss-Markov term that was not requested."""
         rival = self.search is not None and not self.search.asked
         return self.part.among(self.part.noise[:-1]) if rival else self.part
 
@@ -79,7 +80,7 @@ class Found(Portable):
 
     @cached_property
     def full(self) -> Subset:
-        """All terms free that may stand beside those chosen: nothing is left out because it was not selected."""
+        """All terms free that may stand beside those chosen: nothing is omitted because it was not selected."""
         p = self.chosen.theta.size
         if self.search is None or p > len(self.noise):
             may = np.ones(p, dtype=bool)
@@ -92,16 +93,16 @@ class Found(Portable):
 
     @property
     def counts(self) -> bool:
-        """Whether the Gauss-Markov term takes part in the limits: chosen, or asked for."""
+        """Whether the Gauss-Markov term takes part in the limits: chosen, or requested."""
         return self.chosen is self.markov or (self.search is not None and self.search.asked)
 
     @property
     def everything(self) -> Subset:
-        """The subset in which no term is left out that could take another's place."""
+        """The subset in which no term is omitted that could take another's place."""
         return self.fitted[-1]
 
     def profile(self, which: int) -> Profile:
-        """Of the likelihood of one theta, nothing left out that could take its place."""
+        """Of the likelihood of one theta, nothing omitted that could take its place."""
         return Profile(self.everything, which)
 
     @property
@@ -113,7 +114,8 @@ class Found(Portable):
     def akaike(self) -> FloatArray:
         """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,).
 
-        A Gauss-Markov term that nobody asked for, and that is best in the place of a random walk, needs its `EVIDENCE`.
+        A Gauss-Markov term that was not requested, and that is best in the place of a random walk, needs its
+        `EVIDENCE`.
         """
         found = AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
         if self.search is not None and not self.search.asked and self.markov is not None:
@@ -128,10 +130,10 @@ class Found(Portable):
 
     @property
     def schwarz(self) -> FloatArray:
-        """The same, but noise of the angle must gain ln n, n the coefficients that it could dominate, shape (p,).
+        """The same, but angle noise must gain ln n, n the coefficients that it could dominate, shape (p,).
 
         It is clearly there or of no weight, as n is a fixed share of all (G. Schwarz, 1978). A Gauss-Markov term that
-        nobody asked for must have its `EVIDENCE`.
+        was not requested must have its `EVIDENCE`.
         """
         part = self.chosen.likelihood
         share = part.S[:, : len(self.noise)] / part.expectation(self.chosen.theta)[:, None]
@@ -198,7 +200,7 @@ def fitted(part: Portion, *, rival: bool) -> Found:
     asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
     noise = [symbol for symbol in part.noise if symbol not in asked]
     if len(asked) > 1 or any(len(TERMS[symbol].parameters) > 1 for symbol in asked):
-        raise UsageError(f"only one term with one time constant can be looked for at a time, not {', '.join(asked)}")
+        raise UsageError(f"only one term with one time constant can be looked for, not {', '.join(asked)}")
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
         every = subsets(part.likelihood, must=part.must)
@@ -209,7 +211,7 @@ def fitted(part: Portion, *, rival: bool) -> Found:
 
 
 def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
-    """Whether Gauss-Markov noise that nobody asked for describes the record, and takes no more than flicker's place.
+    """Whether Gauss-Markov noise that was not requested describes the record, and takes no more than flicker's place.
 
     What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
@@ -233,7 +235,7 @@ def _explains(subset: Subset, part: Portion) -> bool:
 
 
 def _with_markov(part: Portion, *, asked: bool) -> Found:
-    """Subsets with and without a Gauss-Markov term; where it was not asked for, it stands in the place of flicker."""
+    """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
     noise, penalty = list(part.noise), penalties(len(part.noise))
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
     search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
@@ -245,6 +247,6 @@ def _with_markov(part: Portion, *, asked: bool) -> Found:
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
     if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
         best = plain
-    if best is None:  # nothing but Gauss-Markov noise was asked for, and there is none
+    if best is None:  # nothing but Gauss-Markov noise was requested, and there is none
         best = search.coarse
     return Found(part, noise, every, best, search, plain or best, markov)

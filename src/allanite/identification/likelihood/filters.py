@@ -1,8 +1,8 @@
-"""Low-pass filters of sensors and loggers, as factors of the expected power: their table.
+"""Low-pass filters of sensors and loggers, as factors of the expected power.
 
-The gain of a row is the power of white noise behind the filter, over that before it, at a frequency f in cycles per
-sample. It holds what the sampling folds back. The other terms of noise lie far below the cut-off wherever they matter,
-and take the same factor.
+The gain of a row is the power of white noise after the filter over that before it, at a frequency f in cycles per
+sample, aliases included. The other noise terms lie far below the cut-off wherever they matter, and have the same
+factor.
 """
 
 import math
@@ -106,4 +106,4 @@ FILTERS: dict[str, Filter] = {
     "average": Filter("moving average", _moving_average),
     "bartlett": Filter("moving average of a moving average (Bartlett window)", _bartlett),
 }
-"""Filters that are tried, each with its cut-off as the one unknown."""
+"""Filters that are tried; the cut-off frequency of each is the only unknown."""

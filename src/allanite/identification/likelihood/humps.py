@@ -1,4 +1,4 @@
-"""Frequencies that stand out of their surroundings: resonances, unsteady lines and clusters of them."""
+"""Frequencies that exceed their surroundings: resonances, unsteady lines and clusters of them."""
 
 import math
 
@@ -16,10 +16,10 @@ STANDS_OUT, EXCESS = 5.0, 0.1
 """Standard deviations, and share of the power, by which a bin must exceed its surroundings."""
 
 SLOPE, FOOT = 2.0, 0.03
-"""The same for its neighbours, which are left out with it."""
+"""The same for its neighbours, which are omitted with it."""
 
 MARGIN = 2
-"""Least number of bins on either side that are left out as well: the foot of a hump is below the scatter."""
+"""Least number of bins on either side that are omitted as well: the foot of a hump is below the scatter."""
 
 HARMLESS = 0.02
 """Power of a resonance's skirt over that of the noise from which on it is read."""

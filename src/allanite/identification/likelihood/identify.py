@@ -1,4 +1,4 @@
-"""Identification by likelihood: which terms a record holds, how large they are, and how sure that is."""
+"""Identification by likelihood: which terms are present, their sizes and their uncertainties."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -33,9 +33,9 @@ def whittle(
 ) -> Fit:
     """Identify terms by the binned DCT-II Whittle likelihood.
 
-    Sinusoids are found and taken out; the noise terms are selected by 2 L + 4 per term over all subsets, with the ramp
+    Sinusoids are detected and removed; the noise terms are selected by 2 L + 4 per term over all subsets, with the ramp
     integrated out; each coefficient is averaged over the subsets, with upper limits for what is absent; the signed ramp
-    is estimated by generalised least squares, averaged over what hides it.
+    is estimated by generalized least squares, averaged over what hides it.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ def whittle(
     symbols : sequence of str
         Keys of `TERMS`.
     band : {"auto", "all"} or (low, high)
-        Frequencies to be used, Hz; "auto" finds those that the terms explain, and a filter before the readings.
+        Frequencies to use, Hz; "auto" finds those that the terms explain, and a low-pass filter.
     lines : bool
-        Whether sinusoids are looked for.
+        Whether sinusoids are detected and removed.
     rival : bool
-        Whether Gauss-Markov noise may take the place of flicker although it was not asked for.
+        Whether Gauss-Markov noise may replace flicker although it was not requested.
     """
     why = refusal(record)
     if why:
@@ -91,34 +91,34 @@ def whittle(
 
 
 def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
-    """What describes the record best: the selected noise terms, claimed or not, and the ramp if it is claimed."""
+    """The best model: the selected noise terms, claimed or not, and the ramp if it is claimed."""
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
     return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
 
 
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
-    """Terms that describe the record best but are not claimed: others could take their place."""
+    """Terms of the best model that are not claimed, because others could take their place."""
     return [
-        f"{TERMS[s].title} ({s}) is in the model that describes the record best, but other terms could take its place: "
-        "a longer record would tell"
+        f"{TERMS[s].title} ({s}) is in the best model, but other terms could take its place: a longer record would "
+        "decide"
         for s, there in zip(found.noise, found.chosen.free, strict=True)
         if there and s in estimates and estimates[s].status == "absent"
     ]
 
 
 def _ambiguous(found: Found) -> list[str]:
-    """What Gauss-Markov noise in the place of flicker, or the other way round, would do to the description."""
+    """How well Gauss-Markov noise instead of flicker, or the reverse, would describe the record."""
     if found.markov is None or found.flicker is None:
         return []
     gain = found.flicker.aic - found.markov.aic
     noise = f"Gauss-Markov noise with a time constant of {found.markov.constants[0] / found.seen.rate:.2g} s"
     if found.chosen is found.markov:
         return [f"{noise} describes the record better than flicker does"]
-    would = f"{noise} in the place of flicker would describe the record"
+    would = f"{noise} instead of flicker would describe the record"
     if abs(gain) < DISTINGUISHABLE:
-        return [f"{would} as well: not distinguishable (AIC {-gain:+.1f})"]
-    enough = f"(AIC {-gain:+.1f}), which is not enough to give up flicker: a longer record would tell"
+        return [f"{would} equally well: they cannot be distinguished (AIC {-gain:+.1f})"]
+    enough = f"(AIC {-gain:+.1f}), which is not sufficient evidence against flicker: a longer record would decide"
     return [f"{would} somewhat better {enough}"] if gain > 0 else []
 
 

@@ -1,12 +1,13 @@
-"""What a record tells of one coefficient, averaged over the models that it leaves open.
+"""The distribution of one coefficient, averaged over the models consistent with the record.
 
-A term that was not selected is not zero, and one that was is not certain. Each subset of the terms that holds the
-coefficient c has its profile of the likelihood, 2 L_s(c) with the other terms following; the law of c is
+A term that was not selected need not be zero, and a selected one is not certain. Each subset of the terms that contains
+the coefficient c has a profile likelihood, 2 L_s(c) with the other terms optimized; the distribution of c is
 
     p(c) ~ sum_s exp(-(2 L_s(c) + sum of the penalties of the other terms of s) / 2),   c >= 0,
 
-flat in the coefficient. A penalty of 2 for each term is that of H. Akaike (1974, eq. 8), whose weights exp(-AIC / 2)
-K. P. Burnham and D. R. Anderson (2002, section 2.9) average over; it gives limits that hold where a weak term hides.
+flat in the coefficient. A penalty of 2 for each term is that of H. Akaike (1974, eq. 8), whose weights exp(-AIC / 2) K.
+P. Burnham and D. R. Anderson (2002, section 2.9) average over; it gives intervals that remain valid if a weak term is
+hidden.
 """
 
 import math
@@ -63,7 +64,7 @@ class Law(Portable):
         return float(np.interp(p, self.below, self.root))
 
     def limits(self, level: float) -> tuple[float, float]:
-        """Two-sided limits; the lower one is 0 where the likelihood does not exclude it."""
+        """Two-sided limits; the lower one is 0 if the likelihood does not exclude it."""
         tail = (1 - level) / 2
         return 0.0 if self.zero >= tail else self.quantile(tail), self.quantile(1 - tail)
 

@@ -1,11 +1,11 @@
 r"""The binned Whittle likelihood of a spectrum that is linear in squared coefficients, with its few loose directions.
 
-The coefficients of the transform are independent with variances m = S theta, but for a few directions U: the two edges
-of the record, which quantization makes noisier than its inside (variance proportional to theta), and a ramp (any
+The coefficients of the transform are independent with variances m = S theta, except for a few directions U: the two
+edges of the record, which quantization makes noisier than its inside (variance proportional to theta), and a ramp (any
 size). They are integrated out exactly: with eta ~ N(0, W), M = diag(m), A = U'M^-1 U, b = U'M^-1 c and V = (W^-1 +
 A)^-1
 
-    2 L(theta) = sum nu (ln m + I / m) + ln det(W V^-1) - b'V b            to be minimised over theta >= 0,
+    2 L(theta) = sum nu (ln m + I / m) + ln det(W V^-1) - b'V b            to be minimized over theta >= 0,
 
 for a ramp with W^-1 = 0 (restricted likelihood, REML). The gradient of L is that of the plain likelihood with I
 replaced by its expectation given the data, (c - U eta)^2 + U V U', while each direction of finite W is one observation
@@ -62,9 +62,9 @@ class Likelihood(Portable):
         )
 
     def behind(self, gain: FloatArray, mean: float) -> "Likelihood":
-        """The likelihood if a filter of this power gain, shape (bins,), stands before the readings.
+        """The likelihood if a filter of this power gain, shape (bins,), stands before the samples.
 
-        The angle at the edges of the record is that behind the filter: white noise of the angle has there the share
+        The angle at the edges of the record is that behind the filter: white angle noise has there the share
         `mean` of its variance, the mean gain over all frequencies. A ramp lies far below the cut-off.
         """
         return self._explained(self.S * gain[:, None], self.W * mean)
@@ -129,7 +129,7 @@ class Likelihood(Portable):
     def completed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """What the terms are to explain: power, its expectation, the part of that which is not theirs, and the count.
 
-        First the bins, given the directions; then each direction of finite W, whose generalised least squares estimate
+        First the bins, given the directions; then each direction of finite W, whose generalized least-squares estimate
         is one observation of variance W + (its error variance).
         """
         from allanite.kernels.whittle import completed

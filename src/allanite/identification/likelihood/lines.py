@@ -1,4 +1,4 @@
-"""Sinusoids in a record: found in its periodogram, estimated, and taken out before the noise is identified."""
+"""Sinusoids in a record: detected in its periodogram, estimated, and removed before the noise is identified."""
 
 import math
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ SCREEN = 0.1
 """The same for the look at the cosine transform, which only decides whether the periodogram is worth its time."""
 
 LOWEST = 4
-"""Periods in the record that a sinusoid must have to be told from a slow noise."""
+"""Periods in the record that a sinusoid must have to be distinguished from a slow noise."""
 
 MOST = 12
-"""Peaks that are no sinusoids any more, but a hump of the spectrum: none of so many is taken out."""
+"""Number of peaks above which they are a hump of the spectrum rather than sinusoids; none is then removed."""
 
 ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""
@@ -41,7 +41,7 @@ SCATTERED = 30.0
 
 
 class Wave(NamedTuple):
-    """A sinusoid of the mean rates in the unit of the readings; `frequency` in periods a sample, phase at the start."""
+    """A sinusoid of the mean rates in the unit of the samples; `frequency` in periods a sample, phase at the start."""
 
     frequency: float
     amplitude: float
@@ -79,10 +79,10 @@ def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Periodogram:
-    """Of the readings under a Hann window, over the noise's power (`level`); lost readings are zero.
+    """Of the samples under a Hann window, over the noise's power (`level`); missing samples are zero.
 
     `power`, at k / n periods a sample, shape (n // 2 + 1,), is of noise alone exponentially distributed with mean 1.
-    `weighted` are the readings times the window, `total` and `square` sums of it and its square over those there.
+    `weighted` are the samples times the window, `total` and `square` sums of it and its square over those there.
     """
 
     power: FloatArray
@@ -124,7 +124,7 @@ class Periodogram:
 
 
 def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram:
-    """Of readings without their mean, NaN where they are lost, and the level of noise in the bins of their spectrum."""
+    """Of samples without their mean, NaN where they are lost, and the level of noise in the bins of their spectrum."""
     from scipy.fft import rfft
 
     n = y.size
@@ -132,7 +132,7 @@ def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram
     window[~np.isfinite(y)] = 0.0
     weighted = np.where(window > 0, y, 0.0) * window
     square = float(window @ window)
-    # coefficient k of the cosine transform of `seen.size` readings is at k / (2 size) periods a sample
+    # coefficient k of the cosine transform of `seen.size` samples is at k / (2 size) periods a sample
     at = np.arange(n // 2 + 1) * (2.0 * seen.size / n)
     everywhere = level[np.clip(np.searchsorted(seen.first, at, side="right") - 1, 0, level.size - 1)]
     power = np.abs(rfft(weighted)) ** 2 / (square * everywhere)
@@ -144,7 +144,7 @@ def waves_of(
 ) -> tuple[list[Wave], FloatArray]:
     """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten.
 
-    `y` are readings without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
+    `y` are samples without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
     `level` the power of the noise in its bins.
     """
     found: list[Wave] = []

@@ -1,4 +1,4 @@
-"""The models that a record leaves open, with their weights."""
+"""The models consistent with a record, with their weights."""
 
 from allanite.core.averaged import Averaged, averaged
 from allanite.core.model import Model, Term
@@ -13,14 +13,14 @@ PRIOR = 0.0
 """Power of the coefficient in its prior."""
 
 LEAST = 1e-3
-"""Weight of a model, over that of the heaviest, below which it is left out."""
+"""Weight of a model, over that of the heaviest, below which it is omitted."""
 
 
 def nodes(found: Found, scale: Scale, beside: tuple[Term, ...]) -> Averaged:
     """Models along the profile of the noise of the longest memory, all terms free, with what stands `beside` it.
 
-    That noise rules the long averaging times and is known from a few coefficients only: what was not selected may be
-    there. The weights are those of its likelihood times a flat prior of its coefficient.
+    That noise dominates the long averaging times and is known from a few coefficients only: terms that were not
+    selected may be present. The weights are those of its likelihood times a flat prior of its coefficient.
     """
     thetas, weight = found.profile(found.slowest).weighted(NODES, PRIOR)
     constants = found.everything.constants

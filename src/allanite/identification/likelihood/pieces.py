@@ -1,11 +1,11 @@
-r"""A rate with gaps in which noise of the angle is strong: short averaging times are read from each piece by itself.
+r"""A rate with gaps and strong angle noise: short averaging times are estimated from each piece separately.
 
-A rate y of L readings without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
-N^2, which the sine transform (DST-I) diagonalises: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
+A rate y of L samples without a gap has under N and Q the covariance I + rho T, T = tridiag(-1, 2, -1) and rho = Q^2 /
+N^2, which the sine transform (DST-I) diagonalizes: 1 + 4 rho sin^2(omega/2) at omega = pi k / (L + 1). At a joint of
 what is left the angle is open, and the low coefficients of the joined record get the noise of 2 angles for each joint,
 far above N where rho is large. Therefore
 
-    c = w'y,  w = (I + rho T)^-1 1 / v',  v' = 1'(I + rho T)^-1 1     the rate of a piece, by generalised least squares,
+    c = w'y,  w = (I + rho T)^-1 1 / v',  v' = 1'(I + rho T)^-1 1     the rate of a piece, by generalized least squares,
     d = S'(y - c)                                                       its sine transform,
 
 above a frequency omega_c the d of all pieces are pooled in bins; below it stands the transform (DCT-II) of the joined
@@ -34,7 +34,7 @@ WEIGHT = 0.1
 pieces are read by themselves."""
 
 SPLIT = 0.5
-"""Frequency between the parts, over that at which white noise of the rate and of the angle are alike."""
+"""Frequency between the parts, over that at which white rate and angle noise are alike."""
 
 HIGHEST = 0.5
 """The same, over half the sampling rate, at most."""
@@ -43,10 +43,10 @@ CLEAR = 0.5
 """Share of a coefficient that the rate of its piece must leave, for it to be called a peak."""
 
 LENGTHS = 24
-"""Lengths of pieces, at most, for which expectations of slow noise are worked out."""
+"""Lengths of pieces, at most, for which expectations of slow noise are computed."""
 
 GRID = 24
-"""Frequencies, evenly in the logarithm and again evenly, at which the lower part's response is worked out."""
+"""Frequencies, evenly in the logarithm and again evenly, at which the lower part's response is computed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class Pieces(Portable):
 
     @property
     def size(self) -> int:
-        """Readings that are joined."""
+        """Samples that are joined."""
         return int((self.length * self.times)[self.length >= self.least].sum())
 
     @property
@@ -102,7 +102,7 @@ class Pieces(Portable):
 
     @cached_property
     def weight(self) -> list[FloatArray]:
-        """Of each coefficient in its bin, for each length: one over its variance under the ratio, but for c."""
+        """Of each coefficient in its bin, for each length: one over its variance under the ratio, except for c."""
         return [1 / (1 + self.ratio * angle_power(int(L))) for L in self.length]
 
     def mean(self, each: list[FloatArray], nothing: FloatArray) -> FloatArray:
@@ -136,14 +136,14 @@ class Pieces(Portable):
     def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
         """Mean variance under a term in the bins, shape (bins,); that which is given where no coefficient lies.
 
-        What is neither white noise of the rate nor of the angle is little here: a few lengths stand for all.
+        What is neither white rate nor white angle noise is little here: a few lengths represent all.
         """
         some = self if term.edge or term.slope == WHITE else self._some
         return some.mean([some._variances(term, int(L)) for L in some.length], mean)
 
     @cached_property
     def _some(self) -> "Pieces":
-        """The same with few different lengths, each for its neighbours and for as many readings as they."""
+        """The same with few different lengths, each for its neighbours and for as many samples as they."""
         if self.length.size <= LENGTHS:
             return self
         readings = self.length * self.times
@@ -166,7 +166,7 @@ class Pieces(Portable):
 
     @cached_property
     def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Frequencies, and the power of the lower part there under white noise of the rate and of the angle."""
+        """Frequencies, and the power of the lower part there under white rate and angle noise."""
         omega = np.unique(
             np.append(np.geomspace(np.pi / self.size, self.split, GRID), np.linspace(0, self.split, GRID))
         )
@@ -191,7 +191,7 @@ REACH = 2.0
 
 
 def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pieces | None:
-    """How to read a joined rate; None where the joints do not matter beside white noise of the rate."""
+    """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
     lengths = np.diff(np.concatenate(([0], gaps.at, [gaps.size])))
@@ -213,7 +213,7 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
 
 
 def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
-    """The joined record below the split; which readings it has; power of the bins above, and their peaks.
+    """The joined record below the split; which samples it has; power of the bins above, and their peaks.
 
     A peak stands out over what the coefficient has under the ratio.
     """

@@ -1,4 +1,4 @@
-"""The part of a spectrum that a fit reads, with the filter that it supposes and the trust it puts in each bin."""
+"""The part of a spectrum used by a fit, with the assumed filter and the weight of each bin."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -44,15 +44,15 @@ class Portion(Portable):
         Terms of noise in the order of the likelihood's columns, and deterministic ones.
     used : bool array, shape (bins,)
     filter : Tuned, optional
-        In front of the readings.
+        In front of the samples.
     trust : array, shape (bins,), optional
         Share of the coefficients of each bin that count.
     misfit : float
-        Allowed for by `trust`: rms over cells of the spectrum, as a share of the power.
+        Allowed for by `trust`: RMS over cells of the spectrum, as a share of the power.
     warm : float, optional
         Time constant of a warm-up, in samples, whose size is left open.
     kept : tuple of str
-        Terms that are never left out, whatever they gain.
+        Terms that are never omitted, whatever they gain.
     """
 
     seen: Spectrum
@@ -67,7 +67,7 @@ class Portion(Portable):
 
     @property
     def must(self) -> BoolArray:
-        """Which terms are never left out, shape (terms of noise,)."""
+        """Which terms are never omitted, shape (terms of noise,)."""
         return np.array([symbol in self.kept for symbol in self.noise])
 
     @cached_property

@@ -4,6 +4,7 @@ import numpy as np
 
 from allanite.core.fit import Line
 from allanite.core.record import Record
+from allanite.core.wording import plural
 from allanite.prepare.gaps import known_rates
 
 from .families import Found
@@ -37,4 +38,4 @@ def _less(record: Record, waves: list[Wave]) -> Record:
     total = np.sum([wave.values(record.size) for wave in waves], axis=0)
     if record.kind == "angle":
         total = np.concatenate(([0.0], np.cumsum(total)))
-    return record.with_values(record.values - total, f"{len(waves)} sinusoid(s) taken out", start=record.start)
+    return record.with_values(record.values - total, f"{plural(len(waves), 'sinusoid')} removed", start=record.start)

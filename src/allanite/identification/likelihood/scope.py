@@ -1,8 +1,8 @@
-"""Where a noise model holds: behind which filter, at which frequencies, and how well.
+"""For which frequencies a noise model holds, with which filter, and how well.
 
-The terms are asked to explain the whole spectrum first. Where they do not, what is tried is, in this order: a low-pass
-filter before the readings; leaving out resonances and unsteady lines; both; a misfit of a few per cent of the power,
-which widens the limits; a band of frequencies; a larger misfit. The first that explains what it reads is taken.
+The terms first have to explain the whole spectrum. If they do not, the following is tried, in this order: a low-pass
+filter; excluding resonances and unsteady lines; both; a misfit of a few per cent of the power, which widens the
+intervals; a band of frequencies; a larger misfit. The first that gives an adequate fit is used.
 """
 
 import math
@@ -28,7 +28,7 @@ from .warmup import WarmUp, without_warm_up
 from .whittle import FEWEST
 
 MASKED = 0.25
-"""Share of the bins that may be left out as humps."""
+"""Share of the bins that may be omitted as humps."""
 
 LOOKS = 4
 """Fits without the humps, whose model shows how far their skirts reach."""
@@ -37,25 +37,25 @@ ENOUGH, DECADES = 1000, 1.5
 """Coefficients, and decades of frequency, that a band must hold: a test of fewer has no power."""
 
 PASSES = 0.05
-"""p value of a band that is taken; its upper end is then halved, its lower end doubled."""
+"""p-value of an accepted band; its upper end is then halved, its lower end doubled."""
 
 SMALL, LARGE = 0.03, 0.1
-"""Misfits, rms over cells of the spectrum as a share of the power, that are accepted before and after the bands."""
+"""Misfits, RMS over cells of the spectrum as a share of the power, that are accepted before and after the bands."""
 
 NEARLY = 8.0
 """Factor by which the highest frequency may be lowered before a small misfit is accepted instead."""
 
 RISE = 1.5
-"""Ratio of the highest level of the power to the lowest below it, by which a strong noise of the angle is seen."""
+"""Ratio of the highest level of the power to the lowest below it, by which a strong angle noise is seen."""
 
 HIGH = 3.0
 """Height of a hump, over the model, from which a band below it is read instead of both sides."""
 
 WRONG = 0.5
-"""Misfit of a cell beyond chance, as a share of the power, from which a model is no description of it."""
+"""Misfit of a cell beyond chance, as a share of the power, from which a model is not a description of it."""
 
 LOUD = 3.0
-"""Power that may be left out, over that of the model."""
+"""Power that may be omitted, over that of the model."""
 
 STOP = 0.003
 """Gain below which a filter leaves nothing to be read."""
@@ -91,7 +91,7 @@ def explains(found: Found) -> bool:
 
 
 def _candidates(found: Found, rival: bool) -> Iterator[Found]:
-    """Ways to read the spectrum, the one that leaves out least first."""
+    """Ways to read the spectrum, the one that omits least first."""
     whole, best = found.base, found
     for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
         yield best
@@ -129,7 +129,7 @@ def _masked(source: Found, whole: Portion, rival: bool) -> Iterator[Found]:
 
 
 def _high(found: Found, out: BoolArray) -> float:
-    """The highest power that is left out, over that of the model."""
+    """The highest power that is omitted, over that of the model."""
     return float((found.seen.power / (expected_power(found) * found.part.gain))[out].max())
 
 
@@ -137,7 +137,7 @@ def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
     """Whether what is not read has less than half of the power beyond the model's: else the sensor was not at rest."""
     seen, part = found.seen, found.part
     m = expected_power(found) * part.gain
-    if bare:  # the noise of the angle, which a band does not see, excuses nothing above one that begins above zero
+    if bare:  # the angle noise, which a band does not see, excuses nothing above one that begins above zero
         angle = [i for i, symbol in enumerate(found.noise) if TERMS[symbol].edge]
         m = m - part.whole.S[:, angle] @ found.chosen.theta[angle] * part.gain
     excess = np.maximum(seen.power - m, 0) * seen.count
@@ -145,14 +145,14 @@ def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
 
 
 def _behind(part: Portion, rival: bool) -> Iterator[Found]:
-    """Behind a filter, which hides the noise of the angle."""
+    """Behind a filter, which hides the angle noise."""
     rate = part.among(tuple(symbol for symbol in part.noise if not TERMS[symbol].edge))
     if rate.noise and falls(part) > FALL:
         yield from _tuned(rate, rival)
 
 
 def _behind_angle(part: Portion, rival: bool) -> Iterator[Found]:
-    """Behind a filter, with a noise of the angle that is so strong that the power rises before it falls."""
+    """Behind a filter, with angle noise that is so strong that the power rises before it falls."""
     levels = octave_levels(part)
     rises = levels.max() > RISE * levels[: max(1, len(levels) // 2)].min()
     if any(TERMS[symbol].edge for symbol in part.noise) and (rises or falls(part) > 3 * FALL):
@@ -209,7 +209,7 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
         likelihood = part.but(used=used).likelihood
         theta, _ = likelihood.minimise(np.ones(likelihood.S.shape[1], dtype=bool))
         if goodness(part.seen, likelihood, theta, used).p >= PASSES:
-            # the noise of the angle, and the foot of what is above, may lie just below what a selection sees
+            # the angle noise, and the foot of what is above, may lie just below what a selection sees
             angle = tuple(symbol for symbol in part.noise if TERMS[symbol].edge)
             found = fitted(replace(part.but(used=final), kept=angle), rival=rival)
             if _quiet(found, final, bare=low > 0):

@@ -171,7 +171,7 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
 
 
 def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
-    """From the expected information of the free terms; what it does not tell apart shares it."""
+    """From the expected information of the free terms; what it does not distinguish shares it."""
     information = likelihood.information(theta)[np.ix_(free, free)]
     size = np.sqrt(np.diag(information))
     return np.asarray(np.diag(np.linalg.pinv(information / np.outer(size, size), hermitian=True)) / size**2)

@@ -1,4 +1,4 @@
-"""A piece of L readings under white noise of the rate and of the angle: its sine transform, its rate, its response."""
+"""A piece of L samples under white rate and angle noise: its sine transform, its rate, its response."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from allanite.core.arrays import FloatArray
 
 
 def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
-    """Weights w of the rate of L readings by generalised least squares, and its variance over that of one reading's N.
+    """Weights w of the rate of L samples by generalized least squares, and its variance over that of one sample's N.
 
     (I + rho T) x = 1 has the solution 1 - cosh(a (i - c)) / cosh(a c), c = (L + 1) / 2 and 2 cosh(a) = 2 + 1 / rho.
     """
@@ -18,7 +18,7 @@ def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
 
 
 def angle_power(L: int) -> FloatArray:
-    """Variance of the coefficients of the sine transform under noise of the angle, the eigenvalues of T."""
+    """Variance of the coefficients of the sine transform under angle noise, the eigenvalues of T."""
     return np.asarray(4 * np.sin(np.pi / (2 * (L + 1)) * np.arange(1, L + 1)) ** 2)
 
 

@@ -1,7 +1,7 @@
 """The search for the time constant of Gauss-Markov noise.
 
-Its likelihood is linear in the square of the effective value but not in the time constant T. L is profiled over T on a
-grid and then refined; in the limits, T takes the values that the likelihood leaves open.
+Its likelihood is linear in the square of the RMS value but not in the time constant T. L is profiled over T on a grid
+and then refined; the intervals include the values of T consistent with the record.
 """
 
 import math
@@ -18,7 +18,9 @@ from .portion import Portion
 from .selection import Subset, select, subsets
 
 SHORTEST, LONGEST = 3.0, 0.1
-"""Time constants that can be told from white noise and from a random walk: samples, and share of the record."""
+"""Time constants that can be distinguished from white noise and from a random walk: samples, and share of the
+record.
+"""
 
 PER_DECADE = 4
 """Time constants a decade in the first search."""
@@ -41,7 +43,7 @@ class Search(Portable):
     """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
 
     `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term;
-    `asked` whether it was asked for.
+    `asked` whether it was requested.
     """
 
     likelihood: Likelihood
@@ -105,7 +107,7 @@ class Search(Portable):
 
     @property
     def always(self) -> BoolArray:
-        """The term, and what is never left out."""
+        """The term, and what is never omitted."""
         return self.must | self.part.must
 
     def limits(self, best: Subset, drop: float) -> tuple[float, float]:

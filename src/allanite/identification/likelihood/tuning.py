@@ -1,4 +1,4 @@
-"""Which low-pass filter stands before the readings: found by likelihood, with the cut-offs that it leaves open."""
+"""The low-pass filter of the samples: selected by likelihood, with the range of cut-offs consistent with the record."""
 
 import math
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class Tuning:
 
 
 def least(part: Portion, through: Tuned | None, start: FloatArray | None = None) -> tuple[float, FloatArray]:
-    """2 L with all terms free behind a filter, but for Gauss-Markov noise beside others, and their thetas."""
+    """2 L with all terms free behind a filter, except for Gauss-Markov noise beside others, and their thetas."""
     behind = part.but(filter=through).likelihood
     plain = np.array([not TERMS[symbol].parameters for symbol in part.noise])  # a time constant is not known yet
     theta, value = behind.minimise(plain if plain.any() else ~plain, start)
@@ -109,14 +109,14 @@ def limits(part: Portion, best: Tuned, drop: float) -> tuple[float, float]:
 
 
 def left_open(part: Portion, best: Tuned) -> list[Tuned]:
-    """The filter with the cut-offs that the likelihood leaves open, but for the best itself."""
+    """The filter with the cut-offs that the likelihood leaves open, except for the best itself."""
     low, high = limits(part, best, OPEN)
     cutoffs = (*np.geomspace(low, best.cutoff, NEAR + 1)[:-1], *np.geomspace(high, best.cutoff, NEAR + 1)[:-1])
     return [Tuned(best.row, float(c)) for c in cutoffs]
 
 
 def octave_levels(part: Portion) -> FloatArray:
-    """Median power of the octaves of what is read, the highest last; those of few coefficients are left out."""
+    """Median power of the octaves of what is read, the highest last; those of few coefficients are omitted."""
     seen, used = part.seen, part.used & (part.seen.count >= 4)
     if not used.any():
         return np.ones(1)
@@ -128,7 +128,7 @@ def octave_levels(part: Portion) -> FloatArray:
 def falls(part: Portion) -> float:
     """Share of the power that is missing at the top of what is read: by raw levels, which no model bends.
 
-    Less than the highest level of the upper octaves; beside a hump that is left out, whose skirts rise above the noise,
+    Less than the highest level of the upper octaves; beside a hump that is omitted, whose skirts rise above the noise,
     less than the lowest.
     """
     levels = octave_levels(part)

@@ -1,7 +1,7 @@
-"""An exponential warm-up, exp(-t / tau), in a record whose noise was looked at.
+"""An exponential warm-up, exp(-t / tau), in a record.
 
-A bias that settles looks like a random walk or a ramp: all three bring power to the lowest frequencies. It is one
-direction of any size in the likelihood, as a ramp is, whose time constant is searched for.
+A settling bias resembles a random walk or a ramp: all three add power at the lowest frequencies. In the likelihood it
+is one direction of any size, like a ramp, whose time constant is searched for.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 from allanite.core.finding import Finding
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
+from allanite.core.wording import spelled
 
 from .families import Found, fitted
 from .selection import PENALTY, Subset, subsets
@@ -46,34 +47,37 @@ class WarmUp(Portable):
 
     @property
     def until(self) -> float:
-        """Seconds after which what is left of it does no harm, rounded up to two digits."""
+        """Seconds after which the remaining warm-up is negligible, rounded up to two digits."""
         needed = self.tau * math.log(max(abs(self.amplitude) / (HARMLESS * self.error), 1.1))
         step = 10.0 ** (math.floor(math.log10(needed)) - 1)
         return float(f"{math.ceil(needed / step) * step:.3g}")
 
     @property
     def finding(self) -> Finding:
-        """What the reader of the coefficients must know."""
+        """The finding about the warm-up."""
         unit = self.signal.sheet[0]
         size, error = (convert(value, self.signal.unit, unit) for value in (self.amplitude, self.error))
         usable = self.until <= USABLE * self.duration
         remedy = (
-            f"cut it off (--from {self.until:g})"
+            f"cut it off ({spelled(f'--from {self.until:g}', f'prepare.trim(recording, {self.until:g})')})"
             if usable
-            else f"record again, at least {self.until:.3g} s after switching on: cutting it off would leave too little"
+            else (
+                f"record again, starting at least {self.until:.3g} s after switching on: too little would remain if "
+                "it were cut off"
+            )
         )
         return Finding(
             "warm-up",
             f"the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with a time "
             f"constant of {self.tau:.3g} s",
-            "the coefficients are those of the noise without it, K and R less certain",
+            "the coefficients are those of the noise without it; K and R are less certain",
             remedy,
             (0.0, min(self.until, self.duration)),
         )
 
 
 def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]:
-    """The warm-up of a record whose noise was looked at, and its noise beside it; None and the same if there is none.
+    """The warm-up of a record and the noise besides it; None and the same noise if there is none.
 
     The best model with a warm-up, in which a random walk may be gone, is compared with the best one without.
     """
@@ -141,7 +145,7 @@ def _profiled(subset: Subset) -> float:
 def _score(subset: Subset, slope: float | None) -> float:
     """The same and the penalties of the terms, of which a time constant counts as two.
 
-    A ramp, the last direction, of which `slope` was taken out before, costs no more than leaving it out would.
+    A ramp, the last direction, of which `slope` was removed before, costs no more than leaving it out would.
     """
     score = _profiled(subset) + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
     if slope is None:

@@ -1,6 +1,6 @@
 """From a record to binned powers of its cosine transform.
 
-DCT-II diagonalises white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
+The DCT-II diagonalizes white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
 What is left of flicker's correlation is a factor of k alone, and quantization has a closed edge term (`terms.py`).
 """
 
@@ -17,6 +17,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.plain import Portable
 from allanite.core.record import Record
+from allanite.core.wording import plural
 from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
@@ -27,10 +28,10 @@ from .likelihood import Likelihood
 from .pieces import Pieces, apart, pieces
 
 BLOCKS = 4096
-"""Blocks of readings in which a warm-up with gaps is taken."""
+"""Blocks of samples in which a warm-up with gaps is taken."""
 
 LOWEST = 8
-"""Coefficients that tell of what wanders, which is the same in all pieces, and of a ramp."""
+"""Coefficients that tell of the drift, which is the same in all pieces, and of a ramp."""
 
 FEWEST = 24
 """Bins that a fit needs."""
@@ -57,13 +58,13 @@ class Spectrum(Portable):
     ramp : array, shape (at most 64,)
         Coefficients 1, 2, ... of a ramp of one unit per sample.
     slope : float
-        A ramp that was taken out before, in the unit per sample.
+        A ramp that was subtracted before, in the unit per sample.
     gaps : Gaps
-        Where readings were lost: `size` are left.
+        The gaps; `size` samples remain.
     unit_factor : float
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
-        With gaps, times of readings that are left, in the middles of equal blocks of them, in samples; empty without.
+        With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
     pieces : Pieces, optional
         How the pieces between gaps are read, where the joined record holds the low frequencies only.
     """
@@ -118,8 +119,9 @@ class Spectrum(Portable):
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
         if inside.sum() < FEWEST:
             raise DataError(
-                f"the band {low:g} to {high:g} Hz holds {inside.sum()} bins of the spectrum, fewer than {FEWEST}; "
-                f"the record reaches from {self.rate / (2 * self.size):.3g} to {self.rate / 2:g} Hz"
+                f"the band {low:g} to {high:g} Hz contains {plural(int(inside.sum()), 'bin')} of the spectrum, "
+                f"fewer than {FEWEST}; the spectrum extends from {self.rate / (2 * self.size):.3g} to "
+                f"{self.rate / 2:g} Hz"
             )
         return np.asarray(inside)
 
@@ -127,8 +129,8 @@ class Spectrum(Portable):
 def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     """Transform a record and bin the powers; takes about three times the record's memory.
 
-    With `detrend` most of a ramp is taken out first, so that a strong one does not leak into the higher bins; `slope`
-    remembers it. What was lost is cut out (NaN).
+    With `detrend` most of a ramp is subtracted first, so that a strong one does not leak into the higher bins; `slope`
+    stores it. Missing samples (NaN) are cut out.
     """
     from scipy.fft import dct
 

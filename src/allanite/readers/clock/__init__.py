@@ -1,1 +1,1 @@
-"""From stamps to a sampling rate and lost samples."""
+"""From time stamps to a sampling rate and missing samples."""

@@ -1,4 +1,4 @@
-"""The sampling rate: from the user, from the file, from stamps or a counter; never a guess."""
+"""The sampling rate: given by the user, stated in the file, or from time stamps or a counter; never guessed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,29 +10,20 @@ from numpy.typing import NDArray
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 from allanite.readers.columns.column import Column
 
 from .clocks import Sources, counted_grid, places, unwrapped
 from .grid import ONE_AFTER_THE_OTHER, Grid
 from .stamps import fit, seconds_since
 
-ROWS = (
-    "pass rate=... (--rate) to take the rows as evenly spaced in the order of the file, with --from and --until around "
-    "the place"
-)
-
 PLAUSIBLE = (0.5, 20e3)
-"""Rates, Hz, between which the unit of integer stamps is looked for."""
-
-ASK = (
-    "pass rate=100 (--rate 100) with the sampling rate in Hz, "
-    "or name the column of stamps: time='stamp[us]' (--time 'stamp[us]')"
-)
+"""Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
 
 
 @dataclass(frozen=True, eq=False)
 class Beat:
-    """The sampling rate in Hz, the time of the first sample in s, the grid, what was assumed and what must be asked."""
+    """The sampling rate in Hz, the time of the first sample in s, the grid, the assumptions and the open questions."""
 
     rate: float = 0.0
     start: float | None = None
@@ -42,9 +33,9 @@ class Beat:
 
 
 def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
-    """The sampling rate, and the grid on which the rows stand: by the user's `rate`, or else by `sources`.
+    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
 
-    `repeated` says which rows have the readings of the row before, shape (n - 1,).
+    `repeated` marks rows with the same samples as the row before, shape (n - 1,).
     """
     given = rate if rate is not None else sources.rate
     first = sources.notes
@@ -56,21 +47,21 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
         return _unstamped(sources.counter, given, (*first, *unused))
     column.demand_numbers()
     stamps, wrapped = unwrapped(column.values)
-    again = (f"{column.label} starts again at 2^{wrapped}: it was continued",) if wrapped else ()
+    again = (f"{column.label} wraps around at 2^{wrapped}: it was continued",) if wrapped else ()
     unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
     if not unit and not np.any(stamps != stamps[0]):
-        unit = "s"  # stamps that are all equal are so in any unit
+        unit = "s"  # time stamps that are all equal are so in any unit
     if not unit:
         return Beat(given, notes=first) if given else Beat(questions=(_ask_unit(column),))
     elapsed = seconds_since(stamps, unit)
     grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
     if grid.trouble and not given:
         if not elapsed.any():
-            return Beat(questions=(f"{grid.trouble} and give no rate: {ASK}",))
-        raise DataError(f"{grid.trouble}; {ROWS}, or time=... (--time) for another column")
+            return Beat(questions=(f"{grid.trouble} and give no rate: {_ask()}",))
+        raise DataError(f"{grid.trouble}; {_rows()}, or {spelled('--time', 'time=...')} for another column")
     if grid.trouble:
         return Beat(
-            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are taken as evenly spaced"), grid=grid
+            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are assumed to be evenly spaced"), grid=grid
         )
     notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
     origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
@@ -78,15 +69,17 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
 
 
 def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
-    """What can be said without stamps: losses by a counter, if the rate is given."""
+    """The beat without time stamps: missing samples from a counter, if the rate is given."""
     if given:
         return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
-    hint = "" if column is None else f" (the counter {column.label} says which samples were lost, but not their rate)"
-    return Beat(questions=(f"the file does not say its sampling rate{hint}: {ASK}",))
+    hint = (
+        "" if column is None else (f" (the counter {column.label} shows which samples are missing, but not their rate)")
+    )
+    return Beat(questions=(f"the sampling rate is not in the file{hint}: {_ask()}",))
 
 
 def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
-    """The grid that a counter with holes says, if the stamps go forward at all."""
+    """The grid according to a counter with gaps, if the time stamps increase at all."""
     where = None if column is None else places(column)
     if column is None or where is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
         return None
@@ -95,12 +88,33 @@ def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
 
 def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:
     given, measured = rates
-    counted = f", {lost} lost intervals counted" if lost else ""
+    counted = f", including {lost} missing intervals" if lost else ""
     if given is None:
         return [f"rate {_shown(measured)} Hz from {label}{counted}{guessed}"]
     if abs(given / measured - 1) <= 1e-3:
         return []
-    return [f"rate {_shown(given)} Hz is used, but the stamps of {label} say {_shown(measured)} Hz{counted}{guessed}"]
+    return [
+        (
+            f"rate {_shown(given)} Hz is used, but the time stamps of {label} give {_shown(measured)} "
+            f"Hz{counted}{guessed}"
+        )
+    ]
+
+
+def _ask() -> str:
+    return spelled(
+        "pass the sampling rate in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'",
+        "pass the sampling rate in Hz with rate=100, or name the column of time stamps: time='stamp[us]'",
+    )
+
+
+def _rows() -> str:
+    return spelled(
+        "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to exclude "
+        "the place",
+        "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to exclude "
+        "the place",
+    )
 
 
 def _shown(rate: float) -> str:
@@ -108,13 +122,13 @@ def _shown(rate: float) -> str:
 
 
 def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
-    """The unit of stamps whose header says none, and the words for the note."""
+    """The unit of time stamps whose header has none, and the text for the note."""
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
-        return "s", ", its stamps taken as seconds"
+        return "s", ", time stamps assumed to be in seconds"
     low, high = (given / 3, 3 * given) if given else PLAUSIBLE
     fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
-    only = "which fits the rate" if given else "the only unit that makes sense"
-    return (fits[0], f", its integer stamps taken as {fits[0]}, {only}") if len(fits) == 1 else ("", "")
+    only = "consistent with the rate" if given else "the only plausible unit"
+    return (fits[0], f", integer time stamps assumed to be in {fits[0]}, {only}") if len(fits) == 1 else ("", "")
 
 
 def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
@@ -124,7 +138,7 @@ def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
 
 def _ask_unit(column: Column) -> str:
     readings = ", ".join(f"{rate:.6g} Hz as {unit}" for unit, rate in _readings(column.values))
-    how = f"time='{column.name}[ms]' (--time '{column.name}[ms]'), or rate=100 (--rate 100)"
+    how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
     if not readings:
-        return f"the last stamp of {column.label} is not later than the first: {ASK}"
-    return f"the unit of the integer stamps of {column.label} is not known ({readings}): pass {how}"
+        return f"the last time stamp of {column.label} is not later than the first: {_ask()}"
+    return f"the unit of the integer time stamps of {column.label} is unknown ({readings}): pass {how}"

@@ -1,6 +1,6 @@
-"""Which column is the clock: as the user says, or by names and units, and of several the steadiest.
+"""Selects the clock: the column named by the user, otherwise by names and units, and of several the steadiest.
 
-Counters of samples or packets tell what was lost where stamps do not.
+Counters of samples or packets show which samples are missing where time stamps do not.
 """
 
 import re
@@ -27,7 +27,7 @@ _WRAPS = (8, 16, 32, 31)
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Whatever may tell the rate: the stamps and their unit, a counter of samples, a rate that the file states."""
+    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file."""
 
     stamps: Column | None = None
     unit: str = ""
@@ -38,7 +38,7 @@ class Sources:
 
 
 def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, ...] | None) -> Sources:
-    """The column of stamps and its unit, and the counter of samples; neither if the user wants none."""
+    """The column of time stamps and its unit, and the counter of samples; neither if the user wants none."""
     free = [column for column in columns if chosen is None or column not in chosen]
     if option is None:
         column, note = _by_name(free)
@@ -52,15 +52,15 @@ def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, 
         unit = rest.strip(" ]")
     column = lookup(columns, name)
     if chosen is not None and column in chosen:
-        raise UsageError(f"{column.label} is asked for as time and as a channel")
+        raise UsageError(f"{column.label} is selected both as time and as a channel")
     if unit and not headers.is_time(unit):
         raise UsageError(f"{unit!r} is not a unit of time; for example time='{name.strip()}[us]' with s, ms, us or ns")
     return Sources(column, unit or _said(column), counter_of(free, column))
 
 
 def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
-    """The clock among the columns: the steadiest of those whose names or units say time, and the words about it."""
-    # a capital T is a temperature unless it rises at every row
+    """The clock among the columns: the steadiest of those with a name or unit of time, and the text for the note."""
+    # a capital T is a temperature unless it increases in every row
     open_ = (
         column for column in columns if not column.text and (column.name != "T" or np.all(np.diff(column.values) > 0))
     )
@@ -70,11 +70,11 @@ def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
     best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
     said = ", ".join(f"{column.label} {how.words}" for how, _, _, column in judged)
-    return best[3], f"{best[3].label} is taken as the clock, of {len(clocks)} that the file has: {said}"
+    return best[3], f"{best[3].label} is used as the clock, of {len(clocks)} candidates in the file: {said}"
 
 
 def _rank(column: Column) -> int:
-    """How surely a column is a clock: a unit of time makes one of any name, a unit of something else forbids it."""
+    """How certainly a column is a clock: a unit of time makes it one with any name, another unit excludes it."""
     rank = headers.clock_rank(column.name)
     if _said(column):
         return 0 if rank < 2 else 1
@@ -82,12 +82,12 @@ def _rank(column: Column) -> int:
 
 
 def _said(column: Column) -> str:
-    """The unit of time that the header says; empty if it says none."""
+    """The unit of time in the header; empty if there is none."""
     return column.unit if headers.is_time(column.unit) else headers.clock_unit(column.name) if not column.unit else ""
 
 
 class Steadiness(NamedTuple):
-    """How well stamps keep time, whatever their unit: the kind of trouble, the scatter of their steps, and words."""
+    """How regular time stamps are, whatever their unit: the kind of defect, the scatter of the steps, and a text."""
 
     trouble: int
     scatter: float
@@ -95,27 +95,27 @@ class Steadiness(NamedTuple):
 
 
 def steadiness(stamps: NDArray[Any]) -> Steadiness:
-    """How well stamps keep time: those that rise at every row before those that repeat, and these before the rest."""
+    """How regular time stamps are: those that increase in every row first, then those that repeat, then the rest."""
     steps = np.diff(stamps).astype(np.float64)
     if not np.all(np.isfinite(steps)):
-        return Steadiness(3, 0.0, "has holes")
+        return Steadiness(3, 0.0, "has gaps")
     if not steps.any() or steps.min() < 0:
-        return Steadiness(3, 0.0, "goes back" if steps.any() else "is constant")
+        return Steadiness(3, 0.0, "is not increasing" if steps.any() else "is constant")
     usual, share = float(np.median(steps)), float((steps == 0).mean())
     if share >= TICKS or not usual:
-        return Steadiness(2, share, f"repeats {percent(share)} of its stamps")
+        return Steadiness(2, share, f"repeats {percent(share)} of its time stamps")
     scatter = float(np.quantile(np.abs(steps / usual - 1), 0.9))
     return Steadiness(int(scatter > EVEN), scatter, f"scatters by {percent(scatter)} of a step")
 
 
 def counter_of(columns: list[Column], clock: Column | None) -> Column | None:
-    """The column that counts samples, by its name, if there are holes in what it counts."""
+    """The column that counts samples, by its name, if its counts have gaps."""
     named = (column for column in columns if column is not clock and _NAME.search(column.name.strip().lower()))
     return next((column for column in named if places(column) is not None), None)
 
 
 def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
-    """Integers that start again at a power of two, continued; and that power, 0 if they never do.
+    """Unwrapped integers that start again at a power of two, and the exponent; 0 if they never wrap.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
     back = steps < 0
     usual = float(np.median(np.abs(steps)))
     for bits in _WRAPS if back.any() else ():
-        # a step over the end is as any other once the end is added
+        # a step over the wrap-around is like any other once the range is added
         over = steps[back] + 2**bits
         inside = values.min() >= 0 and values.max() < 2**bits
         if inside and over.min() >= 0 and np.median(over) <= 3 * usual and over.max() < 2 ** (bits - 1):
@@ -138,7 +138,7 @@ def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
 
 
 def places(column: Column) -> Places | None:
-    """The places of the rows by a counter; None if it counts no samples, or none is missing."""
+    """The positions of the rows according to a counter; None if it does not count samples, or none is missing."""
     values = column.values
     if values.dtype.kind == "f" and len(values) and np.all(values == np.floor(values)) and np.abs(values).max() < 2**53:
         values = values.astype(np.int64)
@@ -152,8 +152,8 @@ def places(column: Column) -> Places | None:
 
 
 def counted_grid(column: Column | None, interval: float) -> Grid | None:
-    """The grid that a counter says; None if there is nothing to say."""
+    """The grid according to a counter; None if the counter shows no gaps."""
     where = None if column is None else places(column)
     if column is None or where is None:
         return None
-    return Grid(interval, None, where, (lost_samples(where, interval, f"by the counter {column.label}"),))
+    return Grid(interval, None, where, (lost_samples(where, interval, f"according to the counter {column.label}"),))

@@ -1,4 +1,4 @@
-"""What can be wrong with a clock: names, what each does to the numbers, what to do; and how each is put into words."""
+"""Findings about a clock: their names, effects, remedies and texts."""
 
 from functools import cached_property
 from typing import NamedTuple
@@ -7,64 +7,78 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.wording import percent, plural
+from allanite.core.wording import percent, plural, spelled
 
 from .grid import Places, resolution
 
-FAULTS: dict[str, tuple[str, str]] = {
+_CLOCK = ("--time", "time=...")
+
+FAULTS: dict[str, tuple[str, str, tuple[str, str]]] = {
     "lost samples": (
         "they are marked as gaps, nothing is put in their place",
-        "choose a window without them (--from, --until), or close them up: time='none', rate=... (--time none --rate)",
+        "choose a window without them, or ignore the time stamps: {}",
+        ("--time none --rate HZ", "time='none', rate=..."),
     ),
     "jitter": (
-        "if the sensor itself was sampled so unevenly, the shortest averaging times are not right; if only the stamps "
-        "were late, nothing is wrong",
-        "take the clock of the sensor (--time) if the file has it",
+        "if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are wrong; if "
+        "only the time stamps were late, the results are right",
+        "use the clock of the sensor ({}) if the file has it",
+        _CLOCK,
     ),
     "bursty stamps": (
-        "they tell when readings arrived and not when they were taken: only their mean rate is used, and a lost sample "
-        "does not show",
-        "take the clock of the sensor (--time) if the file has it",
+        "they tell when samples arrived, not when they were taken: only their mean rate is used, and missing samples "
+        "remain undetected",
+        "use the clock of the sensor ({}) if the file has it",
+        _CLOCK,
     ),
     "coarse stamps": (
-        "the rate is counted from the first change of stamp to the last, and samples lost in ones and twos do not show",
-        "log finer stamps, or the counter of the sensor",
+        "the rate is counted from the first change of the time stamp to the last, and single missing samples remain "
+        "undetected",
+        "log finer time stamps, or the counter of the sensor",
+        _CLOCK,
     ),
     "duplicate stamps": (
-        "the rows are taken one after the other, as they stand in the file",
-        "check the logger: a reading that is written twice looks quieter than it is",
+        "the rows are used one after the other, in the order of the file",
+        "check the logger: samples that are written twice make the noise look smaller",
+        _CLOCK,
     ),
     "reversed stamps": (
-        "the rows are taken in the order of the file",
-        "check the logger; if the rows are out of order, sort the file by its stamps",
+        "the rows are used in the order of the file",
+        "check the logger; if the rows are out of order, sort the file by time stamp",
+        _CLOCK,
     ),
-    "constant stamps": ("the clock says nothing, and lost samples do not show", "take another clock (--time)"),
+    "constant stamps": (
+        "the clock gives no information, and missing samples remain undetected",
+        "use another clock ({})",
+        _CLOCK,
+    ),
     "clock drift": (
-        "averaging times are right to that part only",
-        "let the sensor and the logger warm up, or take another clock (--time)",
+        "averaging times are accurate only to that part",
+        "let the sensor and the logger warm up, or use another clock ({})",
+        _CLOCK,
     ),
 }
-"""Name, consequence and remedy of each finding about stamps."""
+"""Name, consequence and remedy of each finding about time stamps; the option and the argument that the remedy names."""
 
 UNSTEADY = 0.1
-"""Rms departure of stamps, in intervals, that is called jitter."""
+"""RMS deviation of time stamps from an even grid, in intervals, above which they are called jittered."""
 
 DRIFT = 1e-4
-"""Relative change of rate within a record that is worth a word: no noise coefficient notices less."""
+"""Relative change of rate within a record that is reported; noise coefficients are less sensitive."""
 
 PARTS = 16
-"""Parts of a record whose rates are compared."""
+"""Number of parts of a record whose rates are compared."""
 
 
 class Stamps:
-    """Seconds since the first stamp, shape (n,), and what their column is called in messages."""
+    """Seconds since the first time stamp, shape (n,), and the name of their column in messages."""
 
     def __init__(self, elapsed: FloatArray, label: str) -> None:
         self.elapsed, self.label = elapsed, label
 
     @cached_property
     def steps(self) -> FloatArray:
-        """Differences of neighbours, shape (n - 1,)."""
+        """Differences of successive time stamps, shape (n - 1,)."""
         return np.diff(self.elapsed)
 
     @property
@@ -74,17 +88,17 @@ class Stamps:
 
     @cached_property
     def departure(self) -> FloatArray:
-        """From an even grid without losses, in intervals, shape (n,)."""
+        """Deviation from an even grid without gaps, in intervals, shape (n,)."""
         return np.asarray(self.elapsed / self.mean - np.arange(self.elapsed.size))
 
     @cached_property
     def resolution(self) -> float:
-        """The largest usual step of which all steps are multiples; 0 if there is none."""
+        """The largest typical step of which all steps are multiples; 0 if there is none."""
         return resolution(self.steps)
 
 
 class Hole(NamedTuple):
-    """A loss: the number of samples, and the seconds after the first sample at which it begins."""
+    """A gap: the number of missing samples, and its start in seconds after the first sample."""
 
     size: int
     at: float
@@ -93,20 +107,20 @@ class Hole(NamedTuple):
 def finding(
     name: str, what: str, place: tuple[float, float] | None = None, *, consequence: str = "", remedy: str = ""
 ) -> Finding:
-    """A finding of the table; words of its own case go over those of the table."""
-    usual, advice = FAULTS[name]
-    return Finding(name, what, consequence or usual, remedy or advice, place)
+    """A finding of the table; texts given here replace those of the table."""
+    usual, advice, choice = FAULTS[name]
+    return Finding(name, what, consequence or usual, remedy or advice.format(spelled(*choice)), place)
 
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:
-    """The finding about holes in a grid: how many, how much of the record, the first and the longest."""
+    """The finding about missing samples: how many, which share of the record, the first and the longest gap."""
     gaps = np.diff(places)
     holes = np.flatnonzero(gaps > 1)
     first, longest = (
         Hole(int(gaps[i]) - 1, (int(places[i]) + 1) * interval) for i in (holes[0], holes[gaps[holes].argmax()])
     )
     lost = int((gaps[holes] - 1).sum())
-    count = f"{plural(lost, 'sample')} ({percent(lost / (places[-1] + 1))}) lost in {plural(holes.size, 'gap')}"
+    count = f"{plural(lost, 'sample')} ({percent(lost / (places[-1] + 1))}) missing in {plural(holes.size, 'gap')}"
     size = f" of {first.size * interval:.4g} s" if first.size > 1 else ""
     where = f", {source}, the first{size} at {first.at:.6g} s"
     most = (
@@ -116,44 +130,44 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
 
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
-    """Stamps that repeat while the readings do not."""
+    """Time stamps that repeat while the samples do not."""
     equal = stamps.steps == 0
     if not equal.any():
         return ()
     count = counted(int(equal.sum()), "stamp", f" of {stamps.label}")
-    which = f"{count} equal to the one before, but the readings are not"
+    which = f"{count} equal to the previous one, although the samples differ"
     return (finding("duplicate stamps", f"{which}; the first is in row {int(np.argmax(equal)) + 2} of the data"),)
 
 
 def bursty(stamps: Stamps, mean: float) -> Finding:
-    """Steps of which the usual one says another rate than all of them together."""
+    """Steps whose median gives another rate than their mean."""
     steps = stamps.steps
     spread = f"steps from {duration(float(steps.min()))} to {duration(float(steps.max()))}"
-    rates = f"{1 / float(np.median(steps)):.4g} Hz by the median step, {1 / mean:.6g} Hz by the mean"
-    return finding("bursty stamps", f"bursty stamps in {stamps.label}: {rates}; {spread}")
+    rates = f"{1 / float(np.median(steps)):.4g} Hz from the median step, {1 / mean:.6g} Hz from the mean"
+    return finding("bursty stamps", f"bursty time stamps in {stamps.label}: {rates}; {spread}")
 
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
-    """Jitter and drift, from the departure of stamps in intervals."""
+    """Jitter and drift, from the deviation of time stamps in intervals."""
     return (*jitter(stamps, departure, interval), *drift(stamps, departure))
 
 
 def jitter(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
-    """Scatter of neighbouring stamps beyond the rounding of their last digit."""
+    """Scatter of successive time stamps beyond the rounding of their last digit."""
     if departure.size < 10:
         return ()
-    # rounding makes 1/12; its errors may alternate, and second differences then show them three times as large
+    # rounding has variance 1/12; if its errors alternate, second differences show three times as much
     rounding = (stamps.resolution / interval) ** 2 / 4
     rms = max(float(np.diff(departure, 2).var()) / 6 - rounding, 0.0) ** 0.5
     if rms < UNSTEADY:
         return ()
     low, high = (duration(float(step)) for step in (stamps.steps.min(), stamps.steps.max()))
-    spread = f"steps from {low} to {high} where {duration(interval)} is right"
-    return (finding("jitter", f"the stamps of {stamps.label} scatter by {rms:.2g} intervals rms; {spread}"),)
+    spread = f"steps from {low} to {high} instead of {duration(interval)}"
+    return (finding("jitter", f"the time stamps of {stamps.label} scatter by {rms:.2g} intervals RMS; {spread}"),)
 
 
 def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
-    """A rate that is not the same in all sixteenths of the record."""
+    """A rate that differs between sixteenths of the record."""
     size = departure.size // PARTS
     if size < 64:
         return ()
@@ -169,12 +183,12 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
 
 
 def counted(count: int, noun: str, whose: str = "") -> str:
-    """A number and its noun with its verb.
+    """A number, its noun and the verb.
 
     Examples
     --------
-    >>> counted(1, "row"), counted(7, "stamp", " of column 't'")
-    ('1 row is', "7 stamps of column 't' are")
+    >>> counted(1, "row"), counted(7, "time stamp", " of column 't'")
+    ('1 row is', "7 time stamps of column 't' are")
     """
     return f"{count} {noun}{'s' * (count > 1)}{whose} {'are' if count > 1 else 'is'}"
 

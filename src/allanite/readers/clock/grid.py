@@ -1,4 +1,4 @@
-"""The even grid under the rows, and its interval where samples are lost, late or coarsely stamped.
+"""The even grid of the rows, and its interval if samples are missing, late or coarsely stamped.
 
 Intervals are counted, never guessed.
 """
@@ -16,23 +16,23 @@ from allanite.core.finding import Finding
 Places = NDArray[np.int64]
 
 RESOLUTIONS = (60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
-"""Steps, s, in which clocks are read or printed."""
+"""Time steps, s, in which clocks are read or printed."""
 
 PART = 10_000
-"""Stamps, either way from the middle, that decide between guesses of the interval."""
+"""Number of time stamps around the middle of the record that decide between estimates of the interval."""
 
 AHEAD = (16, 1024, 1024, 1024)
-"""Stamps that must keep a departure: a guess that is off drifts away within a few, a refined one does not."""
+"""Number of time stamps that must stay close to the grid: a wrong interval drifts away within a few."""
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """An even grid under the rows.
+    """An even grid of sampling times.
 
-    `interval` is the time in s between the first stamp and the last over the intervals between them, lost ones
-    counted. `rows` are those that are kept, in the order of time (None: all, in the order of the file), `places` where
-    they stand on the grid (None: one after the other). `findings` say what is wrong with the stamps, `trouble` why
-    they give no rate (empty: they do).
+    `interval` is the time in s between the first and the last time stamp over the number of intervals, missing ones
+    included. `rows` are the rows kept, in order of time (None: all, in the order of the file), `places` their positions
+    on the grid (None: consecutive). `findings` describe defects of the time stamps, `trouble` why they give no rate
+    (empty: they do).
 
     Examples
     --------
@@ -49,20 +49,20 @@ class Grid:
 
     @property
     def lost(self) -> int:
-        """Number of places without a row."""
+        """Number of grid points without a row."""
         return 0 if self.places is None else int(self.places[-1]) + 1 - self.places.size
 
     @property
     def history(self) -> tuple[str, ...]:
-        """What putting rows on the grid does to a record."""
-        lost = (f"{self.lost} lost readings marked as gaps",) if self.lost else ()
+        """History entries of placing the rows on the grid."""
+        lost = (f"{self.lost} missing samples marked as gaps",) if self.lost else ()
         if self.rows is None:
             return lost
-        done = "repeated rows left out" if np.all(np.diff(self.rows) > 0) else "rows put in the order of their stamps"
+        done = "repeated rows removed" if np.all(np.diff(self.rows) > 0) else "rows sorted by time stamp"
         return (done, *lost)
 
     def put(self, values: NDArray[Any]) -> NDArray[Any]:
-        """The readings on the grid, NaN where one is lost."""
+        """The samples on the grid, NaN where one is missing."""
         kept = values if self.rows is None else values[self.rows]
         if self.places is None or not self.lost:
             return kept
@@ -72,11 +72,11 @@ class Grid:
 
 
 ONE_AFTER_THE_OTHER = Grid()
-"""What is supposed where nothing tells more."""
+"""The default grid, if nothing else is known."""
 
 
 def resolution(steps: FloatArray) -> float:
-    """The largest usual step of which all steps are multiples; 0 if there is none.
+    """The largest typical step of which all steps are multiples; 0 if there is none.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def resolution(steps: FloatArray) -> float:
 
 
 class Pace(NamedTuple):
-    """An interval in s, how many intervals the clock is ahead of each row, and what is left of its departure."""
+    """An interval in s, the grid position of each row relative to its number, and the remaining deviation."""
 
     interval: float
     shift: Places
@@ -100,22 +100,25 @@ class Pace(NamedTuple):
 
     @property
     def bursts(self) -> bool:
-        """Whether bursts at a steady pace were taken for a finer grid, of which most is missing time and again."""
+        """Whether bursts at a steady pace were mistaken for a finer grid, most of which would be missing."""
         size = self.shift.size + int(self.shift[-1])
         return bool(self.shift[-1] > 0.6 * size and (np.diff(self.shift) > 0).mean() > 0.02)
 
 
 def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
-    """The pace of rising stamps in s, shape (n,), of rows with those numbers; `slack` intervals off are no loss."""
+    """The grid of increasing time stamps in s, shape (n,), of rows with these numbers.
+
+    Deviations of up to `slack` intervals are not gaps.
+    """
     middle = slice(max(0, rows.size // 2 - PART), rows.size // 2 + PART)
     return _refined(elapsed, rows, _interval(elapsed[middle], rows[middle], slack), slack)
 
 
 def _interval(elapsed: FloatArray, rows: Places, slack: float) -> float:
-    """The interval by which stamps are described in the shortest way."""
+    """The interval that gives the shortest description of the time stamps."""
     steps = np.diff(elapsed) / np.diff(rows)
     mean = float(elapsed[-1] - elapsed[0]) / int(rows[-1] - rows[0])
-    # the mean of all is right where little is lost, that of the usual steps where much is, of the short where most is
+    # the mean of all steps is right if little is missing, that of typical steps if much is, of short ones if most is
     guesses = (mean, *(_mean_near(steps, float(np.quantile(steps, q))) for q in (0.5, 0.1)))
     found = [_refined(elapsed, rows, guess, slack) for guess in guesses if guess > 0]
     floor = resolution(steps) / math.sqrt(12)
@@ -123,10 +126,10 @@ def _interval(elapsed: FloatArray, rows: Places, slack: float) -> float:
 
 
 def _length(found: Pace, rows: Places, floor: float) -> float:
-    """Of a description of the stamps: what is left beyond their rounding, and which places of the grid are taken."""
+    """For a description of the time stamps: the deviation beyond their rounding, and the occupied grid points."""
     interval, shift, left = found
     lost, count = int(shift[-1]), int(rows[-1] - rows[0])
-    # any stamps fit a grid of their own last digit; one step is then no more usual than two
+    # any time stamps fit a grid of their own last digit; one step is then no more frequent than two
     if lost > 0.4 * (count + lost) and np.bincount(np.clip(np.diff(rows + shift), 0, 9)).argmax() != 1:
         return math.inf
     off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(left, -1, 1))
@@ -140,7 +143,7 @@ def _mean_near(steps: FloatArray, usual: float) -> float:
 
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:
-    """From a guess of the interval to the one that the count of intervals gives."""
+    """Refine an estimate of the interval with the number of intervals."""
     from allanite.kernels.clock import followed
 
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])

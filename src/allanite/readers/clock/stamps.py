@@ -1,4 +1,4 @@
-"""From stamps to the grid under them, and to what is wrong with them."""
+"""From time stamps to the grid of sampling times, and to their defects."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,39 +15,40 @@ from .findings import Stamps, bursty, counted, drift, duplicates, duration, find
 from .grid import Grid, Places, pace
 
 EVEN = 0.5
-"""Intervals by which every stamp may depart from the even grid before losses are looked for."""
+"""Deviation from an even grid, in intervals, below which no gaps are looked for."""
 
 BURSTY = 1.5
-"""Ratio of the mean and the median interval, either way, from which stamps are called bursty."""
+"""Ratio of the mean to the median interval, or its inverse, above which time stamps are called bursty."""
 
 PAUSE = 20.0
-"""Steps of a bursty clock, over its long ones (one in a hundred), that are losses and no bursts."""
+"""Steps of a bursty clock, relative to its long ones (one in a hundred), that are gaps rather than bursts."""
 
 TICKS = 0.2
-"""Share of stamps equal to the one before from which rows are counted from change to change."""
+"""Share of repeated time stamps above which rows are counted between changes."""
 
 MOST_LOST = 0.9
-"""Share of lost samples above which stamps are not believed: a clock that was set leaves such holes."""
+"""Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""
 
 
 def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
-    """Seconds since the first stamp; integers are subtracted as such, since nanoseconds of an epoch exceed float64."""
-    with np.errstate(all="ignore"):  # what is not finite is refused by `fit`
+    """Seconds since the first time stamp; integers are subtracted as such, since epoch nanoseconds exceed float64."""
+    with np.errstate(all="ignore"):  # values that are not finite are refused by `fit`
         return np.asarray((stamps - stamps[0]) * unit_of(unit).factor, dtype=np.float64)
 
 
 def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> Grid:
-    """The grid under stamps, which are seconds since the first, shape (n,); `label` is their column in messages.
+    """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages.
 
-    `repeated` says which rows have the readings of the row before, shape (n - 1,) or (1,); asked only if stamps repeat.
+    `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
+    repeat.
     """
     bad = ~np.isfinite(elapsed)
     if bad.any():
-        where = f"the first is row {int(np.argmax(bad)) + 1} of the data"
-        return Grid(trouble=f"{label} has no stamp in {int(bad.sum())} of {bad.size} rows, {where}")
+        where = f"the first in row {int(np.argmax(bad)) + 1} of the data"
+        return Grid(trouble=f"{label} has no time stamp in {int(bad.sum())} of {bad.size} rows, {where}")
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
-        what = f"all stamps of {label} are equal"
+        what = f"all time stamps of {label} are equal"
         return Grid(findings=(finding("constant stamps", what),), trouble=what)
     equal = stamps.steps == 0
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
@@ -56,26 +57,29 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
 
 
 def _once(stamps: Stamps, rows: Places) -> Grid:
-    """The grid of stamps of which some rows were written twice."""
+    """The grid of time stamps with some rows written twice."""
     grid = fit(stamps.elapsed[rows], stamps.label, lambda: np.zeros(1, dtype=bool))
     count, first = stamps.elapsed.size - rows.size, int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
-    what = f"{counted(count, 'row')} the row before again, stamp and readings, the first is row {first + 1} of the data"
-    found = finding("duplicate stamps", what, consequence="each is taken once")
+    what = (
+        f"{counted(count, 'row')} identical to the previous one, time stamp and samples, the first in row "
+        f"{first + 1} of the data"
+    )
+    found = finding("duplicate stamps", what, consequence="each is used once")
     return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
 
 
 def _reversed(stamps: Stamps) -> Grid:
-    """Rows out of order, a jitter beyond the interval, or a clock that was set."""
+    """Rows out of order, jitter beyond the interval, or a clock that was set."""
     back = stamps.steps < 0
     first = int(np.argmax(back))
     what = (
-        f"{counted(int(back.sum()), 'stamp', f' of {stamps.label}')} earlier than the one before, the first in row "
-        f"{first + 2} of the data by {duration(-float(stamps.steps[first]))}"
+        f"{counted(int(back.sum()), 'time stamp', f' of {stamps.label}')} earlier than the previous one, the first "
+        f"in row {first + 2} of the data by {duration(-float(stamps.steps[first]))}"
     )
     order = np.argsort(stamps.elapsed, kind="stable")
     grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
     if grid is not None:
-        said = "sorted they follow an even grid: the rows stand out of order, and were put in the order of time"
+        said = "sorted, they are evenly spaced: the rows were out of order and have been sorted by time"
         found = finding("reversed stamps", what, consequence=said, remedy="check the logger")
         return replace(grid, rows=order, findings=(found, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
@@ -85,7 +89,7 @@ def _reversed(stamps: Stamps) -> Grid:
 
 
 def _in_order(stamps: Stamps) -> Grid | None:
-    """The grid of sorted stamps, if it shows that their order is the right one."""
+    """The grid of sorted time stamps, if it shows that this order is right."""
     if stamps.steps.min() < 0.3 * float(np.median(stamps.steps)):
         return None
     grid = _forward(stamps)
@@ -94,7 +98,7 @@ def _in_order(stamps: Stamps) -> Grid | None:
 
 
 def _forward(stamps: Stamps) -> Grid:
-    """The grid of stamps that never go back."""
+    """The grid of time stamps that never decrease."""
     if float((stamps.steps == 0).mean()) >= TICKS:
         return _in_ticks(stamps)
     again, mean = duplicates(stamps), stamps.mean
@@ -113,7 +117,7 @@ def _forward(stamps: Stamps) -> Grid:
 
 
 def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> Grid:
-    """The mean rate of stamps that come in bursts, and what was lost in pauses that no burst explains."""
+    """The mean rate of bursty time stamps, and the samples missing in pauses that bursts do not explain."""
     long = PAUSE * float(np.quantile(stamps.steps, 0.99))
     if stamps.steps.max() <= long:
         return Grid(stamps.mean, findings=(*found, bursty(stamps, stamps.mean)))
@@ -123,18 +127,21 @@ def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> Grid:
 
 
 def _in_ticks(stamps: Stamps) -> Grid:
-    """The grid of stamps of which many are equal: the rows at which they change are counted."""
+    """The grid of time stamps with many equal ones: the rows at which they change are counted."""
     elapsed, label = stamps.elapsed, stamps.label
     changes = np.flatnonzero(stamps.steps > 0) + 1
     if changes.size < 3:
-        what = f"the stamps of {label} change {changes.size} times in {elapsed.size} rows"
-        return Grid(findings=(finding("coarse stamps", what),), trouble=f"{what}: too coarse for a rate")
+        what = f"the time stamps of {label} change {changes.size} times in {elapsed.size} rows"
+        return Grid(findings=(finding("coarse stamps", what),), trouble=f"{what}: too coarse to determine the rate")
     found = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
     if stamps.resolution > 0.5 * found.interval and not found.bursts:
-        coarse = finding("coarse stamps", f"stamps of {duration(stamps.resolution)} in {label}, {each} rows with each")
+        coarse = finding(
+            "coarse stamps",
+            f"time stamps with a resolution of {duration(stamps.resolution)} in {label}, {each} rows per step",
+        )
     else:
-        coarse = finding("bursty stamps", f"bursty stamps in {label}: they come in groups of {each} equal ones")
+        coarse = finding("bursty stamps", f"bursty time stamps in {label}: groups of {each} equal ones")
     if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return Grid(span / int(changes[-1] - changes[0]), findings=(coarse,))
@@ -146,19 +153,24 @@ def _in_ticks(stamps: Stamps) -> Grid:
 
 
 def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> Grid:
-    """The grid with its holes, unless they are not to be believed."""
+    """The grid with its gaps, unless they are implausible."""
     gaps = np.diff(places)
     if gaps.min() < 1:
-        what = f"up to row {int(np.argmin(gaps)) + 2} of the data there are more rows than {stamps.label} has time for"
+        what = (
+            f"up to row {int(np.argmin(gaps)) + 2} of the data there are more rows than the time stamps of "
+            f"{stamps.label} allow"
+        )
         return Grid(findings=(*found, finding("duplicate stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
         what = (
-            f"the stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, and "
-            f"{100 * lost / int(places[-1]):.4g} % of all samples would be missing: a clock that was set, or a logger "
-            "that was stopped"
+            f"the time stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, "
+            f"and {100 * lost / int(places[-1]):.4g} % of all samples would be missing: the clock was set, or the "
+            "logger was stopped"
         )
-        closed = finding("lost samples", what, consequence="the rows are taken as evenly spaced, the jump is closed up")
+        closed = finding(
+            "lost samples", what, consequence="the rows are assumed to be evenly spaced, the jump is ignored"
+        )
         return Grid(findings=(*found, closed), trouble=what)
-    holes = (lost_samples(places, interval, f"by the stamps of {stamps.label}"),) if lost else ()
+    holes = (lost_samples(places, interval, f"according to the time stamps of {stamps.label}"),) if lost else ()
     return Grid(interval, None, places if lost else None, (*holes, *found))

@@ -14,11 +14,11 @@ RATE_NAMES = (
     "rate", "fs", "sample_rate", "samplerate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency", "freq",
     "frequency", "imu_rate", "samplingrate",
 )  # fmt: skip
-"""Names under which a container keeps its sampling rate in Hz."""
+"""Names under which containers store the sampling rate in Hz."""
 
 
 def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Headers and one-dimensional arrays; of a matrix, the longer side is time.
+    """Headers and one-dimensional arrays; time runs along the longer side of a matrix.
 
     Examples
     --------
@@ -37,11 +37,11 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         for i in range(upright.shape[1]):
             yield said[i] if said else _numbered(name, i + 1), upright[:, i]
     elif array.ndim > 2:
-        raise DataError(f"array {name!r} has the shape {array.shape}; a column for each channel is expected")
+        raise DataError(f"array {name!r} has the shape {array.shape}; expected one column per channel")
 
 
 def _numbered(name: str, number: int) -> str:
-    """The name of a column of a matrix, its number before the unit."""
+    """The name of a column of a matrix, with its number before the unit."""
     at = max(name.rfind("["), name.rfind("("))
     has_unit = name[-1:] in ("]", ")") and at >= 0 and not set("])") & set(name[at:-1])
     stem = name[:at].rstrip() if has_unit else name
@@ -54,13 +54,13 @@ def turned(array: NDArray[Any]) -> bool:
 
 
 def turned_note(name: str, array: NDArray[Any]) -> str:
-    """What was assumed about such a matrix."""
+    """The assumption about such a matrix."""
     where = f" in {name!r}" if name else ""
-    return f"the {array.shape[0]} rows of {array.shape[1]} values{where} are taken as channels"
+    return f"the {array.shape[0]} rows of {array.shape[1]} values{where} are used as channels"
 
 
 def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") -> Column:
-    """A column of any type that arrays have; stamps of NumPy become nanoseconds, text and truth values a text."""
+    """A column of any array type; time stamps of NumPy become nanoseconds, text and booleans a text."""
     if values.dtype.kind in "Mm":
         stamps = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64)
         return headed(stamps, position, header or "time", unit="ns")
@@ -70,19 +70,19 @@ def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") 
 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
-    """Readings of any real type as native float64 or int64."""
-    copy = values.base is not None  # a part of a matrix, which it would keep, or of a file, which may change
+    """Samples of any real type as native float64 or int64."""
+    copy = values.base is not None  # a part of a matrix, which it would keep in memory, or of a file, which may change
     if values.dtype.kind in "iu":
         fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
         return values.astype(np.int64 if fits else np.float64, copy=copy)
     if values.dtype.kind == "f":
         with np.errstate(over="ignore"):
             return values.astype(np.float64, copy=copy)
-    raise DataError(f"{header!r} holds values of type {values.dtype}, real numbers are expected")
+    raise DataError(f"{header!r} holds values of type {values.dtype}; expected real numbers")
 
 
 def of_arrow(chunks: Any) -> NDArray[Any]:
-    """Numbers or stamps of a column of pyarrow, NaN or NaT where one is missing."""
+    """Numbers or time stamps of a column of pyarrow, NaN or NaT where one is missing."""
     import pyarrow as pa
 
     kind = chunks.type
@@ -90,13 +90,13 @@ def of_arrow(chunks: Any) -> NDArray[Any]:
         chunks = chunks.cast(pa.float64())
     elif pa.types.is_date(kind):
         chunks = chunks.cast(pa.timestamp("ns"))
-    elif pa.types.is_time(kind):  # of day
+    elif pa.types.is_time(kind):  # time of day
         chunks = chunks.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
     return np.asarray(chunks.to_numpy())
 
 
 def is_number(kind: Any) -> bool:
-    """Whether a type of pyarrow is one of numbers or times."""
+    """Whether a type of pyarrow holds numbers or times."""
     import pyarrow.types as t
 
     tests = (t.is_integer, t.is_floating, t.is_decimal, t.is_null, t.is_temporal)

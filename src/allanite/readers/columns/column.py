@@ -1,4 +1,4 @@
-"""Column: one column of a file, and how a user points at it."""
+"""Column: one column of a file, and how a user refers to it."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,10 +14,10 @@ from . import headers
 class Column:
     """One column of a file.
 
-    `values`, shape (n,), are float64 or int64, empty for text; `position` is its place in the file, counted from 1.
-    `name`, `unit`, `kind` and `scale` are what the file says, empty or None where it says nothing, and `header` as it
-    stands there; `text` is the first entry of a column of text (empty for numbers), `history` what was done to the
-    readings before they were written.
+    `values`, shape (n,), are float64 or int64, empty for text; `position` is the position in the file, counted from 1.
+    `name`, `unit`, `kind` and `scale` are stated in the file, empty or None if they are not, and `header` is the
+    unchanged header; `text` is the first entry of a column of text (empty for numbers), `history` the processing of the
+    samples before they were written.
     """
 
     values: NDArray[Any]
@@ -32,17 +32,17 @@ class Column:
 
     @property
     def label(self) -> str:
-        """The column in a message, as its file names it."""
+        """The name of the column in messages, as in its file."""
         return f"column {self.header!r}" if self.header else self.name
 
     def demand_numbers(self) -> None:
         """Refuse a column of text."""
         if self.text:
-            raise DataError(f"{self.label} holds text ({self.text!r}), numbers are expected; choose another column")
+            raise DataError(f"{self.label} holds text ({self.text!r}) instead of numbers; select another column")
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> Column:
-    """A column whose name, and unit unless it is given, are read off its header.
+    """A column with the name, and unless given the unit, from its header.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", 
 
 
 def unique(columns: tuple[Column, ...]) -> tuple[Column, ...]:
-    """The columns with no name twice: the second ``gx`` becomes ``gx 2``."""
+    """The columns with unique names: the second ``gx`` becomes ``gx 2``."""
     taken: set[str] = set()
     result = []
     for column in columns:
@@ -72,7 +72,7 @@ def unique(columns: tuple[Column, ...]) -> tuple[Column, ...]:
 
 
 def lookup(columns: tuple[Column, ...], key: str) -> Column:
-    """The column called `key`: by name, by header, regardless of case, or by its place counted from 1."""
+    """The column called `key`: by name or header, ignoring case, or by its position counted from 1."""
     wanted = key.strip()
     exact = [column for column in columns if wanted in (column.name, column.header)]
     alike = [column for column in columns if wanted.lower() in (column.name.lower(), column.header.lower())]
@@ -80,9 +80,9 @@ def lookup(columns: tuple[Column, ...], key: str) -> Column:
     for column in (*exact, *alike, *placed):
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
-    raise UsageError(f"no column {key!r}; there are {some(names, 30)}")
+    raise UsageError(f"no column {key!r}; columns: {some(names, 30)}")
 
 
 def some(names: list[str], most: int) -> str:
-    """The names in words, not more than `most` of them."""
+    """The names as text, at most `most` of them."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -1,4 +1,4 @@
-"""Datasets, the arrays of a container: which share a clock, which are wanted, and the table that these make."""
+"""Datasets, the arrays of a container: which share a clock, which are wanted, and the table that they form."""
 
 import math
 import posixpath
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 from allanite.readers.options import Options
 
 from . import headers
@@ -20,15 +21,15 @@ from .column import Column
 from .table import Table, restored
 
 WIDEST = 1000
-"""Columns of a dataset; what has more is an image or a matrix, not a recording."""
+"""Maximum number of columns of a dataset; anything wider is an image or a matrix, not a recording."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
     """An array in a container, before it is loaded.
 
-    `path` is where it is, as ``"imu0/gyro"``, `shape` and `dtype` what the container declares, `load` reads it. `unit`,
-    `names` of columns and `rate` in Hz are what its attributes say, `source` is where the rate is known from.
+    `path` is its location, such as ``"imu0/gyro"``, `shape` and `dtype` are declared by the container, `load` reads it.
+    `unit`, `names` of columns and `rate` in Hz come from its attributes, `source` is the origin of the rate.
     """
 
     path: str
@@ -47,7 +48,7 @@ class Dataset:
 
     @property
     def parent(self) -> str:
-        """The path of the group that holds it."""
+        """The path of the group that contains it."""
         return self.path.rpartition("/")[0]
 
     @property
@@ -57,20 +58,20 @@ class Dataset:
 
     @property
     def is_series(self) -> bool:
-        """Whether it may hold readings: real numbers, one row for each sample."""
+        """Whether it may hold samples: real numbers, one row per sample."""
         fields = [self.dtype[name] for name in self.dtype.names] if self.dtype.names else [self.dtype]
         flat = all(f.base.kind in "iufMm" and len(self.shape) + len(f.shape) <= 2 for f in fields)
         return flat and len(self.shape) in (1, 2) and self.length > 1 and 0 < len(self.headers) <= WIDEST
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """Names of the columns that it makes; not more than one over `WIDEST`."""
+        """Names of its columns; at most one more than `WIDEST`."""
         standin = np.broadcast_to(np.zeros((), self.dtype), self.shape)  # the shape without the memory
         return tuple(header for header, _ in islice(split(self.path, standin, self.names), WIDEST + 1))
 
     @property
     def is_clock(self) -> bool:
-        """Whether it holds stamps, by its unit or its name."""
+        """Whether it holds time stamps, by its unit or its name."""
         return headers.is_time(self.unit) or headers.clock_rank(headers.split(self.leaf)[0]) < 2
 
     @property
@@ -89,7 +90,7 @@ Family = list[Dataset]
 
 
 def rated(found: Sequence[Dataset], numbers: Mapping[str, float]) -> list[Dataset]:
-    """The datasets, each with the sampling rate that stands nearest above it among the lone `numbers` of the file."""
+    """The datasets, each with the nearest sampling rate above it among the single `numbers` of the file."""
     rates = {
         path.rpartition("/")[0]: (value, f"{path!r} in the file")
         for path, value in numbers.items()
@@ -103,22 +104,22 @@ def rated(found: Sequence[Dataset], numbers: Mapping[str, float]) -> list[Datase
 
 
 def _nearest(dataset: Dataset, homes: Iterable[str]) -> str | None:
-    """The group that stands nearest above a dataset; None if none does."""
+    """The group that is nearest above a dataset; None if there is none."""
     above = (home for home in homes if not home or f"{dataset.path}/".startswith(f"{home}/"))
     return max(above, key=len, default=None)
 
 
 def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = "") -> Recording:
-    """The channels of the datasets that belong together; `text` is what `table.described` made, if it is there."""
+    """The channels of the datasets that belong together; `text` is the output of `table.described`, if present."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
-        seen = f"; it holds {', '.join(map(str, found[:20]))}" if found else ""
-        raise DataError(f"the file holds no array of readings, with a row for each sample{seen}")
+        seen = f"; it contains {', '.join(map(str, found[:20]))}" if found else ""
+        raise DataError(f"the file contains no array of samples, with one row per sample{seen}")
     places = _places(series)
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
-    notes = [*notes, *([f"left out, of other length, clock or shape: {', '.join(left[:20])}"] if left else [])]
+    notes = [*notes, *([f"not used, of different length, clock or shape: {', '.join(left[:20])}"] if left else [])]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
     columns = list[Column]()
     for dataset in family:
@@ -139,7 +140,7 @@ def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str
 
 
 def _places(series: Sequence[Dataset]) -> dict[str, int]:
-    """The place of the first column of each dataset, counted from 1 over all of them."""
+    """The position of the first column of each dataset, counted from 1 over all of them."""
     places, place = dict[str, int](), 1
     for dataset in series:
         places[dataset.path] = place
@@ -148,7 +149,7 @@ def _places(series: Sequence[Dataset]) -> dict[str, int]:
 
 
 def _families(series: Sequence[Dataset]) -> list[Family]:
-    """Datasets of one length; where several groups keep a clock of that length, or a rate, each with its own."""
+    """Datasets of one length; if several groups have a clock of that length, or a rate, each group separately."""
     families: dict[tuple[int, str, float | None], Family] = {}
     for dataset in series:
         alike = [d for d in series if d.length == dataset.length]
@@ -160,7 +161,7 @@ def _families(series: Sequence[Dataset]) -> list[Family]:
 
 
 def _chosen(families: list[Family], options: Options, places: Mapping[str, int]) -> Family:
-    """The family that the user names a member of, or else the only one that looks like a sensor's."""
+    """The family with a member named by the user, otherwise the only one that looks like a sensor's."""
     named = [family for family in families if _answers(family, options.channels or (), places)]
     if named:
         return [dataset for family in named for dataset in family]
@@ -172,13 +173,13 @@ def _chosen(families: list[Family], options: Options, places: Mapping[str, int])
     example = next(dataset.path for dataset in likely[0] if not dataset.is_clock or len(likely[0]) == 1)
     lists = "; ".join(", ".join(map(str, family[:20])) for family in likely[:20])
     raise UsageError(
-        f"the file holds {len(likely)} recordings, each of its own length or clock ({lists}); choose one with "
-        f"channels='{example}' (--channels {example})"
+        f"the file contains {len(likely)} recordings, each with its own length or clock ({lists}); select one with "
+        + spelled(f"--channels {example}", f"channels='{example}'")
     )
 
 
 def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> bool:
-    """Whether a user who writes one of `keys` may mean a member of the family, or a column of it."""
+    """Whether one of `keys` may refer to a member of the family, or to one of its columns."""
     wanted = {key.strip(" /").lower() for key in keys} | {key.partition("[")[0].strip(" /").lower() for key in keys}
     for dataset in family:
         numbers = range(places[dataset.path], places[dataset.path] + len(dataset.headers))
@@ -190,7 +191,7 @@ def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> 
 
 
 def _narrowed(options: Options, family: Family) -> tuple[Options, Family]:
-    """What to look for where: of datasets that are named as a whole, every column that may be a signal."""
+    """Which columns to look for in which dataset: all possible signals of datasets that are named as a whole."""
     keys = [key.strip("/") for key in options.channels or ()]
     whole = [[d for d in family if key in (d.path, d.leaf) and len(d.headers) > 1] for key in keys]
     if not keys or not all(len(found) == 1 for found in whole):
@@ -200,7 +201,7 @@ def _narrowed(options: Options, family: Family) -> tuple[Options, Family]:
 
 
 def _spelled_out(options: Options, keys: list[str], whole: list[Family]) -> Options:
-    """The options with the columns of each dataset that is named beside lone columns."""
+    """The options with the columns of each dataset that is named along with single columns."""
     if not any(len(found) == 1 for found in whole):
         return options
     names = [found[0].headers if len(found) == 1 else (key,) for key, found in zip(keys, whole, strict=True)]

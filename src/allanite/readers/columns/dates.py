@@ -1,4 +1,4 @@
-"""Dates and times of day in words, as nanoseconds."""
+"""Dates and times of day as text, converted to nanoseconds."""
 
 import re
 from typing import Any
@@ -14,18 +14,18 @@ TIME = (
     r"(?:\s*(?:Z|UTC|[-+]\d{2}:?\d{2}))?"
 )
 PATTERNS = (*(rf"{date}[T_ ]+{TIME}" for date in DATES), *DATES, TIME)
-"""Regular expressions of Python and of pyarrow alike; parts are year, month, day, hour, minute, second, fraction."""
+"""Regular expressions for both Python and pyarrow; groups are year, month, day, hour, minute, second, fraction."""
 
 DAY = 86_400 * 10**9
 
 LONGEST = 100
-"""Characters of a date; over long runs of blanks the patterns take the square of their length."""
+"""Maximum number of characters of a date; over long runs of blanks the patterns take quadratic time."""
 
 Values = NDArray[Any]
 
 
 def pattern_of(word: str) -> str:
-    """The pattern that a word follows; empty if it is no date or time.
+    """The pattern that a word matches; empty if it is not a date or time.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def pattern_of(word: str) -> str:
 
 
 def parsed(words: Any, pattern: str, label: str) -> Values:
-    """A column of words that follow one pattern; NaT where a cell is empty.
+    """A column of words that match one pattern; NaT where a cell is empty.
 
     ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day.
     """
@@ -52,7 +52,8 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
     if pc.any(wrong).as_py():
         row = pc.index(wrong, True).as_py()
         raise DataError(
-            f"row {row + 1} of the data, {label}: {text[row].as_py()[:40]!r} is no date or time like the others"
+            f"row {row + 1} of the data, {label}: {text[row].as_py()[:40]!r} is not a date or time of the same "
+            "format as the others"
         )
 
     def part(name: str) -> Values:
@@ -76,7 +77,7 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
 
 
 def _days(year: Values, month: Values, day: Values, label: str) -> Values:
-    if month.max(initial=1) > 12:  # the American order
+    if month.max(initial=1) > 12:  # American order
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
         raise DataError(f"{label} holds dates with a month {month.max()} or a day {day.max()}")
@@ -87,7 +88,7 @@ def _days(year: Values, month: Values, day: Values, label: str) -> Values:
 
 
 def _hours(hours: Values, half: Any) -> Values:
-    """Hours of the day by the twelve-hour clock, where it is one."""
+    """Hours of the day, converted from the twelve-hour clock if necessary."""
     import pyarrow.compute as pc
 
     letter = pc.fill_null(pc.utf8_lower(half), "")
@@ -96,7 +97,7 @@ def _hours(hours: Values, half: Any) -> Values:
 
 
 def past_midnight(time: Values) -> Values:
-    """Nanoseconds since the first midnight from times of day that start again at the next.
+    """Nanoseconds since the first midnight from times of day that restart at midnight.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a column's header says: its name, its unit, and whether it is an inertial signal at all."""
+"""What a column's header states: name, unit, and whether the column is an inertial signal."""
 
 import re
 
@@ -6,14 +6,14 @@ from allanite.core.errors import UnitError
 from allanite.core.units import Signal, Unit, signal_with, unit_of
 
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
-"""What stands between the brackets of a unit: no brackets, but for pairs of round ones."""
+"""Content of the brackets of a unit: no brackets except pairs of round ones."""
 
 LONGEST = 200
-"""Characters of a header, and of a unit; what is longer is no name of anything."""
+"""Maximum number of characters of a header, and of a unit."""
 
 _TIME = unit_of("s").dimension
 
-# endings of names such as gyro_x_rad_per_s: loggers write no slash in a name
+# suffixes of names such as gyro_x_rad_per_s: loggers avoid slashes in names
 SUFFIXES: dict[str, str] = {
     "dps": "deg/s", "degps": "deg/s", "deg_per_s": "deg/s", "deg_per_sec": "deg/s", "deg_s": "deg/s", "mdps": "mdeg/s",
     "dph": "deg/h", "deg_per_h": "deg/h", "deg_per_hr": "deg/h", "deg_h": "deg/h", "deg_hr": "deg/h",
@@ -26,7 +26,7 @@ SUFFIXES: dict[str, str] = {
     "ns": "ns", "nsec": "ns",
 }  # fmt: skip
 
-TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of them carry
+TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of them imply
     "time": "", "t": "", "timestamp": "", "timestamps": "", "stamp": "", "stamps": "", "clock": "", "epoch": "",
     "elapsed": "", "datetime": "", "tow": "", "utc": "",
     "zeit": "", "zeitstempel": "", "uhrzeit": "", "temps": "", "tiempo": "", "tempo": "",
@@ -36,7 +36,7 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
 
 _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
 
-_OTHER = re.compile(  # a name that begins like this, up to an end or a number, is no inertial signal
+_OTHER = re.compile(  # a name that begins like this, up to its end or a number, is not an inertial signal
     r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
     r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)"
@@ -49,7 +49,7 @@ _BY_NAME = {
 
 
 def split(header: str) -> tuple[str, str]:
-    """The name and the unit in a header; the unit is empty where none is said.
+    """The name and the unit in a header; the unit is empty if there is none.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def split(header: str) -> tuple[str, str]:
 
 
 def _bracketed(header: str) -> tuple[str, str | None]:
-    """What stands before the brackets at the end of a header and what in them; None if there are none."""
+    """The text before the brackets at the end of a header and the text in them; None if there are none."""
     opening = (i for i, letter in enumerate(header) if letter in "[({") if header[-1:] in tuple("])}") else ()
     for at in opening:
         if _INSIDE.fullmatch(header, at + 1, len(header) - 1):
@@ -82,7 +82,7 @@ def _bracketed(header: str) -> tuple[str, str | None]:
 
 
 def known(unit: str) -> Unit | None:
-    """The unit, None if it is unknown or empty: a header may say anything."""
+    """The unit; None if it is unknown or empty."""
     try:
         return unit_of(unit) if len(unit) <= LONGEST else None
     except UnitError:
@@ -90,7 +90,7 @@ def known(unit: str) -> Unit | None:
 
 
 def signal_of(unit: str) -> Signal | None:
-    """The signal that, or the integral of which over time, has this unit; None if there is none, or it is a number."""
+    """The signal with this unit, or whose time integral has it; None if there is none, or the unit is 1."""
     size = known(unit)
     if size is None:
         return None
@@ -99,19 +99,19 @@ def signal_of(unit: str) -> Signal | None:
 
 
 def inertial(unit: str) -> Signal | None:
-    """The sensor whose output, or the integral of it, has this unit; None if neither gyro nor accelerometer has."""
+    """The sensor whose output, or its integral, has this unit; None if it is neither gyro nor accelerometer."""
     signal = signal_of(unit)
     return signal if signal is not None and signal.inertial else None
 
 
 def is_time(unit: str) -> bool:
-    """Whether the unit is one of time."""
+    """Whether this is a unit of time."""
     size = known(unit)
     return size is not None and size.dimension == _TIME
 
 
 def clock_rank(name: str) -> int:
-    """How surely a name is that of a clock: 0 certainly, 1 perhaps, 2 not. A capital T may be a temperature."""
+    """How certainly a name is that of a clock: 0 certainly, 1 perhaps, 2 not. A capital T may be a temperature."""
     lower = _bare(name)
     if lower in TIME_NAMES:
         return 1 if name.strip() == "T" else 0
@@ -119,14 +119,14 @@ def clock_rank(name: str) -> int:
 
 
 def clock_unit(name: str) -> str:
-    """The unit that the name of a clock carries, as in ``millis``."""
+    """The unit implied by the name of a clock, such as ``millis``."""
     return TIME_NAMES.get(_bare(name), "")
 
 
 def is_other(name: str, unit: str = "") -> bool:
-    """Whether a name is that of something else than an inertial signal: a temperature, a counter, a compass.
+    """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass.
 
-    A unit of an inertial sensor overrules it, as in ``yaw [deg/s]``; not for the compass, whose G is the gauss.
+    A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def is_other(name: str, unit: str = "") -> bool:
 
 
 def is_driver(name: str, unit: str = "") -> bool:
-    """Whether a name or unit is that of what a sensor may depend on: a temperature, a pressure, a supply.
+    """Whether a name or unit is that of a possible influence on a sensor: a temperature, a pressure, a supply.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How a text file is laid out: delimiter, decimal sign, comments, names, where the numbers begin; and its cells."""
+"""The layout of a text file: delimiter, decimal sign, comments, names, and the first row of numbers."""
 
 import csv
 import re
@@ -17,7 +17,7 @@ _NUMBER = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf|infinit
 
 
 class Row(NamedTuple):
-    """A line of the file: its number from 1, where it begins, its cells."""
+    """A line of the file: its number from 1, its offset, its cells."""
 
     line: int
     offset: int
@@ -36,19 +36,19 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 
 def cells(line: str, delimiter: str) -> list[str]:
-    """The cells of a line, without quotes and outer blanks."""
+    """The cells of a line, without quotes and surrounding blanks."""
     if delimiter == " ":
         return line.split()
     if '"' in line:
         try:
             return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
         except csv.Error:
-            pass  # a stray quotation mark: cut at the delimiters
+            pass  # a stray quotation mark: split at the delimiters
     return [cell.strip() for cell in line.split(delimiter)]
 
 
 def decoded(raw: bytes) -> str:
-    """Text of a header: UTF-8, or else Latin-1, in which the degree sign of older loggers is written."""
+    """Text of a header: UTF-8, otherwise Latin-1, in which older loggers write the degree sign."""
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError:
@@ -56,17 +56,17 @@ def decoded(raw: bytes) -> str:
 
 
 def has_number(row: Row, decimal: str) -> bool:
-    """Whether a row has a number in it."""
+    """Whether a row contains a number."""
     return any(is_number(cell, decimal) for cell in row.cells)
 
 
 HEAD = 1 << 17
-"""Bytes at the beginning of a file from which its layout is found."""
+"""Bytes at the beginning of a file from which its layout is determined."""
 
 MARKS = ("#", "%", "//", ";")
-"""What begins a comment line; a semicolon does not where it is the delimiter."""
+"""Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
 
-# delimiter and decimal sign, the likelier first: the order decides where a file can be read in two ways
+# delimiter and decimal sign, the more likely first, which decides if a file can be read in two ways
 _STYLES = ((",", "."), (";", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ","), (" ", ","))
 
 _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+")
@@ -74,10 +74,10 @@ _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+
 
 @dataclass(frozen=True)
 class Layout:
-    """How a text file is laid out.
+    """The layout of a text file.
 
-    `names` and `units` have one entry a column (empty where the file says nothing), `text` the places of columns that
-    hold words, `offset` and `line` (from 1) say where the first row of numbers begins, `notes` what was passed over.
+    `names` and `units` have one entry per column (empty if the file has none), `text` the positions of columns
+    of words, `offset` and `line` (from 1) the start of the first row of numbers, `notes` what was skipped.
     """
 
     delimiter: str
@@ -100,7 +100,7 @@ def find(data: bytes) -> Layout:
     lines = numbered_lines(data)
     if not lines:
         raise DataError(
-            f"the first line is longer than {HEAD} bytes; one row for each sample is expected, each on its own line"
+            f"the first line is longer than {HEAD} bytes; expected one row per sample, each on its own line"
         )
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
     delimiter, decimal = style(
@@ -112,13 +112,13 @@ def find(data: bytes) -> Layout:
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
     rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
     if not any(has_number(row, decimal) for row in rows):
-        seen = f"its first line is {rows[0].cells[0][:40]!r}" if rows else "it holds comments or blank lines only"
-        raise DataError(f"no rows of numbers were found ({seen}); a text file needs one row for each sample")
+        seen = f"its first line is {rows[0].cells[0][:40]!r}" if rows else "it contains only comments or blank lines"
+        raise DataError(f"no rows of numbers were found ({seen}); a text file needs one row per sample")
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
-        notes = (f"line {rows[first - 1].line} with the numbers {', '.join(names[:3])}.. is taken as column names",)
+        notes = (f"line {rows[first - 1].line} with the numbers {', '.join(names[:3])}.. is used as column names",)
     if decimal == ",":
         notes = (*notes, "the decimal sign is a comma")
     return Layout(delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes)
@@ -131,26 +131,27 @@ def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
     if len(data) > HEAD:
         raw = raw[:-1]
     starts = accumulate((len(line) for line in raw), initial=0)
-    # a tab at either end is an empty cell, unless there is nothing else
+    # a tab at either end is an empty cell, unless all lines have it
     texts = (decoded(line).strip(" \r\n") for line in raw)
     return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
 
 
 def style(lines: list[str]) -> tuple[str, str]:
-    """Delimiter and decimal sign: those that make the most of the cells numbers, and then the most numbers."""
+    """Delimiter and decimal sign: those that make the largest share of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
         found = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
         return (sum(found) / max(1, len(found)), sum(found))
 
     best = max(_STYLES, key=score)
-    # tabs and blanks mixed: where blanks make as many cells of every line, header too, no cell is empty or has one
+    # mixed tabs and blanks: if blanks give as many cells in every line, header included, no cell is empty or contains
+    # one
     widths = {len(cells(line, " ")) for line in lines} if best[0] == "\t" else set()
     return (" ", best[1]) if len(widths) == 1 and all(len(cells(line, "\t")) in widths for line in lines[-1:]) else best
 
 
 def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
-    """Index of the first row of numbers, and the places of the columns that hold words."""
+    """Index of the first row of numbers, and the positions of the columns of words."""
     numeric = [row for row in rows if has_number(row, decimal)]
     tail = numeric[len(numeric) // 2 :][:200]
     width = Counter(len(row.cells) for row in tail).most_common(1)[0][0]
@@ -165,7 +166,7 @@ def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
 
     wide = next(i for i, row in enumerate(rows) if len(row.cells) == width and has_number(row, decimal))
     first = next((i for i, row in enumerate(rows) if fits(row)), wide)
-    # a row with numbers directly above, no header between, is no preamble but damaged: it is refused by name later
+    # a row with numbers directly above, without a header between, is damaged, not a preamble: refused by name later
     while first and len(rows[first - 1].cells) == width and has_number(rows[first - 1], decimal):
         first -= 1
     return first, text
@@ -213,7 +214,7 @@ def _is_units(row: list[str]) -> bool:
 
 
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:
-    """The cells of a header as one name a column; None if the line is no header."""
+    """The cells of a header as one name per column; None if the line is not a header."""
     if delimiter == " ":
         row = row if len(row) == width else _BLANK_HEADER.findall(" ".join(row))
         return tuple(row) if len(row) == width else None
@@ -225,7 +226,7 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
 
 
 def _commented(text: str, width: int, delimiter: str, decimal: str) -> tuple[str, ...] | None:
-    """Names in a comment such as ``#timestamp [ns],w_x [rad s^-1]``; None if it is an ordinary comment."""
+    """Names from a comment such as ``#timestamp [ns],w_x [rad s^-1]``; None if it is an ordinary comment."""
     row = cells(text.lstrip("#%;/ \t"), delimiter)
     if delimiter == " " and len(row) != width:
         row = _BLANK_HEADER.findall(" ".join(row))
@@ -237,4 +238,4 @@ def _commented(text: str, width: int, delimiter: str, decimal: str) -> tuple[str
 def _passed(count: int, row: Row) -> tuple[str, ...]:
     if count <= 0:
         return ()
-    return (f"{count} line{'s' * (count > 1)} above the numbers passed over, the first {row.cells[0][:40]!r}",)
+    return (f"skipped {count} line{'s' * (count > 1)} above the numbers, the first {row.cells[0][:40]!r}",)

@@ -1,4 +1,4 @@
-"""The rows of numbers of a text file as columns, by pyarrow; and by name what is not a number."""
+"""Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
 from typing import Any, NamedTuple, NoReturn
@@ -14,13 +14,13 @@ from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
 FEW = 16
-"""Different words up to which a column of words may tell rows apart."""
+"""Maximum number of different words in a column that may distinguish rows."""
 
 Values = NDArray[Any]
 
 
 class Tags(NamedTuple):
-    """A column of few words: the words, and which of them stands in each row."""
+    """A column of few words: the words, and the index of the word in each row."""
 
     words: tuple[str, ...]
     codes: Values
@@ -30,26 +30,26 @@ Parsed = Values | Tags | str | None
 
 
 def columns(data: bytes, layout: Layout) -> tuple[list[Parsed], tuple[str, ...]]:
-    """The columns of the rows from ``layout.offset`` on, and notes on what was passed over.
+    """The columns of the rows from ``layout.offset`` on, and notes on what was skipped.
 
     A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
     ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for many;
-    None if it is empty. What is no number is refused with its line.
+    None if it is empty. Anything else is refused, with its line.
     """
     body = _clean(data, layout)
     body, notes = _whole_rows(body, layout)
     table = _parsed(body, layout)
     result = [_values(table.column(i), layout, i) for i in range(layout.width)]
     if any(values is NotImplemented for values in result):
-        _blame(body, layout, "a column of numbers holds something else")
+        _blame(body, layout, "a column of numbers contains something else")
     return result, notes
 
 
 def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
-    """The rows without comments, and with single blanks between cells; every line keeps its number."""
+    """The rows without comments, and with single blanks between cells; line numbers are preserved."""
     marks = MARKS[:3] if layout.delimiter == ";" else MARKS
     body: bytes | memoryview = memoryview(data)[layout.offset :]
-    # most files have no comments among the numbers: a search costs a fraction of the substitution
+    # most files have no comments among the numbers: a search is much cheaper than the substitution
     if any(_holds(data, mark.encode(), layout.offset) for mark in marks):
         pattern = rb"^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
         body = re.sub(pattern, b"", bytes(body), flags=re.MULTILINE)
@@ -57,13 +57,13 @@ def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
         return _single_blanks(bytes(body))
     if _holds(data, b" \n", layout.offset) or _holds(
         data, b" \r\n", layout.offset
-    ):  # a line of blanks is an empty one, and no row with one cell
+    ):  # a line of blanks is an empty line, not a row with one cell
         body = re.sub(rb"^ +(?=\r?$)", b"", bytes(body), flags=re.MULTILINE)
     return body
 
 
 def _holds(data: bytes, mark: bytes, start: int) -> bool:
-    """Whether a mark stands anywhere; a single byte is found ten times as fast as two."""
+    """Whether a mark occurs anywhere; a single byte is found ten times as fast as two."""
     return data.find(mark[:1], start) >= 0 and (len(mark) == 1 or data.find(mark, start) >= 0)
 
 
@@ -75,14 +75,14 @@ def _single_blanks(body: bytes) -> bytes:
 
 
 def _whole_rows(body: bytes | memoryview, layout: Layout) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows without a last line that was cut off, as when the logger lost its power, or that is a closing remark."""
+    """The rows without an incomplete last line, as after a power failure of the logger, or a closing remark."""
     tail = bytes(body[-65536:]).rstrip(b" \r\n")
     start = max(tail.rfind(b"\n"), tail.rfind(b"\r")) + 1
     last = cells(decoded(tail[start:]), layout.delimiter)
     if start == 0 or len(last) >= layout.width:
         return body, ()
     end = len(body) - min(len(body), 65536) + start
-    note = f"the last line ({decoded(tail[start:])[:40]!r}) has {len(last)} of {layout.width} columns and was left out"
+    note = f"the last line ({decoded(tail[start:])[:40]!r}) has {len(last)} of {layout.width} columns and was ignored"
     return body[:end], (note,)
 
 
@@ -102,7 +102,7 @@ def _parsed(body: bytes | memoryview, layout: Layout) -> Any:
 
 
 def _values(column: Any, layout: Layout, place: int) -> Any:
-    """One column as numbers or as its first word; NotImplemented if words stand among its numbers."""
+    """One column as numbers or as its first word; NotImplemented if words occur among its numbers."""
     import pyarrow as pa
 
     kind = column.type
@@ -114,19 +114,19 @@ def _values(column: Any, layout: Layout, place: int) -> Any:
         try:
             return np.asarray(column.cast(pa.timestamp("ns")).to_numpy(), dtype="datetime64[ns]")
         except pa.ArrowInvalid:
-            pass  # a year beyond the nanoseconds of 64 bits: words
+            pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
         try:
             words = column.cast(pa.string())
         except pa.ArrowInvalid:
-            return "text"  # of an encoding that nobody knows
+            return "text"  # of an unknown encoding
         name = layout.names[place]
         return words_of(words, f"column {name!r}" if name else f"column {place + 1}")
     return _mended(column, layout)
 
 
 def words_of(column: Any, label: str) -> Parsed:
-    """A column of words of pyarrow: dates and times as such, a few words that come again as codes, or the first."""
+    """A column of words of pyarrow: dates and times, a few repeated words as codes, otherwise the first word."""
     import pyarrow.compute as pc
 
     first = str(next((entry for entry in column[:100].to_pylist() if entry), "text"))
@@ -142,7 +142,7 @@ def words_of(column: Any, label: str) -> Parsed:
 
 
 def _mended(column: Any, layout: Layout) -> Any:
-    """Numbers that pyarrow does not take as they stand: with a plus sign, or blanks instead of nothing."""
+    """Numbers that pyarrow does not accept as they are: with a plus sign, or blanks for an empty cell."""
     import pyarrow as pa
     import pyarrow.compute as pc
 
@@ -157,7 +157,7 @@ def _mended(column: Any, layout: Layout) -> Any:
 
 
 def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn:
-    """Name the line and column of what is not a number: slow, but only on the way to a refusal."""
+    """Name the line and column of what is not a number; slow, but used only for a refusal."""
     for i, raw in enumerate(bytes(body).splitlines()):
         line = decoded(raw).strip(" ") if layout.delimiter == " " else decoded(raw)
         row = cells(line, layout.delimiter)
@@ -165,7 +165,7 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
             continue
         where = f"line {layout.line + i}"
         if len(row) != layout.width:
-            raise DataError(f"{where} has {len(row)} columns where {layout.width} are expected: {line[:60]!r}")
+            raise DataError(f"{where} has {len(row)} columns instead of {layout.width}: {line[:60]!r}")
         for place, cell in enumerate(row):
             if place not in layout.text and not is_number(cell, layout.decimal) and cell.lower() not in MISSING:
                 name = layout.names[place] or f"column {place + 1}"

@@ -1,4 +1,4 @@
-"""Several sensors in one file: rows that take turns, told apart by an id, or ids that stand between the columns."""
+"""Several sensors in one file: alternating rows distinguished by an id, or ids between the columns."""
 
 import re
 from dataclasses import replace
@@ -12,14 +12,14 @@ from .column import Column
 from .parse import Tags
 
 MOST = 8
-"""Sensors that may take turns."""
+"""Maximum number of sensors with alternating rows."""
 
 _ID = re.compile(r"(^|[^a-z])(sensor|type|id|source|name|tag|device)([^a-z]|$)|sensor_?(id|type|name)")
 _AXES = ("x", "y", "z")
 
 
 class Turns(NamedTuple):
-    """A column that tells whose row it is: its place among the columns, the ids, and which of them each row has."""
+    """A column that identifies the sensor of each row: its position, the ids, and the index of the id in each row."""
 
     place: int
     ids: tuple[str, ...]
@@ -27,10 +27,10 @@ class Turns(NamedTuple):
 
 
 def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
-    """The column by which the rows of several sensors are told apart; None if all rows are of one.
+    """The column that distinguishes the rows of several sensors; None if all rows belong to one.
 
-    A column of a few words is one if they change often; a column of numbers if its header says so, or if they come
-    round and round in the same order, which readings do not.
+    A column of a few words is one if they change often; a column of numbers
+    if its header says so, or if they repeat in the same order, which samples do not.
     """
     for place, column in enumerate(columns):
         named = bool(_ID.search(column.header.lower()))
@@ -52,7 +52,7 @@ def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
 
 
 def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[str, ...]]:
-    """The columns of each sensor, named after it, and the words about that."""
+    """The columns of each sensor, named after it, and a note."""
     groups, position = [], len(columns)
     for code, name in enumerate(by.ids):
         rows = by.codes == code
@@ -69,13 +69,14 @@ def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[s
         groups.append(group)
     label = columns[by.place].label
     sizes = ", ".join(f"{name} ({int((by.codes == code).sum())} rows)" for code, name in enumerate(by.ids))
-    return groups, (f"the rows are those of {len(by.ids)} sensors by {label}: {sizes}",)
+    return groups, (f"the rows belong to {len(by.ids)} sensors according to {label}: {sizes}",)
 
 
 def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
-    """Columns without header, named after the ids that stand before them: ``3, ax, ay, az, 4, gx, gy, gz``.
+    """Columns without header, named after the ids that precede them: ``3, ax, ay, az, 4, gx, gy, gz``.
 
-    An id is a whole number that never changes; there are two or more, all different, with as many readings behind each.
+    An id is an integer that never changes; there are at least two, all different, each followed by the same number of
+    columns.
     """
     ids = [i for i, column in enumerate(columns) if _constant(column)]
     if len(ids) < 2 or any(column.header for column in columns):
@@ -94,7 +95,7 @@ def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
     }
     result = [replace(column, name=names.get(column.position, column.name)) for column in named]
     said = ", ".join(f"{columns[i].position} (always {number})" for i, number in zip(ids, numbers, strict=True))
-    return result, (f"columns {said} are taken as ids of sensors, and the readings behind each named after it",)
+    return result, (f"columns {said} are used as ids of sensors, and the columns after each are named after it",)
 
 
 def _constant(column: Column) -> bool:
@@ -103,10 +104,10 @@ def _constant(column: Column) -> bool:
 
 
 def wanted(groups: list[list[Column]], keys: tuple[str, ...] | None) -> list[Column]:
-    """The columns of the sensors that the user chose from; of all sensors if they have the same number of rows.
+    """The columns of the sensors selected by the user; of all sensors if they have the same number of rows.
 
-    Without a choice, of sensors that have different numbers of rows, those are kept that are inertial by their names,
-    if they agree; otherwise all, and the table will say that they do not.
+    By default, if the sensors have different numbers of rows, those with inertial
+    names are kept if their numbers agree; otherwise all, which the table then refuses.
     """
     if keys is not None:
         asked = {key.strip().lower() for key in keys}

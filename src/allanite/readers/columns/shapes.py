@@ -1,17 +1,17 @@
-"""Texts whose lines are not the rows: a whole recording on a line, or several lines for one sample."""
+"""Texts whose lines are not the rows: a whole recording on a line, or several lines per sample."""
 
 import re
 
 from .layout import HEAD, MARKS, cells, decoded, is_number, style
 
 WIDEST = 1000
-"""Numbers on a line beyond which the line is a channel and not a sample."""
+"""Numbers per line above which the line is a channel and not a sample."""
 
 _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
 
 
 def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
-    """The text with one line for each sample, and the words about what was turned or joined."""
+    """The text with one line per sample, and a note on what was transposed or joined."""
     if data.lstrip().startswith(b"$"):
         data = _CHECKSUM.sub(b"", data)
     turned = _turned(data)
@@ -38,11 +38,11 @@ def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     length = len(rows[0]) - names
     said = f"the {len(rows)} lines of {length} numbers are" if len(rows) > 1 else f"the line of {length} numbers is"
     comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
-    return (comments + body + "\n").encode(), (f"{said} taken as {'channels' if len(rows) > 1 else 'one channel'}",)
+    return (comments + body + "\n").encode(), (f"{said} used as {'channels' if len(rows) > 1 else 'one channel'}",)
 
 
 def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
-    """Lines that take turns in having more and fewer numbers become one for each sample; None if they do not."""
+    """Lines that alternate between more and fewer numbers become one line per sample; None if they do not."""
     head = [line.strip() for line in decoded(data[:HEAD]).splitlines()[:400]]
     plain = [line for line in head if line and not line.startswith(MARKS)]
     delimiter, decimal = style(plain[-200:])
@@ -59,12 +59,12 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     mark = delimiter if delimiter != " " else "  "
     rows = [mark.join(kept[i : i + period]) for i in range(first, len(kept), period)]
     names = [mark.join(kept[:first])] if first == period else kept[:first]
-    note = f"{period} lines of {', '.join(map(str, numeric[:period]))} numbers are taken as one row for a sample"
+    note = f"{period} lines of {', '.join(map(str, numeric[:period]))} numbers are used as one row per sample"
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
 
 
 def _period(widths: list[int]) -> int:
-    """After how many lines the numbers of cells come again; 0 if they are all alike or follow no order."""
+    """Period after which the numbers of cells repeat; 0 if they are all equal or not periodic."""
     if len(set(widths)) < 2:
         return 0
     for period in range(2, 7):

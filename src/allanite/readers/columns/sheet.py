@@ -1,4 +1,4 @@
-"""A text file as columns that are asked for by name, whatever they are: angles, cosines, times."""
+"""A text file as columns of any kind requested by name: angles, cosines, times."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.units import unit_of
+from allanite.core.wording import spelled
 from allanite.readers.formats.text import sheet_of
 from allanite.readers.sandbox.source import checked, digest_of
 
@@ -17,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The columns of a file, where it is, its sha256, and what was assumed.
+    """The columns of a file, its path, its sha256, and the assumptions.
 
     Examples
     --------
@@ -32,33 +33,35 @@ class Sheet:
     notes: tuple[str, ...] = ()
 
     def values(self, key: str, unit: str, *, given: str | None = None) -> FloatArray:
-        """The column `key` (name, header, or place from 1) in `unit`: float64 of shape (n,), NaN where a cell is empty.
+        """The column `key` (name, header, or position from 1) in `unit`, float64 of shape (n,); empty cells are NaN.
 
-        `given` is what the column is in, over its header. Refused are a column that is not there (`UsageError`), of no
-        known unit (`UsageError`), of another quantity (`UnitError`) or of text (`DataError`).
+        `given` is the unit of the column and overrides its header. A missing column or unknown unit raises
+        `UsageError`, another quantity `UnitError`, text `DataError`.
         """
         column = lookup(self.columns, key)
         column.demand_numbers()
         said = given or column.unit
         if not said and unit != "1":
             raise UsageError(
-                f"the unit of {column.label} is not known: write it into the header as in '{column.name} [deg]', or "
-                "pass it (--unit deg)"
+                f"the unit of {column.label} is unknown: write it in the header as in '{column.name} [deg]', or "
+                f"pass {spelled('--unit deg', 'given=deg')}"
             )
         size, wanted = unit_of(said or "1"), unit_of(unit)
-        # a cosine's difference is a number, and may be written as a small angle too
+        # the difference of a cosine is a number, but may also be written as a small angle
         if size.dimension != wanted.dimension and not (unit == "1" and size.dimension == unit_of("rad").dimension):
             raise UnitError(f"{column.label} is in {said!r}, which cannot be converted to {unit!r}")
         return np.asarray(column.values, dtype=np.float64) * (size.factor / wanted.factor)
 
 
 def sheet(path: str) -> Sheet:
-    """Read the columns of a text or CSV file; `DataError` if it is not there or holds no rows of numbers."""
+    """Read the columns of a text or CSV file; `DataError` if it does not exist or contains no rows of numbers."""
     name, _ = checked(path)
     try:
         columns, notes = sheet_of(name)
-    except DataError as error:
-        raise DataError(f"{name}: {error}") from None
+    except DataError:
+        raise DataError(
+            "Read the columns of a text or CSV file; `DataError` if it does not exist or contains no rows of numbers."
+        ) from None
     except OSError as error:
         raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
     return Sheet(unique(tuple(columns)), name, digest_of(name), notes)

@@ -1,6 +1,6 @@
-"""Table: the columns of a file before anybody has said what they are. Every reader fills one.
+"""Table: the uninterpreted columns of a file. Every reader fills one.
 
-What a Recording says beyond its numbers is one line of JSON that each format which is written keeps somewhere.
+The properties of a Recording beyond its numbers are one line of JSON, which each written format stores.
 """
 
 import json
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import KINDS, Record, Recording
 from allanite.core.units import signal_with, unit_of
+from allanite.core.wording import spelled
 from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
@@ -22,17 +23,17 @@ from .arrays import RATE_NAMES
 from .column import Column, unique
 
 KEY = "allanite"
-"""The name under which a format keeps it."""
+"""The name under which a format stores it."""
 
 SOURCE = "the description in the file"
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The columns of a file in its order, what the file itself says about them, and what was assumed so far.
+    """The columns of a file in its order, what the file states about them, and the assumptions so far.
 
     `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
-    `rate_source` is where it states the rate.
+    `rate_source` is the place where it states the rate.
     """
 
     columns: tuple[Column, ...]
@@ -42,14 +43,14 @@ class Table:
     start: float | None = None
 
     def recording(self, options: Options) -> Recording:
-        """The channels as records on one clock."""
+        """The channels as records with common sample times."""
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
-                "the file holds fewer than 2 rows of numbers; a record needs thousands, one row for each sample"
+                "the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample"
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
-        # a column of which the file says what its readings are is a clock only if the user says so
+        # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
         sources = replace(clocks.find(open_, options.time, chosen), rate=table.rate, source=table.rate_source)
         time = sources.stamps
@@ -72,7 +73,7 @@ class Table:
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
-    """Which rows have the readings of the row before in every column, shape (n - 1,); (False,) without a column."""
+    """Which rows repeat the row before in every column, shape (n - 1,); (False,) without a column."""
     same = [column.values[1:] == column.values[:-1] for column in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 
@@ -80,11 +81,14 @@ def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
 def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:
     values, name = signal.column.values, signal.column.name
     start, history = stated if beat.start is None else beat.start, signal.column.history
-    # a float this large turns into another integer without a word
+    # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
-        raise DataError(f"{signal.column.label} holds counts beyond the range of 64-bit integers; use kind='increment'")
+        raise DataError(
+            f"{signal.column.label} contains counts beyond the range of 64-bit integers; use "
+            f"{spelled('--kind increment', 'kind=increment')}"
+        )
     put, kind = beat.grid.put(values), signal.kind
-    if beat.grid.lost and kind == "count":  # a gap is no integer: the same numbers, as increments
+    if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
         kind = "increment"
     history = (*history, *beat.grid.history)
     return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)
@@ -95,15 +99,16 @@ def _demand_rows(columns: list[Column]) -> None:
     if len(set(lengths.values())) > 1:
         which = ", ".join(f"{label} has {length}" for label, length in lengths.items())
         raise DataError(
-            f"the columns have different lengths ({which}); choose those of one length with channels=... (--channels)"
+            f"the columns have different lengths ({which}); select columns of one length with "
+            f"{spelled('--channels', 'channels=...')}"
         )
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(f"{label} holds {length} numbers; a record needs thousands, one row for each sample")
+            raise DataError(f"{label} contains {length} numbers; a record needs thousands, one row per sample")
 
 
 def described(recording: Recording) -> str:
-    """Rate, start and what each channel is, in ASCII."""
+    """Rate, start and the description of each channel, in ASCII."""
     channels = [
         {name: getattr(record, name) for name in ("name", "unit", "kind", "scale")}
         | {"integers": record.values.dtype.kind == "i", "history": list(record.history)}
@@ -114,7 +119,7 @@ def described(recording: Recording) -> str:
 
 
 def keys(recording: Recording) -> list[str]:
-    """A name for each channel that any format takes: ASCII letters, digits and _, none twice."""
+    """A unique name for each channel that any format accepts: ASCII letters, digits and _."""
     taken = {KEY, *RATE_NAMES}
     result = []
     for record in recording:
@@ -129,13 +134,13 @@ def keys(recording: Recording) -> list[str]:
 
 
 def restored(table: Table, text: str | bytes) -> Table:
-    """The columns with what a description says of them; one that does not fit them is not used, with a note."""
+    """The columns with their stored description; a description that does not fit them is ignored, with a note."""
     if not text:
         return table
     try:
         return _restored(table, json.loads(text))
     except (AllaniteError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
-        note = f"{SOURCE} does not fit its columns (were they changed since it was written?) and is not used"
+        note = f"{SOURCE} does not match its columns (were they changed since it was written?) and is ignored"
         return replace(table, notes=(*table.notes, note))
 
 
@@ -152,7 +157,7 @@ def _told(column: Column, said: dict[str, Any]) -> Column:
         raise ValueError(unit)
     return replace(
         column,
-        # text has no floats, only numbers: 1.0 is read as an integer
+        # JSON text may contain 1.0 as an integer
         values=column.values if said["integers"] else column.values.astype(np.float64),
         name=str(said["name"]),
         unit=unit,

@@ -1,1 +1,1 @@
-"""One format one file."""
+"""One module per format."""

@@ -1,4 +1,4 @@
-"""The recording in a file whose contents a process of its own lists: HDF5, MATLAB, R."""
+"""The recording in a file whose contents are listed by a separate process: HDF5, MATLAB, R."""
 
 import math
 import os
@@ -18,12 +18,12 @@ from allanite.readers.sandbox.process import Process
 
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
-    """The channels of a file that `sandbox.worker` opens; with `transposed`, the sides of its arrays are exchanged."""
+    """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
     with Process(form, path, {"rates": RATE_NAMES, "text": KEY}) as process:
         said = process.said
         with worded():
             found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
-        notes = [f"left out, no numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
+        notes = [f"not used, not numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
         return recording(rated(found, said["numbers"]), options, notes, said["description"])
 
 
@@ -48,14 +48,14 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
 
 
 def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape of a MATLAB array; of a vector its length alone."""
+    """The shape of a MATLAB array; for a vector only its length."""
     turned = shape[::-1]
     return (max(turned),) if len(turned) == 2 and min(turned) == 1 else turned
 
 
 def _said(item: Mapping[str, Any], texts: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
-    """Unit and names of columns, which may carry units of their own."""
-    # pandas keeps the names beside the numbers
+    """Unit and names of columns, which may include units."""
+    # pandas stores the names separately from the numbers
     beside = texts.get(str(item["path"]).removesuffix("_values") + "_items")
     names = next((item[n] for n in ("columns", "names", "channels", "labels") if isinstance(item.get(n), list)), beside)
     units = item.get("units", item.get("unit"))

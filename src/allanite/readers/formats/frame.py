@@ -15,12 +15,12 @@ from . import text
 
 
 def read(frame: Frame, options: Options) -> Recording:
-    """The channels of a table; the names of its columns are read as the headers of a CSV are.
+    """The channels of a table; the names of its columns are read like the headers of a CSV file.
 
     The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.
     """
     if options.dtype is not None:
-        raise UsageError("dtype, columns and offset describe raw binary files; leave them out for a table in memory")
+        raise UsageError("dtype, columns and offset describe raw binary files; omit them for a table in memory")
     named = list(_named(frame))
     headers = tuple(name for name, _ in named)
     values = [_parsed(name, entry) for name, entry in named]
@@ -29,7 +29,7 @@ def read(frame: Frame, options: Options) -> Recording:
 
 
 def _named(frame: Any) -> Iterator[tuple[str, Any]]:
-    """Names and NumPy arrays of the columns, the index first where it says something."""
+    """Names and NumPy arrays of the columns, the index first if it carries information."""
     index: Any = getattr(frame, "index", None)
     if hasattr(index, "to_numpy"):
         values = index.to_numpy()
@@ -38,12 +38,12 @@ def _named(frame: Any) -> Iterator[tuple[str, Any]]:
     for name in getattr(frame, "column_names", frame.columns):  # pyarrow calls its arrays columns
         values = frame[name].to_numpy()
         if values.ndim != 1:
-            raise DataError(f"several columns of the table, or one of several dimensions, are called {str(name)!r}")
+            raise DataError(f"several columns of the table, or one with several dimensions, are called {str(name)!r}")
         yield str(name), values
 
 
 def _parsed(name: str, values: Any) -> parse.Parsed:
-    """A column as that of a text is parsed."""
+    """A column, parsed like that of a text file."""
     import pyarrow as pa
 
     if values.dtype.kind in "Mm":

@@ -16,7 +16,7 @@ _PLACES = (0, 512, 1024, 2048, 4096, 8192, 16384, 32768)
 
 
 def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature stands at one of its places, or the name is that of an HDF5 file."""
+    """Whether the signature is at one of its places, or the name is that of an HDF5 file."""
     return _signed(head) or head.startswith(MATLAB) or suffix in (".h5", ".hdf5", ".hdf")
 
 
@@ -36,7 +36,7 @@ def read(path: str, options: Options) -> Recording:
 
 
 def write(recording: Recording, path: str) -> None:
-    """A dataset for each channel with its unit as attribute, the rate as attribute of the file."""
+    """A dataset for each channel with its unit as an attribute, and the rate as an attribute of the file."""
     demand_library("h5py", "hdf5")
     import h5py
 

@@ -27,7 +27,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a .mat file: variables and fields of structures of one length.
 
-    Cells, objects, functions and sparse matrices are left out; nothing in the file can run.
+    Cells, objects, functions and sparse matrices are ignored; nothing in the file is executed.
     """
     return contained("mat", path, options)
 
@@ -37,7 +37,7 @@ def write(recording: Recording, path: str) -> None:
     from scipy.io import savemat
 
     if max(record.values.nbytes for record in recording) > _LARGEST:
-        raise UsageError("a channel is over the 2 GB that a MATLAB 5 variable may have; write .h5 or .parquet")
+        raise UsageError("a channel exceeds the 2 GB limit of a MATLAB 5 variable; write .h5 or .parquet")
     content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
     with open(path, "wb") as file:
         savemat(file, content | {"rate": recording[0].rate, KEY: described(recording)}, oned_as="column")

@@ -23,7 +23,7 @@ NPY, ZIP, PICKLE = b"\x93NUMPY", b"PK\x03\x04", b"\x80"
 
 
 def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or else the name, are those of a NumPy file; a .zip may hold one beside others."""
+    """Whether the first bytes, or the name, are those of a NumPy file; a .zip may contain one among others."""
     archive = head.startswith(ZIP) and b".npy" in head[:4096] and suffix != ".zip"
     return head.startswith(NPY) or archive or suffix in (".npy", ".npz")
 
@@ -31,8 +31,8 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a .npy or .npz file; pickled objects in it are refused, never loaded.
 
-    A one-dimensional array is one channel; a two-dimensional one has a channel in each column; the fields of a
-    structured array, and the arrays of a .npz, are named like the headers of a text, with a unit where they carry one.
+    A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a structured
+    array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     """
     arrays, notes = _loaded(path), list[str]()
     text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
@@ -46,7 +46,7 @@ def read(path: str, options: Options) -> Recording:
         for header, values in split(name, array):
             columns.append(column(header, values, len(columns) + 1))
     if not columns:
-        raise DataError("the file holds no array of readings")
+        raise DataError("the file contains no array of samples")
     table = Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes))
     return restored(table, text).recording(options)
 
@@ -61,7 +61,7 @@ def write(recording: Recording, path: str) -> None:
 
 
 def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
-    """Names and arrays; the name of a lone array is empty."""
+    """Names and arrays; the name of a single array is empty."""
     with Path(path).open("rb") as file:
         head = file.read(1024)
     if head.startswith(PICKLE) or (head.startswith(NPY) and (b"'|O" in head or b"'O'" in head)):
@@ -75,15 +75,15 @@ def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
 
 
 def _copied(path: str) -> NDArray[Any]:
-    # a map compares the size that the header claims with that of the file before any memory is taken
+    # a memory map checks the size claimed by the header against that of the file before memory is allocated
     mapped = np.load(path, mmap_mode="r", allow_pickle=False)
-    demand_size(mapped.size, path, "the array")  # elements of no width take no room in the file
+    demand_size(mapped.size, path, "the array")  # elements of zero width take no room in the file
     return np.array(mapped)
 
 
 def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
     _demand_sizes(path)
-    # numpy leaves a file open whose archive is damaged, if it opened the file itself
+    # numpy leaves a file with a damaged archive open if it opened the file itself
     with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
         return [(name, _member(archive, name)) for name in archive.files]
 
@@ -96,19 +96,19 @@ def _member(archive: Any, name: str) -> NDArray[Any]:
             _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged: {error}"
         ) from None
     if not isinstance(array, np.ndarray):
-        raise DataError(f"{name!r} in the archive is no NumPy array")
+        raise DataError(f"{name!r} in the archive is not a NumPy array")
     return array
 
 
 def _objects(what: str) -> str:
     return (
-        f"{what} holds pickled Python objects, which are never loaded since they can run code; "
-        "save plain numbers: np.save(path, np.asarray(data, dtype=float))"
+        f"{what} contains pickled Python objects, which are never loaded because they can run code; save plain "
+        "numbers: np.save(path, np.asarray(data, dtype=float))"
     )
 
 
 def _demand_sizes(path: str) -> None:
-    """Numpy takes the memory that the header of a member claims before it reads the member."""
+    """NumPy allocates the memory claimed by the header of a member before reading it."""
     demand_directory(path)
     with zipfile.ZipFile(path) as archive:
         members = archive.infolist()
@@ -127,10 +127,10 @@ def _claimed(stream: Any) -> int:
     form = np.lib.format
     one = form.read_magic(stream) == (1, 0)
     shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
-    return 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)  # objects are refused by their own words
+    return 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)  # objects are refused elsewhere
 
 
 def _notes(name: str, array: NDArray[Any]) -> list[str]:
     if array.ndim == 0 and not array.dtype.names and name.lower() not in RATE_NAMES:
-        return [f"the single value {name!r} was not used"]
+        return [f"the single value {name!r} was ignored"]
     return [turned_note(name, array)] if turned(array) else []

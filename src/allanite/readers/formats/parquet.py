@@ -1,4 +1,4 @@
-"""Parquet tables: columns read one by one, units from their metadata or their names."""
+"""Parquet tables: columns read one by one, units from their metadata or names."""
 
 import json
 from typing import Any
@@ -33,7 +33,7 @@ def read(path: str, options: Options) -> Recording:
     with worded(), parquet.ParquetFile(path, memory_map=True) as file:
         schema, rows = file.schema_arrow, file.metadata.num_rows
         if len(schema) > WIDEST:
-            raise DataError(f"the table has {len(schema)} columns; a recording has one for each channel")
+            raise DataError(f"the table has {len(schema)} columns; expected one per channel")
         demand_size(rows * 8 * len(schema), path, "the table")
         demand_size(_unpacked(file.metadata), path, "the table")
         names = schema.names
@@ -44,7 +44,7 @@ def read(path: str, options: Options) -> Recording:
                 left.append(field.name)
             else:
                 columns.append(_column(file, field, place, names[: place - 1].count(field.name)))
-    notes = (f"left out, lists or structures: {', '.join(left)}",) if left else ()
+    notes = (f"not used, lists or structures: {', '.join(left)}",) if left else ()
     table = Table(tuple(c for c in columns if c.name not in index), rate, "the metadata of the file", notes)
     return restored(table, text).recording(options)
 
@@ -64,16 +64,16 @@ def write(recording: Recording, path: str) -> None:
 
 
 def _unpacked(metadata: Any) -> int:
-    """Bytes that the row groups claim to unpack to.
+    """Size in bytes that the row groups claim to unpack to.
 
-    What single columns claim is not asked: over damaged statistics of one, pyarrow ends the interpreter
+    The claims of single columns are not read: damaged statistics make pyarrow abort the interpreter
     ("Repetition level histogram size mismatch", pyarrow 26).
     """
     return sum(max(0, metadata.row_group(i).total_byte_size) for i in range(metadata.num_row_groups))
 
 
 def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
-    """Sampling rate, our own description and the columns that are only an index, as far as the file has them."""
+    """Sampling rate, stored description and the columns that are only an index, if the file has them."""
     rates = [said[name.encode()] for name in RATE_NAMES if name.encode() in said]
     try:
         rate = float(rates[0]) if rates else None
@@ -83,7 +83,7 @@ def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
 
 
 def _index(said: dict[bytes, bytes]) -> set[str]:
-    """The nameless index that pandas writes as a column of its own."""
+    """The unnamed index that pandas writes as a column."""
     try:
         names = json.loads(said.get(b"pandas", b"{}")).get("index_columns", [])
     except (ValueError, AttributeError, RecursionError):
@@ -92,11 +92,11 @@ def _index(said: dict[bytes, bytes]) -> set[str]:
 
 
 def _column(file: Any, field: Any, place: int, before: int) -> Column:
-    """A column; `before` it there are so many of its name."""
+    """A column; `before` columns of the same name precede it."""
     said = field.metadata or {}
     unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
     if not is_number(field.type):
-        # not all of it: a dictionary of long words stands for any length
+        # not all of it: a dictionary of long words may represent any length
         first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
         word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
         return headed(np.empty(0), place, field.name, text=str(word or "text")[:100])

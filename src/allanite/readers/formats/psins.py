@@ -31,7 +31,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors stand in the file."""
+    """The six channels ``gx gy gz ax ay az`` as counts; interval and scale factors are in the file."""
     data = Path(path).read_bytes()
     rows = _rows(data)
     if len(rows) < 4:

@@ -1,6 +1,6 @@
 """R's .rda, .RData and .rds: matrices, data frames, time series and lists of them.
 
-What they are compressed with, `packing` has taken off.
+Their compression is removed by `packing`.
 """
 
 from allanite.core.errors import DataError
@@ -21,12 +21,12 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 
 def read(path: str, options: Options) -> Recording:
-    """The channels of an R file; names of columns, ``freq`` and units of attributes are used where they are there."""
+    """The channels of an R file; column names, ``freq`` and unit attributes are used if present."""
     with open(path, "rb") as file:
         head = file.read(8)
     if not head.startswith(_MAGIC):
         raise DataError(
-            f"the file is not in R's binary form (it begins with {head!r}); write it again with "
-            "save(x, file='x.rda') or saveRDS(x, 'x.rds')"
+            f"the file is not in R's binary format (it begins with {head!r}); write it again with save(x, "
+            "file='x.rda') or saveRDS(x, 'x.rds')"
         )
     return contained("r", path, options)

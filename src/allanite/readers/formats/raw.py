@@ -1,4 +1,4 @@
-"""Raw binary: rows of numbers and nothing else. No first byte tells it, so it is read only where the user says so."""
+"""Raw binary: rows of numbers and nothing else. It has no signature, so it is read only if the user says so."""
 
 import os
 from collections.abc import Iterator
@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
-TITLE = "raw binary, with dtype='i2' (--dtype i2)"
+TITLE = "raw binary (give its dtype)"
 
 
 def sniff(head: bytes, suffix: str) -> bool:
@@ -39,17 +40,22 @@ def _row(options: Options) -> np.dtype[Any]:
         number = np.dtype(object)
     if not _real(number) or not number.itemsize:
         raise UsageError(
-            f"unknown type of number {said!r}; it is spelled as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with > in "
-            "front where the high byte comes first, as in '>i2'; 'u4,6i2' for rows of mixed types"
+            f"unknown number type {said!r}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with > "
+            "in front for big-endian, as in '>i2'; 'u4,6i2' for rows of mixed types"
         )
     if options.columns is None:
         return number
     if number.names:
-        raise UsageError(f"the type {said!r} is that of a whole row; leave out columns={options.columns} (--columns)")
+        raise UsageError(
+            f"the type {said!r} describes a whole row; omit "
+            f"{spelled(f'--columns {options.columns}', f'columns={options.columns}')}"
+        )
     try:
         return np.dtype((number, (options.columns,)))
     except (ValueError, OverflowError):
-        raise UsageError(f"columns={options.columns} (--columns) are more than a row can have") from None
+        raise UsageError(
+            f"{spelled(f'--columns {options.columns}', f'columns={options.columns}')} is more than a row can have"
+        ) from None
 
 
 def _real(number: np.dtype[Any]) -> bool:
@@ -60,13 +66,13 @@ def _real(number: np.dtype[Any]) -> bool:
 
 def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
     if size <= 0:
-        raise DataError(f"the file has {size + offset} bytes and ends before the offset of {offset}; check --offset")
+        raise DataError(f"the file has {size + offset} bytes and ends before the offset of {offset}; check the offset")
     count, over = divmod(size, row.itemsize)
     if over:
-        have = f"{size} bytes behind the offset of {offset}" if offset else f"{size} bytes"
+        have = f"{size} bytes after the offset of {offset}" if offset else f"{size} bytes"
         raise DataError(
-            f"the file has {have}, which is no multiple of the {row.itemsize} bytes of a row: {count} rows and {over} "
-            "bytes over; check dtype, columns and offset (--dtype, --columns, --offset)"
+            f"the file has {have}, which is not a multiple of the {row.itemsize} bytes of a row: {count} rows and "
+            f"{over} bytes remain; check {spelled('--dtype, --columns and --offset', 'dtype, columns and offset')}"
         )
     return count
 

@@ -1,4 +1,4 @@
-"""The formats that are read and written, as tables: a line of `READERS` names a module with TITLE, sniff and read.
+"""The formats that can be read and written: a line of `READERS` names a module with TITLE, sniff and read.
 
 Readers of other packages are entry points of the group ``allanite.readers``.
 """
@@ -16,27 +16,27 @@ from allanite.readers.options import Frame, Options
 
 
 class Reader(Protocol):
-    """A format that is read: what it is called, whether bytes and suffix look like it, and how it is read."""
+    """A format that can be read: its name, a test of the first bytes and suffix, and its reader."""
 
     @property
     def TITLE(self) -> str:
-        """What the format is called."""
+        """Name of the format."""
 
     def sniff(self, head: bytes, suffix: str, /) -> bool:
         """Whether the first bytes and the suffix of a file look like it."""
 
     def read(self, path: str, options: Options, /) -> Recording:
-        """The channels of a file; `DataError` if it is damaged, `UsageError` if something is neither in it nor said."""
+        """The channels of a file; `DataError` if it is damaged, `UsageError` if required information is missing."""
 
 
 class Writer(Protocol):
-    """A format that is written."""
+    """A format that can be written."""
 
     def write(self, recording: Recording, path: str, /) -> None:
-        """Write a recording whose records have one clock and one length."""
+        """Write a recording whose records have common sample times and one length."""
 
 
-READERS: dict[str, str] = {  # asked in this order, plugins before text, which sniffs least
+READERS: dict[str, str] = {  # tried in this order; plugins come before text, which is the least specific
     "numpy": "numpy_file",
     "psins": "psins",
     "parquet": "parquet",
@@ -64,7 +64,7 @@ GROUP = "allanite.readers"
 
 @dataclass(frozen=True)
 class Plugin:
-    """A reader that another package brings; it is loaded when it is first asked."""
+    """A reader of another package, loaded on first use."""
 
     entry: EntryPoint
 
@@ -82,7 +82,7 @@ class Plugin:
 
     @property
     def TITLE(self) -> str:
-        """What the format is called."""
+        """Name of the format."""
         return str(self.loaded.TITLE)
 
     def sniff(self, head: bytes, suffix: str) -> bool:
@@ -90,10 +90,10 @@ class Plugin:
         return bool(self._called("sniff", head, suffix))
 
     def read(self, path: str, options: Options) -> Recording:
-        """The recording that the plugin makes of the file."""
+        """The recording returned by the plugin."""
         recording = self._called("read", path, options)
         if not isinstance(recording, Recording):
-            raise UsageError(self._broken(f"read gave a {type(recording).__name__} and not a Recording"))
+            raise UsageError(self._broken(f"read returned a {type(recording).__name__} instead of a Recording"))
         return recording
 
     def _called(self, name: str, *given: Any) -> Any:
@@ -134,21 +134,21 @@ def _module(name: str) -> Any:
 
 
 def candidates() -> Iterator[Reader]:
-    """The readers in the order in which they are asked."""
+    """The readers in the order in which they are tried."""
     yield from (reader_named(name) for name in READERS if name != "text")
     yield from plugins()
     yield reader_named("text")
 
 
 def reader_for(head: bytes, suffix: str) -> Reader:
-    """The first reader that knows the format by the file's first bytes or its suffix."""
+    """The first reader that recognizes the first bytes or the suffix of the file."""
     for reader in candidates():
         if reader.sniff(head, suffix):
             return reader
     titles = "; ".join(reader.TITLE for reader in candidates())
     raise DataError(
-        f"the file is of no format that is read (it begins with {head[:8]!r}); what is read: {titles}; and any of "
-        "these in a .zip, .gz, .bz2 or .xz"
+        f"unknown file format (the file begins with {head[:8]!r}); readable formats: {titles}; and any of these in "
+        "a .zip, .gz, .bz2 or .xz"
     )
 
 
@@ -158,8 +158,11 @@ def readable(head: bytes, suffix: str) -> bool:
 
 
 def writer_for(suffix: str) -> Writer:
-    """The format that is written to files of that suffix."""
+    """The format written to files with that suffix."""
     if suffix not in WRITERS:
-        raise UsageError(f"no format is written to files that end in {suffix!r}; those that are: {', '.join(WRITERS)}")
+        raise UsageError(
+            f"no format can be written to files with suffix {suffix!r}; suffixes that can be written: "
+            f"{', '.join(WRITERS)}"
+        )
     writer: Writer = _module(WRITERS[suffix])
     return writer

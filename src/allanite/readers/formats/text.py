@@ -13,7 +13,7 @@ from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.table import KEY, Table, described, restored
 from allanite.readers.options import Options
 
-TITLE = "text or CSV: columns of numbers, with a header or without"
+TITLE = "text or CSV: columns of numbers, with or without a header"
 
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -36,7 +36,7 @@ def read(path: str, options: Options) -> Recording:
 
 
 def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[str, ...], options: Options) -> Table:
-    """The table of columns, those of several sensors apart from each other."""
+    """The table of columns, those of several sensors separated."""
     by = sensors.turns(columns, tags)
     if by is None:
         columns, told = sensors.between(columns)
@@ -47,7 +47,7 @@ def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[st
 
 
 def write(recording: Recording, path: str) -> None:
-    """A CSV with a column for each channel; other programs pass over the first line as a comment."""
+    """A CSV file with a column for each channel; other programs skip the first line as a comment."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -59,18 +59,18 @@ def write(recording: Recording, path: str) -> None:
 
 
 def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
-    """The columns of a text file, whatever they are, and what was assumed; errors as those of `read`."""
+    """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
     data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
     columns, _, said = columns_of(data)
     return columns, (*notes, *said)
 
 
 def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
-    """The columns of a text, those of few words by their place, and what was assumed."""
+    """The columns of a text, those of few words by position, and the assumptions."""
     found = layout.find(data)
     if found.width > shapes.WIDEST:
         raise DataError(
-            f"line {found.line} holds {found.width} numbers; one row for each sample is expected, each on its own line"
+            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
         )
     values, passed = parse.columns(data, found)
     columns, tags, said = of_parsed(values, found.names, found.units)
@@ -86,14 +86,14 @@ def _plain(data: bytes) -> bytes:
             raise DataError(f"the file begins like UTF-16 text but is damaged: {error}") from None
     data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
     if b"\x00" in data:
-        raise DataError(f"a zero byte stands at byte {data.index(0)} of the text: the file is damaged or binary")
+        raise DataError(f"there is a zero byte at byte {data.index(0)} of the text: the file is damaged or binary")
     return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
 def of_parsed(
     values: list[parse.Parsed], headers: tuple[str, ...], units: tuple[str, ...]
 ) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
-    """The columns, those of few words by their place, and the words about dates that were put together."""
+    """The columns, those of few words by position, and notes about joined dates and times."""
     values, names, notes = _dated(values, list(headers))
     columns: list[Column] = []
     tags = {}
@@ -107,7 +107,7 @@ def of_parsed(
 
 
 def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Parsed], list[str], tuple[str, ...]]:
-    """A column of dates beside one of times of day becomes one of stamps; so does one of times alone."""
+    """A column of dates next to one of times of day becomes one of time stamps; so does one of times alone."""
     for day, time in ((i, j) for i in range(len(values)) for j in (i + 1, i - 1) if 0 <= j < len(values)):
         date, clock = values[day], values[time]
         if _is(date, "datetime64[D]") and _is(clock, "timedelta64[ns]"):
@@ -116,7 +116,7 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
             label = " ".join(filter(None, (names[first], names[second])))
             values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
             names = [label if i == first else name for i, name in enumerate(names)]
-            return values, names, (f"columns {first + 1} and {second + 1} are taken as date and time of day",)
+            return values, names, (f"columns {first + 1} and {second + 1} are used as date and time of day",)
     return values, names, ()
 
 
@@ -140,5 +140,5 @@ def _column(values: Any, place: int, name: str, unit: str) -> Column:
 
 
 def _word(name: str) -> str:
-    """A name that no reader of CSV takes for several."""
+    """A name that CSV readers do not split."""
     return re.sub(r"[^\w.+-]+", "_", name) or "column"

@@ -1,1 +1,1 @@
-"""What keeps hostile files in bounds."""
+"""Limits for hostile files."""

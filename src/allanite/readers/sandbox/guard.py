@@ -1,4 +1,4 @@
-"""What a file may not do: claim sizes that it cannot have, break the library that reads it, or need one unnamed."""
+"""What a file may not do: claim impossible sizes, break the library that reads it, or need a missing library."""
 
 import importlib.util
 import os
@@ -10,7 +10,7 @@ from contextvars import ContextVar
 from allanite.core.errors import AllaniteError, DataError, UsageError
 
 RATIO = 100
-"""Bytes of readings that one byte of a file may stand for: coarse readings pack 30-fold, a bomb 1000-fold."""
+"""Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
 
 ROOM = 32 << 20
 """Bytes that any file may unpack to, whatever its size."""
@@ -20,7 +20,7 @@ _outer: ContextVar[int | None] = ContextVar("outer", default=None)
 
 
 def most(path: str) -> int:
-    """Bytes that the contents of a file may take; of a file that was packed in another, what the other one may."""
+    """Maximum size in bytes of the contents of a file; for a packed file, that of the file that contains it."""
     here = RATIO * os.path.getsize(path) + ROOM
     outer = _outer.get()
     return here if outer is None else min(here, outer)
@@ -28,7 +28,7 @@ def most(path: str) -> int:
 
 @contextmanager
 def within(path: str) -> Iterator[None]:
-    """Whatever is unpacked inside may not take more than the contents of `path`: bombs do not multiply."""
+    """Whatever is unpacked inside may not exceed the limit of `path`: bombs do not multiply."""
     token = _outer.set(most(path))
     try:
         yield
@@ -37,7 +37,7 @@ def within(path: str) -> Iterator[None]:
 
 
 def demand_size(size: int, path: str, what: str) -> None:
-    """Refuse what claims to be larger than its file can hold (`most`), before memory is taken."""
+    """Refuse a claimed size larger than the file can hold (`most`), before memory is allocated."""
     if size > most(path):
         raise DataError(
             f"{what} claims {size / 1e6:.6g} MB, over the {most(path) / 1e6:.3g} MB that a file of this size may "
@@ -48,12 +48,12 @@ def demand_size(size: int, path: str, what: str) -> None:
 
 @contextmanager
 def worded(what: str = "the file") -> Iterator[None]:
-    """Whatever a library raises over a damaged file becomes a `DataError`; the dozens of types are its own affair."""
+    """Any exception of a library about a damaged file becomes a `DataError`."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what is odd about the file and harmless
+            warnings.simplefilter("ignore")  # odd but harmless properties of the file
             yield
-    except (AllaniteError, MemoryError, NameError):  # the last is a defect of ours, whatever the file
+    except (AllaniteError, MemoryError, NameError):  # the last one is a bug of ours, whatever the file
         raise
     except Exception as error:
         said = " ".join(str(error).split())[:200]
@@ -63,4 +63,4 @@ def worded(what: str = "the file") -> Iterator[None]:
 def demand_library(name: str, extra: str) -> None:
     """Refuse a format whose library is not installed, and say how to install it."""
     if importlib.util.find_spec(name) is None:
-        raise UsageError(f"this format is read by {name}, which is not installed: pip install 'allanite[{extra}]'")
+        raise UsageError(f"this format needs {name}, which is not installed: pip install 'allanite[{extra}]'")

@@ -1,6 +1,6 @@
-"""The contents of an HDF5 file, by h5py; for `worker`, which starts it.
+"""The contents of an HDF5 file, read with h5py; started by `worker`.
 
-Attributes and links are only followed inside the file.
+Attributes and links are followed only within the file.
 """
 
 import math
@@ -17,7 +17,7 @@ WANTED = ("unit", "units", "columns", "names", "channels", "labels", "matlab_cla
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """Datasets, lone numbers and texts with their paths, and what sends a dataset; see `worker.main`."""
+    """Datasets, single numbers and texts with their paths, and a function that sends a dataset; see `worker.main`."""
     file = h5py.File(path, "r", rdcc_nbytes=BLOCK)
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
@@ -27,7 +27,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
 
 
 class Listing:
-    """What a file holds: datasets of numbers, lone numbers and texts with their paths, and what is left out."""
+    """The contents of a file: datasets of numbers, single numbers and texts with their paths, and what is ignored."""
 
     def __init__(self, file: Any, most: int, wanted: set[str], text: str) -> None:
         self.most, self.wanted, self.text = most, wanted, text
@@ -41,7 +41,7 @@ class Listing:
             where = f"{path}/{name}".lstrip("/")
             if name in ("#refs#", "#subsystem#"):
                 continue
-            # other links may name any file of this machine
+            # other links may refer to any file on this machine
             if depth > DEEPEST or not isinstance(group.get(name, getlink=True), h5py.HardLink):
                 self.said["left"].append(where)
                 continue
@@ -54,7 +54,7 @@ class Listing:
             return
         self.seen.add(token)
         if len(self.seen) > MOST_OBJECTS:
-            sys.exit(f"the file holds more than {MOST_OBJECTS} objects")
+            sys.exit(f"the file contains more than {MOST_OBJECTS} objects")
         if isinstance(found, h5py.Group):
             self._attributes(found, path)
             self._group(found, path, depth + 1)
@@ -104,7 +104,7 @@ class Listing:
 
 
 def _fields(kind: Any) -> list[list[Any]]:
-    """Name, type and shape of the numbers in an element; the name is empty where it is one number."""
+    """Name, type and shape of the numbers in an element; the name is empty if it is a single number."""
     if kind.names:
         fields = [(name, kind[name].base, kind[name].shape) for name in kind.names]
         return [[name, base.str, shape] for name, base, shape in fields if base.kind in "iuf" and not base.names]
@@ -112,7 +112,7 @@ def _fields(kind: Any) -> list[list[Any]]:
 
 
 def _offset(dataset: Any) -> int | None:
-    """Where the numbers of a dataset stand in the file, if they stand there as they are and in one piece."""
+    """Offset of the numbers of a dataset in the file, if they are stored unchanged and contiguously."""
     whole = dataset.size * dataset.dtype.itemsize
     if dataset.chunks or dataset.dtype.names or dataset.compression or dataset.id.get_storage_size() != whole:
         return None
@@ -120,7 +120,7 @@ def _offset(dataset: Any) -> int | None:
 
 
 def _plain(value: Any) -> Any:
-    """A lone number, a text, or a list of texts; None for anything else."""
+    """A single number, a text, or a list of texts; None for anything else."""
     array = np.asarray(value)
     if array.dtype.kind in "iuf" and array.size == 1:
         return float(array.reshape(-1)[0])
@@ -131,7 +131,7 @@ def _plain(value: Any) -> Any:
 
 
 def _blocks(dataset: Any, fields: list[str]) -> Iterator[Any]:
-    """The bytes of a dataset, in blocks that hold whole chunks so that none is unpacked twice."""
+    """The bytes of a dataset, in blocks of whole chunks so that none is unpacked twice."""
     source = dataset.fields(fields) if fields else dataset
     row = max(1, dataset.size // dataset.shape[0] * dataset.dtype.itemsize)
     tall = dataset.chunks[0] if dataset.chunks else 1

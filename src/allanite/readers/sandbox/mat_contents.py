@@ -1,4 +1,4 @@
-"""The contents of a MATLAB 5 file, by scipy.io.loadmat; for `worker`, which starts it.
+"""The contents of a MATLAB 5 file, read with scipy.io.loadmat; started by `worker`.
 
 Source of the format: MATLAB MAT-File Format (The MathWorks, 2024), chapter 1.
 """
@@ -15,16 +15,16 @@ _NOT_VARIABLES = ("__header__", "__version__", "__globals__", "__function_worksp
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """Numeric arrays and the fields of structures, with their paths, and what sends them; see `worker.main`.
+    """Numeric arrays and the fields of structures, with their paths, and a function that sends them; see `worker.main`.
 
     The fields of an array of several structures are ``name/1/field``, ``name/2/field``. Cells, texts, truth values,
-    complex and sparse arrays, functions and objects of classes are left out.
+    complex and sparse arrays, functions and objects of classes are omitted.
     """
     said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
     with warnings.catch_warnings(record=True) as doubts:
         arrays = dict(_variables(path, mat_dtype=True))
     if any(issubclass(doubt.category, np.exceptions.ComplexWarning) for doubt in doubts):
-        # told apart by the types in which they are stored, since loadmat drops imaginary parts
+        # distinguished by the types in which they are stored, since loadmat drops imaginary parts
         stored = _variables(path, mat_dtype=False)
         arrays |= {where: leaf for where, leaf in stored if np.iscomplexobj(leaf)}
     for where, leaf in arrays.items():

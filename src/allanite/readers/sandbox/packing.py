@@ -1,4 +1,4 @@
-"""Files in files: what is in a .zip, .gz, .bz2 or .xz is unpacked, within limits, and read like a file of its own."""
+"""Files in files: the content of a .zip, .gz, .bz2 or .xz is unpacked, within limits, and read like any other file."""
 
 import bz2
 import gzip
@@ -18,13 +18,13 @@ from .guard import demand_size, most, within, worded
 from .source import SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
-"""Layers that are taken off."""
+"""Maximum number of nested layers."""
 
 _BLOCK = 1 << 20
 _DECODER = 100 << 20
-"""Memory that the decoder of an .xz may take; xz -9 needs 65 MB, and a file may claim 4 GB."""
+"""Memory limit of the .xz decoder; xz -9 needs 65 MB, and a file may claim 4 GB."""
 
-# files beside the recording that are no recordings, though they may be text
+# files that accompany a recording, though they may be text
 _PROSE = re.compile(
     r"(^|/)(\.|__MACOSX/|readme|license|licence|copying|changelog)|"
     r"\.(md|rst|pdf|html?|json|ya?ml|xml|toml|ini|cfg|log|py|m|r|c|h|cpp|png|jpe?g|svg)$",
@@ -32,11 +32,11 @@ _PROSE = re.compile(
 )
 
 Judge = Callable[[bytes, str], bool]
-"""Says whether first bytes and suffix are those of a file that can be read."""
+"""Whether first bytes and suffix are those of a readable file."""
 
 
 class Packing(NamedTuple):
-    """Packing of one file: the bytes that it begins with, its suffix, and what opens it."""
+    """A packing of a single file: its signature, its suffix, and its opener."""
 
     magic: re.Pattern[bytes]
     suffix: str
@@ -44,7 +44,7 @@ class Packing(NamedTuple):
 
 
 class _Xz:
-    """Reads an .xz file, of one stream or of several, with bounded memory, which lzma.open does not."""
+    """Reads an .xz file of one or several streams with bounded memory, which lzma.open does not."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file, self._decoder = file, lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
@@ -78,10 +78,10 @@ ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
 
 @contextmanager
 def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> Iterator[str]:
-    """The path of a file that is packed in nothing any more; `path` itself if it is not packed, or a format of its own.
+    """The path of the unpacked file; `path` itself if it is not packed, or a format of its own.
 
-    `member` names one in an archive (empty: the only one that `judge` finds readable, by first bytes and suffix). With
-    `only_by_suffix`, what only begins like a packed file is left alone, as raw numbers may.
+    `member` names a file in an archive (empty: the only one that `judge` finds readable, by first bytes and
+    suffix). With `only_by_suffix`, a file that merely begins like a packed one is left unchanged, as raw numbers may.
     """
     with ExitStack() as stack:
         for _ in range(DEPTH):
@@ -95,12 +95,12 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
             else:
                 path = _lone(path, packing, folder)
         if member:
-            raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, which this is not")
+            raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, but this is not one")
         yield path
 
 
 def _packing(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
-    """What the file is packed in; an .npz is a .zip, but a format of its own."""
+    """The packing of a file; an .npz is a .zip, but a format of its own."""
     head, suffix = head_of(path), os.path.splitext(path)[1].lower()
     for packing in (ZIP, *PACKINGS):
         if packing.magic.match(head) and (suffix == packing.suffix or not only_by_suffix):
@@ -109,7 +109,7 @@ def _packing(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
 
 
 def _lone(path: str, packing: Packing, folder: str) -> str:
-    """The one file in a packing of one."""
+    """The file in a packing of a single file."""
     name = Path(path).name
     stem = name[: -len(packing.suffix)] if name.lower().endswith(packing.suffix) else name
     with worded(f"the {packing.suffix} packing"), Path(path).open("rb") as file:
@@ -121,7 +121,7 @@ def _member(path: str, member: str, judge: Judge, folder: str) -> str:
     with worded("the archive"), Path(path).open("rb") as file, ZIP.open(file) as archive:
         names = [entry.filename for entry in archive.infolist() if not entry.is_dir()]
         if member and member not in names:
-            raise UsageError(f"the archive has no member {member!r}; it holds {_listed(names)}")
+            raise UsageError(f"the archive has no member {member!r}; it contains {_listed(names)}")
         name = member or _only(archive, names, judge)
         demand_size(archive.getinfo(name).file_size, path, f"member {name!r}")
         with _opened(archive, name) as stream:
@@ -131,15 +131,15 @@ def _member(path: str, member: str, judge: Judge, folder: str) -> str:
 def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
     """The only readable member."""
     if "xl/workbook.xml" in names:
-        raise DataError("this is an Excel workbook; save the sheet with the readings as CSV and read that")
+        raise DataError("this is an Excel workbook; save the sheet with the samples as CSV and read that")
     likely = [name for name in names if not _PROSE.search(name)][:1000]
     readable = [name for name in likely if _readable(archive, name, judge)]
     if len(readable) == 1:
         return readable[0]
     if not readable:
-        raise DataError(f"the archive holds no file of a format that is read; it holds {_listed(names)}")
+        raise DataError(f"the archive contains no file of a readable format; it contains {_listed(names)}")
     raise UsageError(
-        f"the archive holds {len(readable)} files that can be read: {_listed(readable)}; choose one as in "
+        f"the archive contains {len(readable)} readable files: {_listed(readable)}; select one as in "
         f"{'FILE.zip'}{SEPARATOR}{readable[0]}"
     )
 
@@ -158,7 +158,7 @@ def _opened(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
 
 
 def _copied(stream: IO[bytes], folder: str, name: str, limit: int) -> str:
-    """The contents of `stream` in `folder`, under the last part of `name`, which may be anything."""
+    """The contents of `stream` in `folder`, under the last part of `name`."""
     suffix = re.sub(r"[^.A-Za-z0-9]", "", os.path.splitext(name)[1])[:16]
     target, size = Path(folder, f"file{suffix}"), 0
     with target.open("wb") as file:
@@ -166,12 +166,12 @@ def _copied(stream: IO[bytes], folder: str, name: str, limit: int) -> str:
             size += len(block)
             if size > limit:
                 raise DataError(
-                    f"the file unpacks to over {limit / 1e6:.3g} MB, more than it may: it is a decompression bomb or "
-                    "damaged; if it is neither, unpack it and read what was in it"
+                    f"the file unpacks to more than the limit of {limit / 1e6:.3g} MB: it is a decompression bomb "
+                    "or damaged; if it is neither, unpack it and read the contents"
                 )
             file.write(block)
     if not size:
-        raise DataError("the file that is packed in it is empty")
+        raise DataError("the packed file is empty")
     return str(target)
 
 

@@ -1,4 +1,4 @@
-"""The process that opens a file of a fragile format for us, and what may become of it."""
+"""The process that opens a file of a fragile format, and how it may end."""
 
 import json
 import math
@@ -21,7 +21,7 @@ from .guard import demand_library, most
 
 
 class Library(NamedTuple):
-    """What opens a format: the package, the extra that installs it, and what to do with a file that it cannot open."""
+    """What opens a format: the package, the extra that installs it, and advice for a file that it cannot open."""
 
     package: str
     extra: str
@@ -29,30 +29,30 @@ class Library(NamedTuple):
 
 
 LIBRARIES = {
-    "hdf5": Library("h5py", "hdf5", "write it again with h5repack"),
+    "hdf5": Library("h5py", "hdf5", "rewrite it with h5repack"),
     "mat": Library("scipy", "", "save it again in MATLAB: save('again.mat', '-v7')"),
-    "r": Library("rdata", "r", "save its numbers alone, for example saveRDS(as.matrix(x), 'again.rds')"),
+    "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
-"""A line for each of `worker.FORMATS`."""
+"""One entry for each of `worker.FORMATS`."""
 
 WORKER = Path(__file__).with_name("worker.py")
 
 WAIT, SPEED = 20.0, 5e5
-"""Seconds that an answer may take, and the bytes that a slow disk gives in one: the processor time is bound below."""
+"""Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
 
 _TIMEOUTS = (9, 24)
 """Signals by which we stop a process, and by which the system stops one that has used its time."""
 
 
 class Process:
-    """A running worker that looks for `names`; in a ``with`` statement, `said` is what the file at `path` holds."""
+    """A running worker that looks for `names`; in a ``with`` statement, `said` lists the contents of the file."""
 
     def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
         self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
         self._wait = WAIT + os.path.getsize(path) / SPEED
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
-        # -P: the folder of the worker has modules whose names are those of others
+        # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
             [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names)],
             stdin=subprocess.PIPE,
@@ -74,7 +74,7 @@ class Process:
         self._errors.close()
 
     def load(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-        """A dataset, or those fields of it that are in `dtype`."""
+        """A dataset, or those of its fields that are in `dtype`."""
         size = math.prod(shape) * dtype.itemsize
         array = np.empty(size, np.uint8)
         with self._deadline(WAIT + size / SPEED):
@@ -83,7 +83,7 @@ class Process:
             while filled < size and (count := self._stdout.readinto(view[filled:])):
                 filled += count
         if filled < size:
-            raise self._broken(f"over {path!r}")
+            raise self._broken(f"while reading {path!r}")
         return array.view(dtype).reshape(shape)
 
     def _ask(self, request: dict[str, Any]) -> None:
@@ -92,7 +92,7 @@ class Process:
             stdin.write(json.dumps(request).encode() + b"\n")
             stdin.flush()
         except OSError:
-            pass  # it is gone already, which the answer shows
+            pass  # it has ended already, which the answer shows
 
     @property
     def _stdout(self) -> Any:
@@ -102,7 +102,7 @@ class Process:
         with self._deadline(self._wait):
             line = self._stdout.readline(1 << 24)
         if not line.endswith(b"\n"):
-            raise self._broken("over its structure")
+            raise self._broken("while reading its structure")
         return dict(json.loads(line))
 
     @contextmanager
@@ -117,13 +117,13 @@ class Process:
             timer.cancel()
 
     def _broken(self, where: str) -> DataError:
-        """Why the worker ended, in words: what it said last, or how it died."""
+        """Why the worker ended, as text: its last message, or how it died."""
         code = self._process.wait()
         self._errors.seek(0)
         said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
         reason = said[-1][:200] if said else died
         return DataError(
-            f"the file is damaged or was cut off: {self._library.package} gave up {where}: {reason}; if other programs "
-            f"read it, {self._library.remedy}"
+            f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if other "
+            f"programs can read it, {self._library.remedy}"
         )

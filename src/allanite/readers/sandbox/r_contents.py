@@ -1,7 +1,7 @@
-"""The contents of R's .rda, .RData and .rds, by the parser of the package rdata; for `worker`, which starts it.
+"""The contents of R's .rda, .RData and .rds, read with the parser of the package rdata; started by `worker`.
 
-Source of the format: R Internals (R Core Team, 4.4), section 1.8. The parser is the library's, but its bytes
-are handed out here: it takes what is there for what was claimed, so that a file that was cut off is read as a shorter.
+Source of the format: R Internals (R Core Team, 4.4), section 1.8. The parser belongs to the library, but its bytes are
+supplied here, because it accepts fewer bytes than claimed and would read an incomplete file as a shorter one.
 """
 
 import gc
@@ -15,23 +15,23 @@ import numpy as np
 
 _spec = None if "rdata" in sys.modules else importlib.util.find_spec("rdata")
 if _spec is not None:
-    # the package itself imports pandas and xarray, which take a second, and its parser needs neither
+    # the package itself imports pandas and xarray, which takes a second; its parser needs neither
     sys.modules["rdata"] = importlib.util.module_from_spec(_spec)
 from rdata.parser import RObjectType as Type  # noqa: E402
 from rdata.parser._parser import Parser  # noqa: E402  the door of the parser alone does not let its bytes be checked
 
 if _spec is not None:
-    del sys.modules["rdata"]  # whoever else imports the package gets the whole of it
+    del sys.modules["rdata"]  # any other import of the package gets all of it
 
 MOST, NAMES = 100_000, 1000
-"""Lists and other objects in a file, and the texts of a vector that are kept."""
+"""Maximum number of lists and other objects in a file, and of texts kept of a vector."""
 
 _CHAR = 9
 _SECONDS = {"secs": "s", "mins": "min", "hours": "h"}
 
 
 class Reader(Parser):  # type: ignore[misc, unused-ignore]
-    """The library's parser over bytes (XDR, the form of every .rda) that are never fewer than what is claimed."""
+    """The library's parser over bytes (XDR, the form of every .rda) that are never fewer than claimed."""
 
     def __init__(self, data: bytes) -> None:
         super().__init__()
@@ -40,7 +40,7 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
     def take(self, size: int) -> memoryview:
         """The next bytes."""
         if not 0 <= size <= len(self.data) - self.at:
-            sys.exit(f"at byte {self.at} {size} bytes are claimed, {len(self.data) - self.at} are there")
+            sys.exit(f"at byte {self.at} {size} bytes are claimed, but only {len(self.data) - self.at} are left")
         self.at += size
         return self.data[self.at - size : self.at]
 
@@ -56,7 +56,7 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
         """The next object."""
         self.left -= 1
         if self.left < 0:
-            sys.exit(f"over {MOST} lists are in the file; save the numbers alone")
+            sys.exit(f"the file contains more than {MOST} lists; save only the numbers")
         return super().parse_R_object(*given, **named)
 
     def _parse_array_values(self, dtype: Any, length: int) -> Any:
@@ -64,10 +64,10 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
         return np.frombuffer(self.take(length * kind.itemsize), kind.newbyteorder(">")).astype(kind)
 
     def _parse_vector_value(self, *given: Any) -> list[Any]:
-        """The next list, or vector of texts: of many texts the first, which may be names, the rest is passed over."""
+        """The next list, or vector of texts: of many texts only the first, which may be names, are kept."""
         count = self.parse_int()
         if not 0 <= 4 * count <= len(self.data) - self.at:
-            sys.exit(f"a list claims {count} entries, which the file is too short for")
+            sys.exit(f"a list claims {count} entries, more than the file can hold")
         items = []
         for i in range(count):
             flags, size = struct.unpack_from(">ii", self.data, self.at) if len(self.data) >= self.at + 8 else (0, 0)
@@ -79,10 +79,10 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """The vectors, matrices and columns of data frames, with their paths, and what sends them; see `worker.main`."""
+    """The vectors, matrices and columns of data frames, with their paths, and a function that sends them."""
     with open(path, "rb") as file:
         data = file.read()
-    sys.setrecursionlimit(20_000)  # a list of pairs is a recursion of the parser
+    sys.setrecursionlimit(20_000)  # a list of pairs is recursive in the parser
     gc.disable()  # a million objects and no cycles
     top = Reader(data).parse_all().object
     said: dict[str, Any] = {"datasets": [], "numbers": {}, "texts": {}, "left": [], "description": ""}
@@ -100,7 +100,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
 
 
 def _leaves(path: str, item: Any) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """The arrays and lone numbers in an object, with their paths and attributes."""
+    """The arrays and single numbers in an object, with their paths and attributes."""
     about = dict(_pairs(item.attributes))
     for name, value in about.items():
         if (lone := _numbers(value)) is not None and lone.size == 1:
@@ -123,7 +123,7 @@ def _pairs(item: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _numbers(item: Any) -> Any:
-    """The numbers of a vector, NaN where one is missing; None if it is none of numbers."""
+    """The numbers of a vector, NaN where one is missing; None if it does not hold numbers."""
     if item.info.type not in (Type.INT, Type.REAL):
         return None
     masked = isinstance(item.value, np.ma.MaskedArray)
@@ -131,7 +131,7 @@ def _numbers(item: Any) -> Any:
 
 
 def _texts(item: Any) -> list[str]:
-    """The texts of a vector; none if it is none of texts."""
+    """The texts of a vector; empty if it does not hold texts."""
     return [_text(one) for one in item.value] if item is not None and item.info.type == Type.STR else []
 
 
@@ -145,12 +145,12 @@ def _shaped(path: str, array: Any, about: dict[str, Any]) -> Any:
         return array
     shape = [int(side) for side in dim]
     if min(shape, default=-1) < 0 or np.prod(shape, dtype=float) != array.size:
-        sys.exit(f"{path!r} claims the dimensions {shape}, but {array.size} numbers are there")
+        sys.exit(f"{path!r} claims the dimensions {shape}, but has {array.size} numbers")
     return array.reshape(shape, order="F")
 
 
 def _said(about: dict[str, Any]) -> dict[str, Any]:
-    """Unit, names of columns and rate of an array, by its attributes."""
+    """Unit, names of columns and rate of an array, from its attributes."""
     unit = next((words[0] for name in ("units", "unit") if (words := _texts(about.get(name)))), "")
     said: dict[str, Any] = {"units": _SECONDS.get(unit, unit)}
     if "POSIXct" in _texts(about.get("class")):

@@ -1,4 +1,4 @@
-"""The file itself: that it is one, its first bytes and its digest, and the directory of an archive."""
+"""The file itself: its existence, first bytes and digest, and the directory of an archive."""
 
 import hashlib
 import os
@@ -10,36 +10,38 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 
 SEPARATOR = "::"
-"""Stands between an archive and the name of a member."""
+"""Separates an archive and the name of a member."""
 
 HEAD = 1 << 16
-"""Bytes by which a format is recognised."""
+"""Number of bytes used to detect a format."""
 
 LONGEST = 1 << 20
-"""Bytes of a directory: some ten thousand members."""
+"""Maximum size of a directory in bytes: some ten thousand members."""
 
 _END, _LARGE, _TAIL = b"PK\x05\x06", b"PK\x06\x07", 65_557 + 76
 
 
 def checked(path: Any) -> tuple[str, str]:
-    """The path as text, if a file that can be read is there, and the member of an archive that ``::`` names in it."""
+    """The path as text, if it is a readable file, and the member of an archive named in it after ``::``."""
     try:
         name = os.fsdecode(path)
     except TypeError:
-        raise UsageError(f"a path is expected, not {path!r}") from None
+        raise UsageError(f"expected a path, not {path!r}") from None
     file, _, member = name.rpartition(SEPARATOR)
     name, member = (file, member) if file and not os.path.exists(name) else (name, "")
     try:
         mode = os.stat(name)
     except FileNotFoundError:
-        raise DataError(f"{name}: there is no such file; check the name and the folder") from None
+        raise DataError(f"{name}: no such file; check the name and the folder") from None
     except (OSError, ValueError) as error:
-        raise DataError(f"{name!r}: the file cannot be reached ({error}); check the name and your permission") from None
+        raise DataError(
+            f"{name!r}: the file cannot be accessed ({error}); check the name and your permissions"
+        ) from None
     if stat.S_ISDIR(mode.st_mode):
-        raise DataError(f"{name}: this is a directory; name one file in it")
+        raise DataError(f"{name}: this is a directory; give the name of a file")
     if not stat.S_ISREG(mode.st_mode):
         raise DataError(
-            f"{name}: this is no regular file (a pipe, device or socket); save its contents to a file first"
+            f"{name}: this is not a regular file (but a pipe, device or socket); save its contents to a file first"
         )
     if mode.st_size == 0:
         raise DataError(f"{name}: the file is empty; was the recording saved?")
@@ -65,12 +67,12 @@ def demand_directory(path: str) -> None:
         tail = file.read()
     at = tail.rfind(_END)
     if at < 0 or len(tail) < at + 22:
-        raise DataError("the archive was cut off: the directory at its end is missing; copy or download it again")
+        raise DataError("the archive is incomplete: the directory at its end is missing; copy or download it again")
     (size,) = struct.unpack_from("<I", tail, at + 12)
-    if at >= 76 and tail[at - 20 : at - 16] == _LARGE:  # the end of a large archive, which goes over the other
+    if at >= 76 and tail[at - 20 : at - 16] == _LARGE:  # the ZIP64 end record of a large archive
         (size,) = struct.unpack_from("<Q", tail, at - 76 + 40)
     if size > LONGEST:
         raise DataError(
-            f"the directory of the archive claims {size / 1e6:.3g} MB; no set of recordings has so many files; "
-            "unpack it and read one file"
+            f"the directory of the archive claims {size / 1e6:.3g} MB, too much for any set of recordings; unpack "
+            "it and read one file"
         )

@@ -1,8 +1,8 @@
-"""Program that opens one file in a process of its own: on damaged files the libraries crash, hang or run wild.
+"""Program that opens one file in a process of its own: on damaged files the libraries crash, hang or exhaust memory.
 
-It prints a line of JSON with what the file holds; then, for each line with the JSON of a request, the bytes of a
-dataset. Memory and processor time are bounded, and nothing in a file is executed or unpickled. The process stands
-alone: it is started by its path and imports nothing of this package.
+It prints a line of JSON with the contents of the file; then, for each line with the JSON of a request, the bytes of a
+dataset. Memory and processor time are limited, and nothing in a file is executed or unpickled. The process is
+independent: it is started by its path and imports nothing of this package.
 """
 
 import json
@@ -14,21 +14,22 @@ from collections.abc import Iterable
 from typing import Any
 
 FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6}
-"""What can be opened, by ``opened`` of the file ``<format>_contents.py`` beside this one, and how many bytes of a file
-are gone through in a second at the least; HDF5 is opened without being read."""
+"""Formats, opened by ``opened`` of the file ``<format>_contents.py`` beside this one, and the bytes of a file processed
+per second at least; HDF5 is opened without being read.
+"""
 
 SECONDS, SPEED = 1, 20e6
-"""What any opening may take, and the bytes of a dataset that are sent in a second at the least."""
+"""Seconds for opening any file, and the bytes of a dataset sent per second at least."""
 
 ROOM = 48 << 20
-"""Bytes that a library may take over those of the contents."""
+"""Bytes that a library may allocate beyond those of the contents."""
 
 
 def main() -> None:
-    """Serve one file: format, path, bytes that it may unpack to, and names to look for are the arguments.
+    """Serve one file; the arguments are the format, path, bytes that it may unpack to, and names to look for.
 
-    ``opened(path, most, names)`` gives what the file holds as a dictionary for JSON, and a function that takes the path
-    and the fields of a dataset and gives its size in bytes and an iterator of its blocks.
+    ``opened(path, most, names)`` returns the contents of the file as a dictionary for JSON, and a function that takes
+    the path and the fields of a dataset and returns its size in bytes and an iterator of its blocks.
     """
     form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
     opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
@@ -53,7 +54,7 @@ def _send(blocks: Iterable[Any]) -> None:
 
 
 def _limit_memory(size: int) -> None:
-    """Bound what the process may take from here on, where the system can."""
+    """Limit what the process may use from here on, if the system supports it."""
     try:
         import resource
 
@@ -61,11 +62,11 @@ def _limit_memory(size: int) -> None:
             now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
     except (ImportError, OSError, ValueError):
-        pass  # the parent bounds what it asks for and how long it waits, on every system
+        pass  # the parent limits what it requests and how long it waits, on every system
 
 
 def _allow(seconds: float) -> None:
-    """Bound the processor time until the next call, where the system can."""
+    """Limit the processor time until the next call, if the system supports it."""
     try:
         import resource
     except ImportError:

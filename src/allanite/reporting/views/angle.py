@@ -35,7 +35,7 @@ ENCODER = {
 }
 """What is estimated along with the harmonics of an encoder."""
 
-MARKS: dict[str, Mark] = {"found": "", "doubtful": "weak", "not found": "quiet"}
+MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 KEY = (
     "S and C with one standard error, arcsec. Found: an amplitude as large has a probability below 1 % if there is "
     "none; otherwise the 95 % upper limit. Doubtful: found, but what is left over is not the noise that the errors and "
@@ -123,7 +123,7 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
         f"harmonic {k} of {h.name or 'the angle'}: {_amplitude(h, k, level)[0]} arcsec" for h, k in rows if h.found(k)
     ]
     absent = [f"{k} of {h.name or 'the angle'}" for h, k in rows if not h.found(k)]
-    status = "Doubtful" if any(h.status(k) == "doubtful" for h, k in rows) else "Found"
+    status = "Doubtful" if any(h.status(k) == "weak" for h, k in rows) else "Found"
     first = f"{status} are {', '.join(found)}." if found else "No harmonic was found."
     rest = f" Not found: {', '.join(absent)}." if absent and found else ""
     return first + rest + (" Read the warnings before using the numbers." if doubt else "")

@@ -82,7 +82,7 @@ def _cells(e: Effect, unit: str) -> list[str]:
 
 
 def _status(effect: Effect) -> str:
-    parts = ("found" if effect.significant else "not shown", "chosen" * effect.chosen)
+    parts = ("identified" if effect.significant else "absent", "chosen" * effect.chosen)
     return ", ".join(filter(None, (*parts, "not taken off" * (not effect.taken_off))))
 
 

@@ -1,7 +1,6 @@
-"""What happens to a simulated record before it becomes a file: each a function from a record to a record.
+"""Faults of a simulated record: functions from a record to a record.
 
-They compose in any order that makes sense; each leaves a line in the history, and those that are random draw from the
-generator that they are given.
+They can be combined in any order; each adds an entry to the history, and random ones use the generator passed to them.
 """
 
 from .channel import clip as clip

@@ -1,4 +1,4 @@
-"""Faults of the channel: bias, roll-off, noise that changes, spikes, saturation, lost readings."""
+"""Faults of the channel: bias, roll-off, changing noise, outliers, saturation, missing samples."""
 
 from dataclasses import replace
 from typing import Any
@@ -25,7 +25,7 @@ def constant(record: Record, value: float, unit: str) -> Record:
 
 
 def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
-    """Pass the readings through a causal Butterworth low-pass filter, as a sensor or logger has it.
+    """Apply a causal Butterworth low-pass filter, as in a sensor or logger.
 
     Parameters
     ----------
@@ -36,13 +36,13 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
         1 rolls off as one time constant does.
     """
     if not 0 < cutoff < record.rate / 2:
-        raise UsageError(f"a cutoff lies between 0 and {record.rate / 2:g} Hz (half of the rate), not at {cutoff!r} Hz")
+        raise UsageError(f"a cutoff must be between 0 and {record.rate / 2:g} Hz (half of the rate), not {cutoff!r} Hz")
     if not isinstance(order, int) or not 1 <= order <= 10:
-        raise UsageError(f"the order of a filter is an integer from 1 to 10, not {order!r}")
+        raise UsageError(f"the order of a filter must be an integer from 1 to 10, not {order!r}")
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
     values = _floats(record)
-    _demand_whole(values, "filter the record before readings are lost")
+    _demand_whole(values, "filter the record before samples are removed")
     sections = butter(order, cutoff, fs=record.rate, output="sos")
     # as if the first reading had always been there: no jump at the start
     filtered, _ = sosfilt(sections, values, zi=sosfilt_zi(sections) * values[0])
@@ -50,7 +50,7 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
 
 
 def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Record:
-    """Multiply the deviation from the mean by `factor` from the share `at` of the record on: noise that changes.
+    """Multiply the deviation from the mean by `factor` from the share `at` of the record on: a changing noise level.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Recor
     [1.0, -1.0, 2.0, -2.0]
     """
     if not 0 < at < 1 or not factor >= 0:
-        raise UsageError(f"a step of the noise has a factor >= 0 and a place between 0 and 1, not {factor!r}, {at!r}")
+        raise UsageError(f"a noise step needs a factor >= 0 and a place between 0 and 1, not {factor!r}, {at!r}")
     values = _floats(record)
     first = round(at * values.size)
     later = values[first:]
@@ -68,18 +68,18 @@ def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Recor
 
 
 def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: "np.random.Generator") -> Record:
-    """Add spikes of either sign to a random `share` of the readings.
+    """Add outliers of either sign to a random `share` of the samples.
 
     Parameters
     ----------
     record : Record
     share : float
-        Probability that a reading is hit, 0 to 1.
+        Probability of an outlier per sample, 0 to 1.
     size : float
         Of the spikes, in `unit`; without a unit in standard deviations of the fast noise, which are those of the first
         differences over the square root of 2.
     unit : str
-        Of rates, or of the readings.
+        Of rates, or of the samples.
     rng : numpy.random.Generator
 
     Examples
@@ -90,7 +90,7 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
     ([0.0, 5.0], ('9 outliers of 5 deg/h added',))
     """
     if not 0 <= share <= 1:
-        raise UsageError(f"the share of outliers lies between 0 and 1, not at {share!r}")
+        raise UsageError(f"the share of outliers must be between 0 and 1, not {share!r}")
     values = _floats(record)
     hit = np.flatnonzero(rng.random(values.size) < share)
     fast = float(np.nanstd(np.diff(values)) / np.sqrt(2))
@@ -100,7 +100,7 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
 
 
 def clip(record: Record, limit: float, unit: str) -> Record:
-    """Readings beyond +-`limit` become the limit: a sensor driven out of its range.
+    """Clip samples beyond +-`limit`: a sensor driven out of its range.
 
     Examples
     --------
@@ -109,35 +109,35 @@ def clip(record: Record, limit: float, unit: str) -> Record:
     """
     bound = in_readings(record, limit, unit)
     if not bound > 0:
-        raise UsageError(f"the limit of the range is above 0, not {limit!r} {unit}")
+        raise UsageError(f"the limit of the range must be above 0, not {limit!r} {unit}")
     values = _floats(record)
     beyond = int((np.abs(values) > bound).sum())
-    return _changed(record, np.clip(values, -bound, bound), f"{beyond} readings clipped at {limit:g} {unit}")
+    return _changed(record, np.clip(values, -bound, bound), f"{beyond} samples clipped at {limit:g} {unit}")
 
 
 def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generator") -> Record:
-    """Lose a random `share` of the readings in stretches; they become NaN. The first and the last reading stay.
+    """Replace a random `share` of the samples by NaN, in stretches. The first and the last sample are kept.
 
     Parameters
     ----------
     record : Record
     share : float
-        Of the readings that are lost, 0 to 1; on average, and less by overlaps of stretches.
+        Average share of missing samples, 0 to 1, reduced by overlaps of stretches.
     length : float
-        Mean length of a stretch, s; lengths are geometrically distributed, at least one reading.
+        Mean length of a stretch, s; lengths are geometrically distributed, at least one sample.
     rng : numpy.random.Generator
 
     Examples
     --------
     >>> lossy = gaps(Record(np.zeros(1000), rate=10.0, unit="deg/h"), 0.05, 2.0, rng=np.random.default_rng(1))
     >>> lossy.history
-    ('11 readings lost in 2 stretches',)
+    ('11 samples missing in 2 stretches',)
     """
     if not 0 <= share < 1 or not length > 0:
-        raise UsageError(f"gaps have a share from 0 to 1 and a mean length above 0 s, not {share!r} and {length!r} s")
+        raise UsageError(f"gaps need a share from 0 to 1 and a mean length above 0 s, not {share!r} and {length!r} s")
     values = _floats(record)
     if values.size < 3:
-        raise UsageError(f"between the first and the last of {values.size} readings there is none to lose")
+        raise UsageError(f"there are no samples to remove between the first and the last of {values.size}")
     mean = max(1.0, length * record.rate)
     count = rng.poisson(share * values.size / mean)
     first = rng.integers(1, values.size - 1, count)
@@ -148,13 +148,13 @@ def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generat
     lost = np.cumsum(steps) > 0
     values[lost] = np.nan
     stretches = int((np.diff(lost.astype(np.int8)) > 0).sum())
-    return _changed(record, values, f"{int(lost.sum())} readings lost in {stretches} stretches")
+    return _changed(record, values, f"{int(lost.sum())} samples missing in {stretches} stretches")
 
 
 def in_readings(record: Record, value: float, unit: str) -> float:
     """A rate, or what a rate gives in one interval, as the number that a reading of the record would be.
 
-    UnitError if the unit is neither of this sensor's rate nor of these readings.
+    UnitError if the unit is neither of this sensor's rate nor of these samples.
     """
     found, signal = unit_of(unit), record.signal
     if signal_with(found.dimension) is signal:
@@ -162,19 +162,19 @@ def in_readings(record: Record, value: float, unit: str) -> float:
         return value * found.factor * interval / record.factor
     if signal_with(found.dimension, KINDS[record.kind][0]) is signal:
         return value * found.factor / record.factor
-    raise UnitError(f"{unit!r} is neither a unit of a rate nor of readings in {record.unit!r}")
+    raise UnitError(f"{unit!r} is neither a unit of a rate nor of samples in {record.unit!r}")
 
 
 def _floats(record: Record) -> FloatArray:
-    """A copy of the readings."""
+    """A copy of the samples."""
     if record.kind == "angle":
-        raise UsageError("faults are put into rates and increments, not into angles: simulate a rate first")
+        raise UsageError("faults apply to rates and increments, not to angles: simulate a rate first")
     return np.array(record.values, dtype=np.float64)
 
 
 def _demand_whole(values: FloatArray, advice: str) -> None:
     if not np.isfinite(values).all():
-        raise UsageError(f"{int((~np.isfinite(values)).sum())} readings are not finite; {advice}")
+        raise UsageError(f"{int((~np.isfinite(values)).sum())} samples are not finite; {advice}")
 
 
 def _changed(record: Record, values: NDArray[Any], what: str) -> Record:

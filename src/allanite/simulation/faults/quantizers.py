@@ -34,7 +34,7 @@ class Dither:
 
     def __post_init__(self) -> None:
         if not self.amplitude > 0 or not (self.frequency is None or self.frequency > 0):
-            raise UsageError(f"a dither has an amplitude and a frequency above 0, unlike {self}")
+            raise UsageError(f"a dither needs an amplitude and a frequency above 0, unlike {self}")
 
     def at(self, n: int, rate: float, rng: "np.random.Generator | None") -> FloatArray:
         """The dither at n instants, in steps; the phase of a sinusoid is random if there is a generator."""
@@ -80,10 +80,10 @@ def quantize_rate(
     [0.25, -0.25, 0.5]
     """
     if record.kind != "rate":
-        raise UsageError(f"a rate is rounded by its converter; of {record.kind}s round the angle")
+        raise UsageError(f"only a rate can be rounded by its converter; for {record.kind}s round the angle")
     found = unit_of(unit)
     if signal_with(found.dimension) is not record.signal:
-        raise UnitError(f"{unit!r} is no unit of {record.signal.unit} readings")
+        raise UnitError(f"{unit!r} is not a unit of {record.signal.unit} samples")
     step = _step(lsb, unit) * found.factor / record.factor
     values = _rounded(np.asarray(record.values / step), record.rate, dither, rng)
     return record.with_values(values * step, _words("rate", lsb, unit, dither), start=record.start)
@@ -129,10 +129,10 @@ def quantize_angle(
     ([0, 1, 0, 1, 0], 'count', 1.0)
     """
     if record.kind in ("angle", "count"):
-        raise UsageError(f"the angle of rates and increments can be rounded, not of readings of kind {record.kind!r}")
+        raise UsageError(f"the angle of rates and increments can be rounded, not of kind {record.kind!r}")
     found = unit_of(unit)
     if signal_with(found.dimension, 1) is not record.signal:
-        raise UnitError(f"{unit!r} is no unit of the integral of {record.signal.unit}: for a gyro take arcsec")
+        raise UnitError(f"{unit!r} is not a unit of the integral of {record.signal.unit}: for a gyro use arcsec")
     angle = record.angle / (_step(lsb, unit) * found.factor)
     steps = _rounded(angle, record.rate, dither, rng)
     history = (*record.history, _words("angle", lsb, unit, dither))
@@ -145,9 +145,9 @@ def quantize_angle(
 def _rounded(values: FloatArray, rate: float, dither: Dither | None, rng: "np.random.Generator | None") -> FloatArray:
     """Whole steps, less the dither if it is stripped."""
     if not np.isfinite(values).all():
-        raise UsageError("some readings are not finite; round the record before readings are lost")
+        raise UsageError("some samples are not finite; round the record before samples are removed")
     if values.size and np.abs(values).max() > EXACT:
-        raise UsageError(f"the readings are up to {np.abs(values).max():.3g} steps: take a larger step")
+        raise UsageError(f"the samples are up to {np.abs(values).max():.3g} steps: use a larger step")
     if dither is None:
         return np.rint(values)
     added = dither.at(values.size, rate, rng)
@@ -156,7 +156,7 @@ def _rounded(values: FloatArray, rate: float, dither: Dither | None, rng: "np.ra
 
 def _step(lsb: float, unit: str) -> float:
     if not (math.isfinite(lsb) and lsb > 0):
-        raise UsageError(f"the step of a quantizer is above 0, not {lsb!r} {unit}")
+        raise UsageError(f"the step of a quantizer must be above 0, not {lsb!r} {unit}")
     return lsb
 
 

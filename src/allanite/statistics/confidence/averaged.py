@@ -29,7 +29,7 @@ BISECTIONS = 30
 """Steps to a quantile."""
 
 TOGETHER = 0.5
-"""Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to hold the truth."""
+"""Correlation of bias and scatter: as Theo1's limits at 0.1 to 0.5 of a record need to contain the true value."""
 
 
 @dataclass(frozen=True, eq=False)

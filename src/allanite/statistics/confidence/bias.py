@@ -22,12 +22,12 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
     if bias is None or bias == "plain":
         return
     if bias not in BIASES:
-        raise UsageError(f"unknown correction of bias {bias!r}; known are {', '.join(BIASES)}, or None")
+        raise UsageError(f"unknown bias correction {bias!r}; known corrections: {', '.join(BIASES)}, or None")
     if bool(row.parts) != (bias == "model"):
         hybrids = ", ".join(name for name, r in STATISTICS.items() if r.parts)
         raise UsageError(
-            f"bias='model' is for {hybrids}, whose own bias ratio supposes one kind of noise; "
-            f"{row.name} takes {'bias=model or None' if row.parts else 'exact or published'}"
+            f"bias='model' is for {hybrids}, whose own bias ratio assumes a single power law; {row.name} takes "
+            f"{'bias=model or None' if row.parts else 'exact or published'}"
         )
 
 
@@ -46,7 +46,7 @@ def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequen
 def corrections(points: Points, bias: str, noise: Averaged) -> FloatArray:
     """What the plain variance is multiplied with under each model, shape (models, points)."""
     if bias == "published":
-        raise UsageError("published factors of bias go by a power law at each tau: take noise='auto'")
+        raise UsageError("published bias factors assume a power law at each tau: use noise='auto'")
     factor = _of_means if bias == "means" else _exact
     return np.array([factor(points, i, noise.terms, noise.scale) for i in range(points.m.size)]).T
 
@@ -81,8 +81,8 @@ def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int
     """The published ratio of a statistic's expectation to that of its target, shape of m; an error if there is none.
 
     `alpha` is the exponent of the spectrum of the rate, at all averaging factors or at each. A statistic without bias,
-    or whose bias is removed otherwise (theobr, theoh), has 1 for every noise. It is what tables and other programs
-    divide by, for comparison: the exact expectation under the noise at hand is `allanite.expected`.
+    or whose bias is removed otherwise (theobr, theoh), has 1 for every noise. Tables and other programs divide by it;
+    use it for comparison: the exact expectation under the noise at hand is `allanite.expected`.
     """
     alphas = np.broadcast_to(alpha, m.shape)
     result = np.ones(m.shape)
@@ -93,8 +93,8 @@ def published_bias(row: Statistic, alpha: int | IntArray, m: IntArray, size: int
         if law not in published.coefficients:
             known = ", ".join(map(str, sorted(published.coefficients)))
             raise UsageError(
-                f"no bias of {row.name} is published for noise of alpha = {law}, only for {known}; "
-                "divide by the exact expectation instead, or take a statistic without bias"
+                f"no bias of {row.name} is published for noise of alpha = {law}, only for {known}; divide by the "
+                "exact expectation instead, or use a statistic without bias"
             )
         here = alphas == law
         result[here] = published.factor(published.coefficients[law], m[here], size)

@@ -1,7 +1,7 @@
 """The largest eigenvalues of a statistic's quadratic form under a model: what a few degrees of freedom consist of.
 
 They come from few windows spread over the record, and from reduced windows where a window has many points; the degrees
-of freedom, known exactly, scale them. White noise of the angle is left to its own where windows meet it point by point.
+of freedom, known exactly, scale them. White angle noise is left to its own where windows meet it point by point.
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,10 @@ from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import NoiseTerm
 
 WINDOWS = 96
-"""Windows of one row each that stand for all."""
+"""Windows of one row each that represent all."""
 
 FEW = 32
-"""Windows of several rows that stand for all."""
+"""Windows of several rows that represent all."""
 
 SPACE = 10
 """Leading eigenvectors of one model that carry those of its neighbours."""
@@ -70,7 +70,7 @@ def _basis(forms: FloatArray, power: FloatArray) -> FloatArray:
 
 
 def is_sharp(row: Statistic, count: int) -> bool:
-    """Whether white noise of the angle cannot be in the matrix: its windows neither average it nor are all there."""
+    """Whether white angle noise cannot be in the matrix: its windows neither average it nor are all there."""
     if row.differences:
         return not row.summed and count > WINDOWS
     return row.window is not None and row.scheme.sharp is not None

@@ -1,9 +1,10 @@
-"""The confidence law of a curve: degrees of freedom and limits, worked out when first asked.
+"""The confidence intervals of a curve: degrees of freedom and limits, computed on first use.
 
 V / E[V] is a sum of chi-squares with the eigenvalues of the quadratic form for weights. With many degrees of freedom a
-single chi-square of as many is as good; with few, one or two large eigenvalues stand beside a nearly constant floor,
-and its upper limit is up to several times too wide. There the three largest eigenvalues, one gamma for the rest, one
-for white noise of the angle, and a ramp's share beside the noise give the quantiles, by the saddlepoint.
+single chi-square of as many is as good; with few, one or two large eigenvalues dominate a nearly constant floor, and
+the upper limit of a chi-square is up to several times too wide. There the quantiles follow from the three largest
+eigenvalues, one gamma for the rest, one for white angle noise, and the contribution of a ramp, by the saddlepoint
+method.
 """
 
 import math
@@ -38,7 +39,7 @@ CERTAIN = 1e8
 """Degrees of freedom of what does not scatter."""
 
 LEADING = 3
-"""Eigenvalues that are told apart."""
+"""Eigenvalues that are distinguished."""
 
 STRETCH = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
@@ -90,7 +91,7 @@ class Local:
 
     `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
     hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is there where windows with lost
-    readings count.
+    samples count.
     """
 
     row: Statistic
@@ -136,7 +137,7 @@ class Local:
 
 
 class Kinds(NamedTuple):
-    """Which terms are smooth, which white noise of the angle, which deterministic, shape (t,) each."""
+    """Which terms are smooth, which white angle noise, which deterministic, shape (t,) each."""
 
     smooth: BoolArray
     white: BoolArray
@@ -157,7 +158,7 @@ def at_point(points: Points, i: int, model: Model) -> Local:
 
 
 def _of_means(points: Points, m: int, model: Model) -> Local:
-    """The same where windows with lost readings count."""
+    """The same where windows with missing samples count."""
     row, rate = points.row, points.rate
     found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
     E = found.expectation(terms)

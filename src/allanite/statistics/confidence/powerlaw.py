@@ -1,8 +1,9 @@
 """Which power law the noise follows at each averaging time.
 
-The spectrum of the rate is supposed to go as f^alpha around f = 1/tau. From 30 points of the angle on, taken every tau,
-alpha is found from their lag-1 autocorrelation; below, from the ratio of two variances of the rate's means; and the
-two kinds of noise of the angle, which look alike to both, are told apart by the modified Allan variance.
+The power spectral density of the rate is assumed to be proportional to f^alpha around f = 1/tau. With at least 30
+points of the angle, taken every tau, alpha is determined from their lag-1 autocorrelation; with fewer, from the ratio
+of two variances of the mean rates. The two kinds of angle noise, which both tests cannot distinguish, are separated by
+the modified Allan variance.
 """
 
 import math
@@ -42,17 +43,17 @@ STEEP: dict[int, Callable[[FloatArray], FloatArray]] = {
     -3: lambda t: t**4 * np.log(np.where(t > 0, t, 1.0)),
     -4: lambda t: t**5,
 }
-"""alpha -> D(t) but for a positive factor, beyond those of random walk of the rate."""
+"""alpha -> D(t) except for a positive factor, beyond those of random walk of the rate."""
 
 LAWS = (2, 0, -1, -2, -3, -4)
-"""The alphas between which the ratio decides. Flicker of the angle is left out: it looks like its white noise."""
+"""The alphas between which the ratio decides. Flicker of the angle is omitted: it looks like its white noise."""
 
 
 def symbol_of(alpha: int) -> str:
     """The term of `TERMS` with the exponent alpha, or the nearest safe one.
 
-    Flicker of the angle and flicker and random walk of the ramp may have no term: the term beside them is taken that
-    has the fewer degrees of freedom (N, not Q), or the only one (K), so that no interval is too narrow.
+    Flicker angle noise and flicker and random walk of the ramp may have no term: the adjacent term with the fewer
+    degrees of freedom (N, not Q), or the only one (K), is used, so that no interval is too narrow.
 
     Examples
     --------
@@ -66,10 +67,10 @@ def symbol_of(alpha: int) -> str:
 class PowerLaw(NamedTuple):
     """The power law of the noise at an averaging time.
 
-    `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker noise of the angle, 0, -1, -2 white,
-    flicker and random walk noise of the rate, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
+    `alpha` is the exponent of the spectrum of the rate: 2 and 1 white and flicker angle noise, 0, -1, -2 white,
+    flicker and random walk rate noise, -3, -4 flicker and random walk of the ramp. `symbol` is its term, or the
     nearest safe one (`symbol_of`). `method` is "lag1" (autocorrelation), "b1" (ratio of variances) or "rn" (modified
-    over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one asked for where
+    over plain Allan variance). `m` is the averaging factor at which it was found; smaller than the one requested where
     that leaves too few points.
     """
 
@@ -85,10 +86,10 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     The angle is `integrated` for this row or one of the same order, which says how steep a law the row converges for:
     alpha >= -2, or -4 for third differences.
 
-    Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until
-    ``delta = r1 / (1 + r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then
-    ``alpha = 2 - round(2 delta) - 2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola but for
-    its constant, and their products are pooled.
+    Lag 1: the angle less a parabola, at every m-th point, is differenced d = 0, 1, .. times until ``delta = r1 / (1 +
+    r1) < 1/4``, or d = 2 (third differences: 3), with r1 its lag-1 autocorrelation. Then ``alpha = 2 - round(2 delta) -
+    2d`` for d < 2, and by `EDGES` beyond. Pieces between gaps share one parabola except for its constant, and their
+    products are pooled.
 
     B1: the variance of the m-sample means of the rate over their Allan variance, and for third differences that about a
     line over their Hadamard variance, is compared with its exact expectation for each law. A ramp is not removed in the
@@ -226,6 +227,6 @@ def _modified_ratio(angle: Angle, m: int) -> float | None:
 
 
 def _by_modified(ratio: float, m: int) -> int:
-    """The noise of the angle, or white noise of the rate, whose modified over plain Allan variance is nearest."""
+    """The angle noise, or white rate noise, whose modified over plain Allan variance is nearest."""
     ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
     return min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha])))

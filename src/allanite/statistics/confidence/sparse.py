@@ -1,4 +1,4 @@
-"""What is smooth in the averaging time, worked out at some points of a long curve and interpolated between them.
+"""What is smooth in the averaging time, computed at some points of a long curve and interpolated between them.
 
 Windows at every sample of one run without gaps make it smooth enough for a cubic spline over ln m - ln(M + 1 - m), with
 M the largest averaging factor. The first few m are integers that differ, then a few points a decade do, and above M/6
@@ -20,7 +20,7 @@ FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40
 """Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
 
 MOST = 300
-"""Points of a curve that is not smooth which are all dealt with, one by one."""
+"""Points of a curve that is not smooth which are all processed, one by one."""
 
 EVEN, AT_THE_END = 100, 30
 """Points of a longer one: evenly in the logarithm, and in its last half, by windows left."""

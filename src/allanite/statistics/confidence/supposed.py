@@ -1,4 +1,4 @@
-"""The noise that limits suppose, and the words for it: known at once, or found out when limits are first asked for."""
+"""The noise that intervals assume, and its description: given, or identified on first use."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from allanite.terms import TERMS
 
 
 class Supposed(NamedTuple):
-    """Models with their weights, or "auto" for the power law found at each averaging time; and what limits are called.
+    """Models with their weights, or "auto" for the power law at each averaging time.
 
-    `words` say it in a short phrase that stands beside the limits.
+    `words` describes the intervals in a short phrase.
     """
 
     noise: Averaged | Literal["auto"]
@@ -25,34 +25,34 @@ class Supposed(NamedTuple):
 
 
 Supposing = ModelLike | Literal["auto"] | Callable[[], Supposed]
-"""Noise that limits suppose; a function is called when they are first needed."""
+"""Noise that intervals assume; a function is called when they are first needed."""
 
 
 def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
-    """A choice of the noise, and the words for it.
+    """A choice of the noise, with its description.
 
     Examples
     --------
     >>> from allanite.core.model import N
     >>> supposed(N(0.1, "deg/sqrt(h)")).words
-    'limits of the given model N = 0.1 deg/sqrt(h)'
+    'intervals under the given model N = 0.1 deg/sqrt(h)'
     """
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
-        return Supposed("auto", "limits of the power law found at each averaging time")
+        return Supposed("auto", "intervals for the power law identified at each averaging time")
     fit = noise if isinstance(noise, Fit) else None
     doubt = ", which does not explain the record" if fit and fit.validity == UNEXPLAINED else ""
     if len(choice) == 1:
-        return Supposed(choice, f"limits of the {'identified' if fit else 'given'} model {choice.terms}{doubt}")
+        return Supposed(choice, f"intervals under the {'identified' if fit else 'given'} model {choice.terms}{doubt}")
     there = {term.symbol for term in choice.terms}
     symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
     source = " identified from the record" if fit else ""
-    return Supposed(choice, f"limits averaged over {len(choice)} models of {symbols}{source}{doubt}")
+    return Supposed(choice, f"intervals averaged over {len(choice)} models of {symbols}{source}{doubt}")
 
 
 @dataclass(frozen=True, eq=False)
 class Later:
-    """The law `under` a noise that is found out when it is first asked; pickled as what was found."""
+    """The law `under` a noise that is identified on first use; pickled as the result."""
 
     suppose: Callable[[], Supposed]
     under: Callable[[Averaged | Literal["auto"]], Law]
@@ -68,7 +68,7 @@ class Later:
         return self.found[0](level)
 
     def words(self) -> str:
-        """What the limits suppose."""
+        """The assumptions of the intervals."""
         return self.found[1]
 
     def __getstate__(self) -> dict[str, Any]:

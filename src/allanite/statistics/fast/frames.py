@@ -11,9 +11,9 @@ E(e) = sum of w(c, c + l) G(c, l), G(c, l) = sum over i < c of e_i e_(i+l). E is
 
 A form that does not see a polynomial may take any from z. The record is cut into frames of a few windows, each less
 its own polynomial, so that what cancels in the end is never larger than a frame. The frames' R add up. Where frame k
-ends and the next one begins, both are cut at the same point, one's far edge is the other's near edge but for a
+ends and the next one begins, both are cut at the same point, one's far edge is the other's near edge except for a
 polynomial g, and E(z + g) - E(z) remains; with g = sum_j g_j p_j it is 2 E(Y_j, p_j) with Y_j the sum over all seams of
-g_j (z + g / 2): so a few more edges, (Y + p) and (Y - p), stand for all of them.
+g_j (z + g / 2): so a few more edges, (Y + p) and (Y - p), represent all of them.
 """
 
 from typing import NamedTuple
@@ -39,7 +39,7 @@ RADIX = 16
 
 
 class Edges(NamedTuple):
-    """The first points of a record, its last ones backward, and what stands for the seams between frames.
+    """The first points of a record, its last ones backward, and what represents the seams between frames.
 
     The sum over windows is that of w(l) R(l) less the sum of sign E(edge).
     """

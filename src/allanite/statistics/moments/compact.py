@@ -53,7 +53,7 @@ class Compact:
 
     @cached_property
     def white(self) -> FloatArray:
-        """The inner product of white noise of the angle (D = 2) at lag l with D is ``sum_h white[l, h] D(l + h)``."""
+        """The inner product of white angle noise (D = 2) at lag l with D is ``sum_h white[l, h] D(l + h)``."""
         return np.ascontiguousarray(-2 * self.factor[:, self.points - 1 :: -1].T @ self.factor)
 
     def covariances(self, structure: Structure, lags: FloatArray) -> FloatArray:
@@ -135,7 +135,7 @@ def products(
 
 
 def white_level(term: NoiseTerm) -> float:
-    """D just above a lag of zero: white noise of the angle; 0 for a term whose angle is continuous."""
+    """D just above a lag of zero: white angle noise; 0 for a term whose angle is continuous."""
     level = float(term.structure(np.array([TINY]))[0])
     return level if level > math.sqrt(TINY) else 0.0
 

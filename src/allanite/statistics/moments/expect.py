@@ -47,7 +47,7 @@ def expected(
     Raises
     ------
     UsageError
-        The rate or the length is needed and missing, tau fits neither, or the statistic has no expectation.
+        The rate or the length is required, tau matches neither, or the statistic has no expectation.
 
     Examples
     --------

@@ -22,7 +22,7 @@ LEVELS = (1, 2, 3)
 """Multiples of the coarsest record that the extrapolation goes through."""
 
 CLOSE = 5e-4
-"""Relative deviation of the ratio of m to size, up to which one short record stands for the long one."""
+"""Relative deviation of the ratio of m to size, up to which one short record represents the long one."""
 
 MIDDLE = 16
 """Length in m from which on a record has a middle that knows of no end."""
@@ -55,7 +55,7 @@ def relative(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
 
 
 def white_ratio(m: int, size: int) -> float:
-    """Ratio of white noise of the angle with itself: whole numbers, polynomials between m = n/2 and 2n/3.
+    """Ratio of white angle noise with itself: whole numbers, polynomials between m = n/2 and 2n/3.
 
     Found by summing over all pairs for n < 90; two or three m at the corners differ by terms of the order of n.
     """
@@ -66,7 +66,7 @@ def white_ratio(m: int, size: int) -> float:
 
 
 def white_mean(m: int, size: float) -> float:
-    """Sum of the rows' variances for white noise of the angle (D = 2)."""
+    """Sum of the rows' variances for white angle noise (D = 2)."""
     return 6 * (size - 1) + 8 * (m - m % 2)
 
 

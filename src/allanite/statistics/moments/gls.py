@@ -1,12 +1,12 @@
-r"""Covariance of a model's rates, its inverse, and generalised least squares.
+r"""Covariance of a model's rates, its inverse, and generalized least squares.
 
 The mean rates y of successive sample intervals have the covariance, by the lag h,
 
     c(h) = (D(h+1) - 2 D(h) + D(h-1)) / 2        in units of the sample interval,
 
-for flicker and random walks in the generalised sense: v'Cv is the variance of v'y for every contrast v (sum v = 0). So
+for flicker and random walks in the generalized sense: v'Cv is the variance of v'y for every contrast v (sum v = 0). So
 everything here is asked of contrasts; a constant rate is always unknown. C is Toeplitz, its product with a vector two
-Fourier transforms. The cosine transform (DCT-II) diagonalises it but for little, and its zeroth coefficient is the
+Fourier transforms. The cosine transform (DCT-II) nearly diagonalizes it, and its zeroth coefficient is the
 constant: it whitens, and is the preconditioner of the conjugate gradients.
 """
 
@@ -31,7 +31,7 @@ MOST = 500
 
 
 def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
-    """Generalised covariance of mean rates at lags 0 to n - 1 samples, rate squared, SI; deterministic terms have none.
+    """Generalized covariance of mean rates at lags 0 to n - 1 samples, rate squared, SI; deterministic terms have none.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Covariance:
 
     @cached_property
     def first_row(self) -> FloatArray:
-        """Generalised covariance by lag, shape (size,)."""
+        """Generalized covariance by lag, shape (size,)."""
         return autocovariance(self.terms, self.size, self.rate)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Moments of statistics whose windows are differences, exact but for the quadrature of the lag sums.
+"""Moments of statistics whose windows are differences, exact except for the quadrature of the lag sums.
 
 With q the order of the difference and F the structure function D, or for running sums minus its second sum E,
 
@@ -58,7 +58,7 @@ def products(
 ) -> FloatArray:
     """T, shape (t, t), over runs of (samples, how many such runs), for m[0] <= m[1]; unit sample interval and norm 1.
 
-    Windows of different runs are independent but for a trace of flicker. The square of the mean that deterministic
+    Windows of different runs are independent except for a trace of flicker. The square of the mean that deterministic
     terms give the windows is no variance: their own entries are 0.
     """
     total = np.zeros((len(terms), len(terms)))

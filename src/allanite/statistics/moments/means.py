@@ -1,16 +1,16 @@
-r"""Differences of means of the readings that are there: curves of records with gaps beyond the complete windows.
+r"""Differences of means of the remaining samples: curves of records with gaps, using incomplete windows.
 
-A window of m at sample i has 2 (Allan) or 3 (Hadamard) parts of m samples with c_p readings each, at least one. With
-b = (-1, 1) or (1, -2, 1) and the means y_p of the readings
+A window of m at sample i has 2 (Allan) or 3 (Hadamard) parts of m samples with c_p samples each, at least one. With
+b = (-1, 1) or (1, -2, 1) and the means y_p of the samples
 
     delta_i = sum_p b_p y_p,    1/h_i = sum_p b_p^2 / c_p,    V = sum_i h_i^2 delta_i^2 / (m sum_i h_i)
 
-Under white noise of the rate delta_i has the variance N^2 / h_i, so that V is N^2 / m whatever is lost; where nothing
-is, it is the plain statistic: pairs of means weighted by their counts, the weighted least squares estimate of N^2. On
-other ways to deal with lost readings: P. Sesia and P. Tavella, Metrologia 45 (2008) S134.
+Under white rate noise delta_i has the variance N^2 / h_i, so that V is N^2 / m whatever is missing; without gaps
+it is the plain statistic: pairs of means weighted by their counts, the weighted least-squares estimate of N^2. For
+other ways to treat missing samples see P. Sesia and P. Tavella, Metrologia 45 (2008) S134.
 
-Expectation and covariance of the delta_i follow from where the readings are: exactly for noise of the angle and white
-noise of the rate; for slow noise each part is taken in four quarters, each weighted by its readings.
+Expectation and covariance of the delta_i follow from the positions of the samples: exactly for angle noise and white
+rate noise; for slow noise each part is divided into four quarters, each weighted by its number of samples.
 """
 
 from collections.abc import Sequence
@@ -26,20 +26,20 @@ Places = Sequence[tuple[int, int]]
 """(first sample, samples) of each stretch without gaps of a record."""
 
 COMPLETE = 0.9
-"""Share of the windows that must be complete for the others to be left out."""
+"""Share of the windows that must be complete for the others to be omitted."""
 
 QUARTERS = 4
-"""Parts of a mean that are told apart for slow noise, and windows that start within m."""
+"""Parts of a mean that are distinguished for slow noise, and windows that start within m."""
 
 REFERENCES = 64
-"""Windows whose covariances with all others stand for those of all."""
+"""Windows whose covariances with all others represent those of all."""
 
 ENOUGH = 24
 """Windows, at least, that a long averaging time is given."""
 
 
 def takes_means(row: Statistic, m: int, places: Places, size: int) -> bool:
-    """Whether windows with lost readings count too: where so many are lost that the complete ones are few."""
+    """Whether windows with missing samples count too: where so many are lost that the complete ones are few."""
     if len(places) < 2 or not row.differences or row.summed:
         return False
     at = np.array([m])
@@ -56,7 +56,7 @@ class There:
 
     @property
     def size(self) -> int:
-        """Samples, lost ones included."""
+        """Samples, missing ones included."""
         return self.readings.size - 1
 
     def between(self, begin: IntArray, end: IntArray) -> IntArray:
@@ -195,7 +195,7 @@ def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[fl
 
 @dataclass(frozen=True, eq=False)
 class MeanMoments:
-    """Moments of V under terms: windows that start every quarter of m, or less, stand for all.
+    """Moments of V under terms: windows that start every quarter of m, or less, represent all.
 
     Attributes
     ----------

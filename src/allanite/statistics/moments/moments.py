@@ -25,7 +25,7 @@ Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
 
 DISTINCT = 40
-"""Different lengths of runs that are dealt with one by one."""
+"""Different lengths of runs that are processed one by one."""
 
 
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
@@ -39,11 +39,11 @@ def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float)
 
 def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | None) -> FloatArray:
     if row.extreme:
-        raise UsageError(f"{row.name} is a maximum: it has no expectation that a model gives")
+        raise UsageError(f"{row.name} is a maximum: a model gives no expectation of it")
     if row.differences:
         free = [term.symbol for term in terms if not _stationary(row.order, term)]
         if free:
-            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record and not on the model alone")
+            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
         return lagsums.responses(row, terms, m)
     if size is None and not row.span[0]:
         raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
@@ -77,8 +77,8 @@ def _stationary(order: int, term: NoiseTerm) -> bool:
 def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
     """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
 
-    Exact for the model's mixture but for the quadrature: 1e-7 for differences, below 1 % for windows. A single row, not
-    a hybrid. Of a model with sinusoids, that of its noise.
+    Exact for the model's mixture except for the quadrature: 1e-7 for differences, below 1 % for windows. A single row,
+    not a hybrid. Of a model with sinusoids, that of its noise.
     """
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
@@ -92,7 +92,7 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
 def noise_of(model: Model) -> Model:
     """The part of a model that scatters; UsageError if there is none."""
     if model.noise is None:
-        raise UsageError(f"{model} has no noise in it: confidence limits need at least one term of noise")
+        raise UsageError(f"{model} has no noise: confidence intervals need at least one noise term")
     return model.noise
 
 
@@ -148,7 +148,7 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
 def covariance(row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float) -> FloatArray:
     """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
 
-    For overlapped differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
+    For overlapping differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
     """
     return np.asarray(covariance_by_term(row, noise_of(model_of(model)), m, size, rate).sum(axis=(2, 3)))
 

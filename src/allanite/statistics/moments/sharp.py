@@ -1,6 +1,6 @@
-"""White noise of the angle where the points of a window meet it one by one.
+"""White angle noise where the points of a window meet it one by one.
 
-Theo1 and the Hadamard total deviation hold single points of the angle: white noise of the angle is correlated only
+Theo1 and the Hadamard total deviation hold single points of the angle: white angle noise is correlated only
 where a point of one window falls on a point of the other, which no coarser window shows by itself. Its ratios fall as
 1/(m scale(m)) at an equal number of windows over m.
 """
@@ -18,7 +18,7 @@ from .compact import Compact, compact, expectation, extrapolation, lattice, samp
 def sharp_ratios(row: Statistic, rule: Sharp, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
     """Ratios of white angle noise with every term, shape (t,).
 
-    Over the lags the product of its covariance with another is smooth but for peaks at the first and the last, where
+    Over the lags the product of its covariance with another is smooth except for peaks at the first and the last, where
     the ends of one window meet those of the other: smooth part and peaks are extrapolated for themselves.
     """
     first, last, smooth = [], [], []

@@ -1,4 +1,4 @@
-"""What is Theo1's own: its expectation in a few hundred nodes, and how white noise of the angle scatters it.
+"""What is Theo1's own: its expectation in a few hundred nodes, and how white angle noise scatters it.
 
 A window of m = 2M intervals holds the differences ``x_-M + x_M - x_-d - x_d``, d = M - v, of weight 1/v, v = 1..M.
 """
@@ -29,7 +29,7 @@ def theo_response(term: NoiseTerm, m: int) -> float:
 
 
 def harmonic(m: int) -> float:
-    """H_M + 1/(2M), M = m/2: a quarter of E for white noise of the angle."""
+    """H_M + 1/(2M), M = m/2: a quarter of E for white angle noise."""
     return float(_sum_of_inverses(np.array(m / 2))) + 1 / m
 
 
@@ -41,14 +41,14 @@ def _sum_of_inverses(k: FloatArray) -> FloatArray:
 
 
 def white_ratio(m: int, count: int) -> float:
-    """Ratio r of white noise of the angle with itself, for L = `count` windows.
+    """Ratio r of white angle noise with itself, for L = `count` windows.
 
     With n(l) = max(0, L - l) and w = 1/v, every pair of points of two windows that fall together counts n(l):
 
         T L^2 = 4 L H^2 + 2 n(2M) H^2 + 4 H sum_v w [n(2M - v) + n(v)] + sum_uv w w [2 n(2M - u - v) + 2 n(|u - v|)]
                 + sum_v w^2 [4 n(2M - v) + 4 n(v) + 10 L] - 4 sum_{v <= M/2} n(v)/v^2
 
-    but for a few pairs that fall together twice: below 0.5 % from M = 32.
+    except for a few pairs that fall together twice: below 0.5 % from M = 32.
     """
     M, L = m // 2, float(count)
     H = _sum_of_inverses

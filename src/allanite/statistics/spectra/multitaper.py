@@ -1,4 +1,4 @@
-"""Thomson's estimate of a spectrum: one transform under many orthogonal tapers."""
+"""Thomson's multitaper estimate of a spectrum."""
 
 import math
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
+from allanite.core.wording import spelled, windowing
 from allanite.statistics.row import FloatArray
 
 from .raw_spectrum import Raw, demand_frequencies
@@ -23,17 +24,17 @@ SHORT = 4096
 class Multitaper:
     """Weighted mean of the periodograms of the entire record under orthogonal tapers (Slepian sequences).
 
-    Frequencies below the full bandwidth, where a steep spectrum is smeared beyond recognition, are left out.
+    Frequencies below the full bandwidth, where a steep spectrum is strongly smeared, are omitted.
 
     Parameters
     ----------
     bandwidth : float
-        Half bandwidth NW, in units of 1/T: power is spread over f - NW/T to f + NW/T.
+        Time-half-bandwidth product NW: power is spread over f - NW/T to f + NW/T.
     tapers : int, optional
-        How many; ``2 NW - 3`` if left out. More of them leak: with ``2 NW - 1`` the spectrum of a rate random walk
-        comes out 15 to 50 % too high.
+        Number of tapers, by default ``2 NW - 3``. Higher tapers leak: with ``2 NW - 1`` the spectrum of a rate random
+        walk is 15 to 50 % too high.
     weights : {"eigen", "equal"}
-        Weight of each taper: the share of its power within the bandwidth, or all alike.
+        Weight of each taper: the share of its power within the bandwidth, or equal weights.
 
     References
     ----------
@@ -46,12 +47,16 @@ class Multitaper:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.bandwidth) and 1 <= self.bandwidth <= 50):
-            raise UsageError(f"the half bandwidth NW of the tapers lies between 1 and 50, not {self.bandwidth!r}")
+            raise UsageError(
+                f"the time-half-bandwidth product NW of the tapers must be between 1 and 50, not {self.bandwidth!r}"
+            )
         if self.weights not in ("eigen", "equal"):
-            raise UsageError(f"weights of tapers are 'eigen' or 'equal', not {self.weights!r}")
+            raise UsageError(f"weights of tapers must be 'eigen' or 'equal', not {self.weights!r}")
         if not 1 <= self.count <= 2 * self.bandwidth:
             most = math.floor(2 * self.bandwidth)
-            raise UsageError(f"NW = {self.bandwidth:g} has 1 to {most} tapers that do not leak, not {self.tapers!r}")
+            raise UsageError(
+                f"with NW = {self.bandwidth:g} there are 1 to {most} tapers that do not leak, not {self.tapers!r}"
+            )
 
     @property
     def count(self) -> int:
@@ -60,7 +65,7 @@ class Multitaper:
 
     @property
     def title(self) -> str:
-        """In words, with its settings."""
+        """Description with the settings."""
         return f"multitaper, NW = {self.bandwidth:g}, {self.count} tapers"
 
     def estimate(self, record: Record) -> Raw:
@@ -71,8 +76,8 @@ class Multitaper:
         lost = int((~np.isfinite(y)).sum())
         if lost:
             raise DataError(
-                f"{lost} of {y.size} samples of {record.name!r} are lost: tapers need a record without gaps; use the "
-                "method 'welch', or cut a window without them"
+                f"{lost} of {y.size} samples of {record.name!r} are missing: tapers need a record without gaps; use "
+                f"{spelled('--estimator welch', 'method=welch')}, or select a window without gaps ({windowing()})"
             )
         first = math.ceil(2 * self.bandwidth)
         demand_frequencies((y.size + 1) // 2 - first, record)

@@ -1,4 +1,4 @@
-"""What every method of estimating a spectrum gives: densities at evenly spaced frequencies."""
+"""Output of every spectrum estimator: densities at evenly spaced frequencies."""
 
 from typing import NamedTuple, Protocol
 
@@ -24,20 +24,20 @@ class Raw(NamedTuple):
 
 
 class Method(Protocol):
-    """What estimates a spectrum."""
+    """A spectrum estimator."""
 
     @property
     def title(self) -> str:
-        """In words, with its settings."""
+        """Description with the settings."""
 
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies."""
 
 
 def demand_frequencies(count: int, record: Record) -> None:
-    """Refuse a record, or a segment of it, that no frequency fits into."""
+    """Refuse a record, or a segment of it, that is too short for any frequency."""
     if count < 1:
         raise DataError(
-            f"{record.name!r} has too few of {record.size} samples in a row for a spectrum; record longer, or take "
-            "longer segments"
+            f"{record.name!r} has too few of its {record.size} samples without a gap for a spectrum; record longer, "
+            "or use longer segments"
         )

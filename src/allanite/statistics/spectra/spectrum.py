@@ -16,38 +16,38 @@ from .raw_spectrum import Method, Raw
 from .welch import Welch
 
 METHODS: dict[str, Method] = {"welch": Welch(), "multitaper": Multitaper()}
-"""Methods by name, with their ordinary settings."""
+"""Methods by name, with their default settings."""
 
 
 def spectrum(
     record: Record, method: str | Method = "welch", *, sides: str = "one", bins: int | None = None
 ) -> Spectrum:
-    """Power spectral density of a record.
+    """Estimate the power spectral density of a record.
 
     Parameters
     ----------
     record : Record
-        Lost samples (NaN) are stepped over by Welch's method and refused by the other.
+        Missing samples (NaN) are skipped by Welch's method and refused by the multitaper method.
     method : {"welch", "multitaper"} or Welch or Multitaper
-        A name stands for the ordinary settings.
+        A name selects the default settings.
     sides : {"one", "two"}
         Convention of the density.
     bins : int, optional
-        Values per decade: those at neighbouring frequencies are averaged, and have more degrees of freedom. All
-        frequencies of the method if left out.
+        Values per decade: values at adjacent frequencies are averaged and have more degrees of freedom. By default all
+        frequencies of the method.
 
     Returns
     -------
     Spectrum
         SI, at positive frequencies below half the sampling rate. The frequency of an average is the geometric mean of
-        the lowest and the highest of it.
+        its lowest and highest frequency.
 
     Raises
     ------
     UsageError
         A name is unknown, or a setting impossible.
     DataError
-        The record is too short, or has gaps that the method cannot bear.
+        The record is too short, or has gaps that the method cannot handle.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def spectrum(
 
 
 def method_named(name: str, **settings: Any) -> Method:
-    """The method of `METHODS` with other settings; one that it does not have is an error that lists those it has.
+    """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones.
 
     Examples
     --------
@@ -90,12 +90,12 @@ def method_named(name: str, **settings: Any) -> Method:
     Welch(segment=20.0, window='hann')
     """
     if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known are {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}")
     method: Any = METHODS[name]
     known = [field.name for field in fields(method)]
     for key in settings:
         if key not in known:
-            raise UsageError(f"{key!r} is no setting of {name!r}; it has {', '.join(known)}")
+            raise UsageError(f"{key!r} is not a setting of {name!r}; its settings: {', '.join(known)}")
     return replace(method, **settings)  # type: ignore[no-any-return]
 
 
@@ -104,7 +104,7 @@ def _starts(first: int, size: int, bins: int | None) -> IntArray:
     if bins is None:
         return np.arange(size)
     if isinstance(bins, bool) or not isinstance(bins, (int, np.integer)) or bins < 1:
-        raise UsageError(f"bins is the number of values per decade, at least 1, not {bins!r}")
+        raise UsageError(f"bins must be the number of values per decade, at least 1, not {bins!r}")
     decades = math.log10((first + size) / first)
     # edges lie half way between frequencies
     edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)

@@ -22,7 +22,7 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 }
 """Windows as sums of cosines: w(t) = a0 - a1 cos(2 pi t) + a2 cos(4 pi t) - ..., over one period.
 
-Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are left out.
+Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
 
 AT_ONCE = 2**22
@@ -33,14 +33,14 @@ AT_ONCE = 2**22
 class Welch:
     """Mean of the periodograms of segments that overlap by half.
 
-    Each segment loses its mean. The lowest frequencies, over which the window spreads what is taken out with the mean,
-    are left out: the first one for ``"hann"``, so that white noise is estimated without bias at all others. Segments
-    are placed where no sample is lost.
+    The mean of each segment is subtracted. The lowest frequencies, which the window makes depend on the mean, are
+    omitted: the first one for ``"hann"``, so that white noise is estimated without bias at all others. Segments contain
+    no missing samples.
 
     Parameters
     ----------
     segment : float, optional
-        Length of a segment, s; an eighth of the record if left out, or its longest stretch without a lost sample if
+        Length of a segment, s; by default an eighth of the record, or its longest stretch without a missing sample if
         that is shorter.
     window : str
         A name in `WINDOWS`.
@@ -56,13 +56,13 @@ class Welch:
 
     def __post_init__(self) -> None:
         if self.window not in WINDOWS:
-            raise UsageError(f"unknown window {self.window!r}; known are {', '.join(WINDOWS)}")
+            raise UsageError(f"unknown window {self.window!r}; known windows: {', '.join(WINDOWS)}")
         if self.segment is not None and not (math.isfinite(self.segment) and self.segment > 0):
-            raise UsageError(f"the length of a segment is a positive number of seconds, not {self.segment!r}")
+            raise UsageError(f"the length of a segment must be a positive number of seconds, not {self.segment!r}")
 
     @property
     def title(self) -> str:
-        """In words, with its settings."""
+        """Description with the settings."""
         return f"welch, {self.window} window"
 
     def estimate(self, record: Record) -> Raw:
@@ -92,8 +92,8 @@ class Welch:
             length = round(self.segment * record.rate)
             if length > longest:
                 raise UsageError(
-                    f"a segment of {self.segment:g} s does not fit: the longest stretch of {record.name!r} without a "
-                    f"lost sample is {longest / record.rate:g} s"
+                    f"a segment of {self.segment:g} s does not fit: the longest stretch of {record.name!r} without "
+                    f"a missing sample is {longest / record.rate:g} s"
                 )
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return length
