@@ -1,4 +1,5 @@
 from . import angle as angle
+from . import batch as batch
 from . import compensation as compensation
 from . import identification as identification
 from . import prepare as prepare
@@ -6,6 +7,9 @@ from . import rate as rate
 from . import readers as readers
 from . import statistics as statistics
 from . import study as study
+from .batch.batch import Batch as Batch
+from .batch.job import analyze_files as analyze_files
+from .batch.specification import Specification as Specification
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
 from .comparison.study import compare as compare

@@ -73,6 +73,19 @@ def curve(statistic="oadev", **options):
     return al.deviation(record(), statistic, **({"noise": fit().model} | options))
 
 
+@cache
+def batch():
+    """Two units, of which one fails and one is not there, with limits."""
+    limits = {
+        "limits": {"N": {"max": "0.005 deg/sqrt(h)"}, "minimum": {"max": "9 deg/h", "judge": "upper"}},
+        "channels": {"z1": {"B": {"max": "1 deg/h"}}},
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        al.write(record(), f"{folder}/unit.npz")
+        files = [f"{folder}/unit.npz", f"{folder}/missing.npz"]
+        return al.analyze_files(files, al.Recipe(level=LEVEL), limits=al.Specification.from_toml(limits))
+
+
 WHITE = "N 0.1 deg/sqrt(h)"
 GIVEN = al.Recipe(rate=100.0)
 
@@ -171,6 +184,10 @@ MAKERS = {
     "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
     "AngleSettings": plan_of_angles,
     "Averaged": lambda: averaged([MODEL, al.Model(MODEL.terms[:1])], [3, 1]),
+    "Across": lambda: batch().across[1],
+    "Batch": batch,
+    "BatchUnit": lambda: batch()[0],
+    "BatchUnit that failed": lambda: batch()[1],
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],
@@ -237,6 +254,9 @@ MAKERS = {
     "Ranking": lambda: al.rate.rank(al.N(0.1, "deg/sqrt(h)"), n=1000, rate=100.0),
     "RateChannel": lambda: rate_study().channels[0],
     "RateEstimate": lambda: rate_study().channels[0].bias,
+    "Judgement": lambda: batch()[0].judgements[0],
+    "Limit": lambda: batch().specification.limits[0],
+    "Specification": lambda: batch().specification,
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,

@@ -12,7 +12,7 @@ import click
 
 from allanite.core.errors import AllaniteError
 
-DEFECT, DATA, INTERRUPTED = 1, 3, 130
+DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 TRACKER = "https://github.com/allanite/allanite/issues"
 
 

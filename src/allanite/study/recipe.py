@@ -103,8 +103,8 @@ def chosen(settings: "DataclassInstance") -> dict[str, Any]:
     return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
 
 
-def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The table in a TOML file.
+def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, Any]:
+    """The table in a TOML file, which a message calls `what`.
 
     Raises
     ------
@@ -117,4 +117,4 @@ def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
         with open(path, "rb") as file:
             return tomllib.load(file)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"the recipe {os.fspath(path)!r} cannot be read: {error}") from None
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read: {error}") from None

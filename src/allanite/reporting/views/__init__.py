@@ -41,6 +41,7 @@ class View:
 VIEWS: dict[str, str] = {
     "Study": "analysis.STUDY",
     "Channel": "analysis.CHANNEL",
+    "Batch": "batch.BATCH",
     "Survey": "survey.SURVEY",
     "Curve": "values.CURVE",
     "Spectrum": "values.SPECTRUM",
