@@ -2,7 +2,6 @@
 
 import csv
 import dataclasses
-import json
 import re
 
 import numpy as np
@@ -32,9 +31,9 @@ def lot(tmp_path_factory):
         al.write(dataclasses.replace(record), folder / "units" / name)
     (folder / "units" / CUT_OFF).write_text("# the logger was not connected\n")
     (folder / "spec.toml").write_text(LIMITS)
-    paths = {name: folder / f"lot.{name}" for name in ("csv", "html", "png", "json")}
+    paths = {name: folder / f"lot.{name}" for name in ("csv", "html", "png")}
     words = ["analyze", f"{folder}/units/*.csv", "--limits", folder / "spec.toml", "--table", paths["csv"]]
-    words += ["--report", paths["html"], "--plot", paths["png"], "--json", paths["json"]]
+    words += ["--report", paths["html"], "--plot", paths["png"], "--terms", "NK"]
     return CliRunner().invoke(main, list(map(str, words))), paths
 
 
@@ -80,11 +79,3 @@ def test_one_page_and_one_figure_hold_all_units(lot):
     assert page.count("<details>") == 39
     assert all(f"unit{i:02d}.csv" in page for i in range(1, 41))
     assert lot[1]["png"].stat().st_size > 20_000
-
-
-def test_the_json_is_the_batch(lot):
-    batch = al.from_dict(json.loads(lot[1]["json"].read_text("utf-8")))
-    assert len(batch) == 40
-    assert len(batch.failed) == 1
-    assert len(batch.exceeding) == 2
-    assert batch[0].study["gz"].fit["N"].status == "identified"
