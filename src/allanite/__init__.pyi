@@ -2,6 +2,7 @@ from . import angle as angle
 from . import batch as batch
 from . import compensation as compensation
 from . import identification as identification
+from . import meaning as meaning
 from . import prepare as prepare
 from . import rate as rate
 from . import readers as readers
@@ -51,6 +52,8 @@ from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals
 from .identification.checks.shared import shared as shared
 from .identification.checks.whitening import whitened as whitened
+from .meaning.devices import DEVICES as DEVICES
+from .meaning.meaning import Meaning as Meaning
 from .planning.bound import Bound as Bound
 from .planning.bound import bound as bound
 from .planning.plan import RecordingPlan as RecordingPlan

@@ -21,6 +21,7 @@ from allanite.core.correction import Correction
 from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
+from allanite.meaning.meaning import meaning
 from allanite.prepare import inspect
 from allanite.rate.study import RateSettings, measure_rates
 from allanite.signals import TorqueScale
@@ -257,6 +258,7 @@ MAKERS = {
     "Judgement": lambda: batch()[0].judgements[0],
     "Limit": lambda: batch().specification.limits[0],
     "Specification": lambda: batch().specification,
+    "Meaning": lambda: meaning(fit(), read(), rate=100.0, length=163.84, device="mems"),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,

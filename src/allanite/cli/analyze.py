@@ -26,7 +26,7 @@ def info(file: str, **choices: Any) -> None:
 
 
 @click.command()
-@options("files", *RECORDING, "statistic", "taus", *IDENTIFYING, "limits file", "coefficients", *RESULTS)
+@options("files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "coefficients", *RESULTS)
 def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     """Find the noise coefficients of FILES, with intervals.
 

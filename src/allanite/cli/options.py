@@ -196,6 +196,8 @@ OPTIONS: dict[str, Decorator] = {
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and curve readings as CSV; - is standard output."),
+    "device": click.option("--device", metavar="NAME",
+        help="Say what may cause the terms in it: stabilizer, mscsg, rlg, fog, mems, accelerometer."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
         help="Hold the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,

@@ -49,6 +49,7 @@ _MODULES: dict[str, str] = {
     "core.scope": "LowPass Scope",
     "core.spectrum": "Spectrum",
     "core.surface": "Surface",
+    "meaning.meaning": "Meaning",
     "planning.bound": "Bound",
     "planning.plan": "RecordingPlan",
     "planning.selfcheck": "SelfCheck",
