@@ -380,7 +380,7 @@ def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; the types are Alternative, "),
+        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; the types are Across, "),
         ([], "of type None cannot be read"),
         ({"type": "Finding", "name": "gaps"}, "the stored Finding has no 'what'"),
         ({"allanite": 2, "type": "Finding", "name": "gaps"}, "version 2; this program reads version 1"),

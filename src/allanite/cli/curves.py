@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     "m",
     "to",
     "threads",
-    click.option("--limits/--no-limits", default=True, help="Confidence limits; without, no noise is identified."),
+    "confidence limits",
     *IDENTIFYING,
     *RESULTS,
 )

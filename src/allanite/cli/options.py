@@ -198,6 +198,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Write coefficients and curve readings as CSV; - is standard output."),
     "device": click.option("--device", metavar="NAME",
         help="Say what may cause the terms in it: stabilizer, mscsg, rlg, fog, mems, accelerometer."),
+    "confidence limits": click.option("--limits/--no-limits", default=True,
+        help="Confidence limits; without, no noise is identified."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
         help="Hold the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
