@@ -40,9 +40,9 @@ def lot(tmp_path_factory):
 def test_the_units_beyond_a_limit_and_the_bad_file_are_named(lot):
     result, _ = lot
     assert result.exit_code == 4, result.output
-    assert "40 units: 37 pass, 2 fail, 1 not analysed" in result.stdout
+    assert "40 units: 37 pass, 2 fail, 1 not analyzed" in result.stdout
     assert f"fail: {', '.join(NOISY)}" in result.stdout
-    assert f"not analysed: {CUT_OFF}: no rows of numbers were found" in " ".join(result.stdout.split())
+    assert f"not analyzed: {CUT_OFF}: no rows of numbers were found" in " ".join(result.stdout.split())
     last = result.stderr.splitlines()
     assert re.fullmatch(r"a limit is exceeded: \S+unit07.csv, \S+unit23.csv", last[0])
     assert last[1].endswith(CUT_OFF)

@@ -44,7 +44,7 @@ class BatchUnit(Value):
         return () if self.study is None else self.study.channels
 
     def _summary(self) -> str:
-        return f"{self.file!r}: {self.error or self.outcome or 'analysed'}"
+        return f"{self.file!r}: {self.error or self.outcome or 'analyzed'}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,7 +92,7 @@ class Batch(Value):
 
     @property
     def failed(self) -> tuple[str, ...]:
-        """Files that could not be analysed."""
+        """Files that could not be analyzed."""
         return tuple(unit.file for unit in self.units if unit.error)
 
     @property

@@ -41,12 +41,12 @@ def analyze_files(
     Returns
     -------
     Batch
-        A file that cannot be analysed carries the reason in `BatchUnit.error`; the others are analysed all the same.
+        A file that cannot be analyzed carries the reason in `BatchUnit.error`; the others are analyzed all the same.
 
     Raises
     ------
     DataError
-        None of the files can be analysed.
+        None of the files can be analyzed.
     UsageError
         No file is found, an option is wrong, or a limit of a channel does not fit its kind of sensor.
 
@@ -108,4 +108,4 @@ def _demand_one(units: Sequence[BatchUnit], errors: Sequence[AllaniteError]) -> 
     for unit in units:
         files.setdefault(unit.error, []).append(unit.file)
     reasons = (f"\n  {', '.join(which)}: {why}" for why, which in files.items())
-    raise kind(f"none of the {len(units)} files could be analysed:" + "".join(reasons))
+    raise kind(f"none of the {len(units)} files could be analyzed:" + "".join(reasons))

@@ -77,7 +77,10 @@ def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
 
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
-    inside = sorted(str(path) for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
+    try:
+        inside = sorted(str(path) for path in Path(folder).iterdir() if path.is_file() and path.name[0] != ".")
+    except OSError as error:
+        raise UsageError(f"the folder {folder!r} cannot be read ({error.strerror or error})") from None
     files = list(_recordings(inside, left))
     other = [os.path.basename(file) for file in inside if file not in files]
     if not files:

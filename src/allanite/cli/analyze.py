@@ -33,14 +33,14 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     Prints a table for each channel; --report writes the page with the figures. FILE is a recording, or - for standard
     input. Several files, a folder, or a pattern in quotes ('units/*.csv') are many units: one table with a row for each
     channel of each unit, mean, spread and worst over the units, one figure and one page. A file that cannot be
-    analysed is named, and the others are analysed all the same.
+    analyzed is named, and the others are analyzed all the same.
 
     --limits FILE.toml holds lines such as N = { max = "0.15 deg/sqrt(h)" } below [limits], or below [channels.gz] for
     one channel; B, K, Q, R, GM and minimum (of the Allan deviation) are limited likewise. A term passes if its value
     does not exceed the limit; with judge = "upper", if the upper end of its interval does not. A term that was not
     identified passes if its 95 % upper limit does not exceed the limit. What neither passes nor fails is "not shown".
 
-    Exit codes: 4 if a unit exceeds a limit, else 5 if some files could not be analysed, else with --strict 3 if a
+    Exit codes: 4 if a unit exceeds a limit, else 5 if some files could not be analyzed, else with --strict 3 if a
     channel is not explained or a limit is not shown.
     """
     from allanite.batch.sources import several
@@ -72,7 +72,7 @@ def _end(batch: "Batch", *, strict: bool) -> None:
     """End with the exit code of the worst that was found, and say on stderr which units it is."""
     ends = (
         (EXCEEDED, batch.exceeding, "a limit is exceeded"),
-        (PARTLY, batch.failed, "not analysed"),
+        (PARTLY, batch.failed, "not analyzed"),
         (DATA, batch.rejected if strict else (), "not explained, or not shown to keep a limit"),
     )
     for _, which, what in ends:

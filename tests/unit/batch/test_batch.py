@@ -233,7 +233,7 @@ def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
     assert (first["channel"], first["unit"], first["status"]) == ("gz", "deg/sqrt(h)", "identified")
     assert float(first["low"]) < float(first["value"]) < float(first["high"])
     assert rows[-1]["file"] == str(folder / "missing.csv")
-    assert rows[-1]["status"] == "not analysed"
+    assert rows[-1]["status"] == "not analyzed"
     assert "no such file" in rows[-1]["remark"]
     alone = run(folder / "u0.csv", "--coefficients", "-").stdout
     assert alone == run(folder / "u0.csv", "--table", "-").stdout
@@ -245,7 +245,7 @@ def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
     for _ in range(2):
         result = run(tmp_path, "--table", tmp_path / "table.csv", "--force")
         assert result.exit_code == 0, result.output
-        assert "1 of 1 unit analysed" in result.stdout
+        assert "1 of 1 unit analyzed" in result.stdout
 
 
 def test_mean_spread_and_worst_are_over_the_values(folder):
@@ -258,6 +258,11 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     assert found["K"].identified == 0
     assert found["K"].below == max(u.study["gz"].fit["K"].upper for u in batch)
     assert np.isnan(found["K"].mean)
+
+
+def test_the_device_is_said_once_for_all_units(folder):
+    result = run(folder, "--device", "mems")
+    assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1
 
 
 def test_a_batch_holds_no_samples(folder):

@@ -65,8 +65,12 @@ def landed(path: Any) -> Iterator[tuple[str, str, str]]:
         yield file, member, SEPARATOR.join((file, member)) if member else file
         return
     with tempfile.NamedTemporaryFile(prefix="allanite-") as copy:
-        shutil.copyfileobj(sys.stdin.buffer, copy)
-        copy.flush()
+        try:
+            shutil.copyfileobj(sys.stdin.buffer, copy)
+            copy.flush()
+        except OSError as error:
+            why = error.strerror or error
+            raise DataError(f"{STDIN_NAME}: it cannot be read ({why}); save it to a file first") from None
         if not copy.tell():
             raise DataError(f"{STDIN_NAME}: nothing came; pipe a recording into the command")
         yield copy.name, "", STDIN_NAME

@@ -17,6 +17,7 @@ from allanite.study.analysis import Channel
 from . import Rows, View
 from .analysis import STUDY
 from .fit import definitions, terms_table
+from .meaning import causes_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +68,7 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
     yield _summary(batch)
     for unit in batch:
         if unit.error:
-            yield Note(f"not analysed: {batch.label(unit)}: {unit.error}", "alert")
+            yield Note(f"not analyzed: {batch.label(unit)}: {unit.error}", "alert")
     if batch.specification is not None:
         yield from _limits_table(batch)
         yield Note(RULE, "quiet", where="page")
@@ -82,11 +83,11 @@ def _summary(batch: Batch) -> Note:
     """How many units there are, and how many of them pass."""
     done = [unit for unit in batch if not unit.error]
     if batch.specification is None:
-        text = f"{len(done)} of {_units(batch)} analysed"
+        text = f"{len(done)} of {_units(batch)} analyzed"
         return Note(text, "alert" if batch.failed else "strong")
     counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
     parts = [f"{count} {outcome}" for outcome, count in counts.items() if count]
-    parts += [f"{len(batch.failed)} not analysed"] if batch.failed else []
+    parts += [f"{len(batch.failed)} not analyzed"] if batch.failed else []
     level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
     named = [f"{outcome}: {_named(batch, outcome)}" for outcome in (FAIL, NOT_SHOWN) if counts[outcome]]
     return Note(f"{_units(batch)}: {', '.join(parts)}", level, points=named)
@@ -199,6 +200,7 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
     if warned:
         text = f"warnings in {len(warned)} of {_units(batch)}: the page (--report) and the JSON have them"
         yield Note(text, "quiet", where="text")
+    yield from causes_of((c for unit in batch for c in unit.channels), batch.choices.get("device"))
     for unit in batch:
         for channel in unit.channels:
             name = ", ".join(filter(None, (f"unit {batch.label(unit)}", channel.record.name)))
@@ -229,7 +231,7 @@ def _rows(batch: Batch, level: float) -> Rows:
 
 
 def _coefficients(batch: Batch, level: float) -> Rows:
-    """As of a study, after the file and before what the limits say; a file that was not analysed has one row."""
+    """As of a study, after the file and before what the limits say; a file that was not analyzed has one row."""
     heads: Sequence[str] = ()
     rows: list[list[Any]] = []
     for unit in batch:
@@ -243,7 +245,7 @@ def _coefficients(batch: Batch, level: float) -> Rows:
             limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
             rows.append([unit.file, *row, *limit])
     for unit in (unit for unit in batch if unit.error):
-        told = {"status": "not analysed", "remark": unit.error}
+        told = {"status": "not analyzed", "remark": unit.error}
         rows.append([unit.file, *(told.get(head, "") for head in heads), "", ""])
     return ("file", *heads, "limit", "result"), rows
 

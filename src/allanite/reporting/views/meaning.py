@@ -1,6 +1,7 @@
 """How the meaning of coefficients is shown."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from allanite.meaning.device import REFERENCES
 from allanite.meaning.devices import DEVICES
@@ -17,13 +18,20 @@ def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
         return None
     record = channel.record
     found = meaning(channel.fit, channel.readings, rate=record.rate, length=record.duration, device=device)
-    return Meaning(record.name, found.sentences, found.device, found.symbols, found.note)
+    return replace(found, name=record.name)
 
 
 def meanings(study: Study) -> Iterator[Part]:
     """What the coefficients of each channel mean, and of the device that the recipe names what may cause them."""
     found = [meaning_of(channel, study.recipe.device) for channel in study.channels]
     yield from _parts([one for one in found if one is not None])
+
+
+def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
+    """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
+    found = [meaning_of(channel, device) for channel in channels]
+    if device is not None:
+        yield from _causes([replace(one, name="") for one in found if one is not None])
 
 
 def _parts(found: Sequence[Meaning]) -> Iterator[Part]:
@@ -37,6 +45,8 @@ def _parts(found: Sequence[Meaning]) -> Iterator[Part]:
 
 def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
     """The rows of a device's table for the terms that were found, with the channels that have them."""
+    if not found:
+        return
     device = DEVICES[found[0].device]
     yield from (Note(note, "quiet") for note in dict.fromkeys(one.note for one in found if one.note))
     channels: dict[str, list[str]] = {}
