@@ -15,7 +15,8 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["generated/help.md", "generated/methods.md", "generated/efficiencies.md"]  # included by others
+# included by others
+exclude_patterns = ["generated/help.md", "generated/methods.md", "generated/efficiencies.md", "generated/devices.md"]
 default_role = "py:obj"  # names in docstrings lead to their own
 
 autodoc_typehints = "none"  # types stand in the docstrings, in the words of the field

@@ -9,6 +9,7 @@ from sphinx.application import Sphinx
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 from generate.compensation import compensation_page
+from generate.devices import devices_page
 from generate.methods import efficiencies, methods_page
 from generate.reference import api_page, help_pages, units_page
 from generate.statistics import statistic_index, statistic_page
@@ -42,6 +43,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
     _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
+    _write(root / "devices.md", devices_page())
     run_tutorial(docs, root / "tutorial")
 
 

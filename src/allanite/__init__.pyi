@@ -1,11 +1,16 @@
 from . import angle as angle
+from . import batch as batch
 from . import compensation as compensation
 from . import identification as identification
+from . import meaning as meaning
 from . import prepare as prepare
 from . import rate as rate
 from . import readers as readers
 from . import statistics as statistics
 from . import study as study
+from .batch.batch import Batch as Batch
+from .batch.job import analyze_files as analyze_files
+from .batch.specification import Specification as Specification
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
 from .comparison.study import compare as compare
@@ -47,6 +52,8 @@ from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals
 from .identification.checks.shared import shared as shared
 from .identification.checks.whitening import whitened as whitened
+from .meaning.devices import DEVICES as DEVICES
+from .meaning.meaning import Meaning as Meaning
 from .planning.bound import Bound as Bound
 from .planning.bound import bound as bound
 from .planning.plan import RecordingPlan as RecordingPlan

@@ -21,6 +21,7 @@ from allanite.core.correction import Correction
 from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
+from allanite.meaning.meaning import meaning
 from allanite.prepare import inspect
 from allanite.rate.study import RateSettings, measure_rates
 from allanite.signals import TorqueScale
@@ -71,6 +72,19 @@ def selfcheck():
 
 def curve(statistic="oadev", **options):
     return al.deviation(record(), statistic, **({"noise": fit().model} | options))
+
+
+@cache
+def batch():
+    """Two units, of which one fails and one is not there, with limits."""
+    limits = {
+        "limits": {"N": {"max": "0.005 deg/sqrt(h)"}, "minimum": {"max": "9 deg/h", "judge": "upper"}},
+        "channels": {"z1": {"B": {"max": "1 deg/h"}}},
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        al.write(record(), f"{folder}/unit.npz")
+        files = [f"{folder}/unit.npz", f"{folder}/missing.npz"]
+        return al.analyze_files(files, al.Recipe(level=LEVEL), limits=al.Specification.from_toml(limits))
 
 
 WHITE = "N 0.1 deg/sqrt(h)"
@@ -171,6 +185,10 @@ MAKERS = {
     "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
     "AngleSettings": plan_of_angles,
     "Averaged": lambda: averaged([MODEL, al.Model(MODEL.terms[:1])], [3, 1]),
+    "Across": lambda: batch().across[1],
+    "Batch": batch,
+    "BatchUnit": lambda: batch()[0],
+    "BatchUnit that failed": lambda: batch()[1],
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],
@@ -237,6 +255,10 @@ MAKERS = {
     "Ranking": lambda: al.rate.rank(al.N(0.1, "deg/sqrt(h)"), n=1000, rate=100.0),
     "RateChannel": lambda: rate_study().channels[0],
     "RateEstimate": lambda: rate_study().channels[0].bias,
+    "Judgement": lambda: batch()[0].judgements[0],
+    "Limit": lambda: batch().specification.limits[0],
+    "Specification": lambda: batch().specification,
+    "Meaning": lambda: meaning(fit(), read(), rate=100.0, length=163.84, device="mems"),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,
@@ -358,7 +380,7 @@ def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; known types: Alternative, "),
+        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; known types: Across, "),
         ([], "of type None cannot be read"),
         ({"type": "Finding", "name": "gaps"}, "the stored Finding has no 'what'"),
         ({"allanite": 2, "type": "Finding", "name": "gaps"}, "version 2; this program reads version 1"),

@@ -1,12 +1,16 @@
 """The main analysis, and the check of a file before it."""
 
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from .deliver import carry_out, outputs, recipe_of
-from .front import DATA
+from .deliver import Progress, carry_out, outputs, recipe_of
+from .front import DATA, EXCEEDED, PARTLY
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+
+if TYPE_CHECKING:
+    from allanite.batch.batch import Batch
 
 
 @click.command()
@@ -22,13 +26,58 @@ def info(file: str, **choices: Any) -> None:
 
 
 @click.command()
-@options("file", *RECORDING, "statistic", "taus", *IDENTIFYING, "coefficients", *RESULTS)
-def analyze(file: str, **choices: Any) -> None:
-    """Identify the noise coefficients of FILE.
+@options("files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "coefficients", *RESULTS)
+def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
+    """Identify the noise coefficients of FILES.
 
-    Prints a table for each channel, with confidence intervals; --report writes a page with the figures.
+    Prints a table for each channel, with confidence intervals; --report writes a page with the figures. FILE is a
+    recording, or - for standard input. Several files, a folder, or a pattern in quotes ('units/*.csv') are many units:
+    one table with a row for each channel of each unit, mean, spread and worst over the units, one figure and one page.
+    A file that cannot be analyzed is named, and the others are analyzed all the same.
+
+    --limits FILE.toml holds lines such as N = { max = "0.15 deg/sqrt(h)" } below [limits], or below [channels.gz] for
+    one channel; B, K, Q, R, GM and minimum (of the Allan deviation) are limited likewise. A term passes if its value
+    does not exceed the limit; with judge = "upper", if the upper end of its interval does not. A term that was not
+    identified passes if its 95 % upper limit does not exceed the limit. What neither passes nor fails is "not shown".
+
+    Exit codes: 4 if a unit exceeds a limit, else 5 if some files could not be analyzed, else with --strict 3 if a
+    channel is not explained or a limit is not shown.
     """
-    out = outputs(choices, [file, choices["recipe"]])
+    from allanite.batch.sources import several
+
+    if limits is not None or several(files):
+        _analyze_units(files, limits, choices)
+        return
+    out = outputs(choices, [*files, choices["recipe"]])
     from allanite.study.analysis import analyze as run
 
-    carry_out(lambda tell: run(file, recipe_of(choices), progress=tell), out)
+    carry_out(lambda tell: run(files[0], recipe_of(choices), progress=tell), out)
+
+
+def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str, Any]) -> None:
+    """Many units, or the limits of one."""
+    from allanite.batch.job import analyze_files
+
+    recipe = choices["recipe"]
+    out = outputs(choices, [*files, recipe, limits])
+    besides = (*out.paths.values(), recipe, limits)
+
+    def job(tell: Progress) -> "Batch":
+        return analyze_files(files, recipe_of(choices), limits=limits, besides=besides, progress=tell)
+
+    _end(carry_out(job, replace(out, strict=False)), strict=out.strict)
+
+
+def _end(batch: "Batch", *, strict: bool) -> None:
+    """End with the exit code of the worst that was found, and say on stderr which units it is."""
+    ends = (
+        (EXCEEDED, batch.exceeding, "a limit is exceeded"),
+        (PARTLY, batch.failed, "not analyzed"),
+        (DATA, batch.rejected if strict else (), "not explained, or not shown to keep a limit"),
+    )
+    for _, which, what in ends:
+        if which:
+            click.echo(f"{what}: {', '.join(which)}", err=True)
+    code = next((code for code, which, _ in ends if which), 0)
+    if code:
+        raise click.exceptions.Exit(code)

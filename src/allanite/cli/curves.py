@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     "m",
     "to",
     "threads",
-    click.option(
-        "--limits/--no-limits", default=True, help="Confidence intervals; without them no noise is identified."
-    ),
+    "intervals",
     *IDENTIFYING,
     *RESULTS,
 )

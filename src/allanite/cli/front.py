@@ -13,7 +13,7 @@ import click
 from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
-DEFECT, DATA, INTERRUPTED = 1, 3, 130
+DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 TRACKER = "https://github.com/allanite/allanite/issues"
 
 

@@ -39,8 +39,8 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     ----------
     path : str, path or table
         The file, whose format is detected from its first bytes; .zip, .gz, .bz2 and .xz are unpacked, and
-        ``"runs.zip::gyro.csv"`` names a member of an archive. Or a table of pandas, polars or pyarrow with column names
-        like those of a CSV file: ``"gx [deg/s]"``.
+        ``"runs.zip::gyro.csv"`` names a member of an archive. ``"-"`` is standard input. Or a table of pandas, polars
+        or pyarrow with column names like those of a CSV file: ``"gx [deg/s]"``.
     rate : float, optional
         Sampling rate, Hz; overrides the file.
     unit : str, optional
@@ -90,7 +90,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     """
     from allanite.readers.formats.table import read_frame, readable, reader_for, reader_named
     from allanite.readers.sandbox.packing import unpacked
-    from allanite.readers.sandbox.source import SEPARATOR, checked, digest_of, head_of
+    from allanite.readers.sandbox.source import digest_of, head_of, landed
 
     from .options import Options, channel_names
 
@@ -98,23 +98,21 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
-    file, member = checked(path)
-    name = SEPARATOR.join((file, member)) if member else file
-    try:
-        with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
-            suffix = os.path.splitext(inner)[1].lower()
-            reader = reader_named("raw") if dtype is not None else reader_for(head_of(inner), suffix)
-            recording = reader.read(inner, options)
-        return replace(recording, source=name, digest=digest_of(file))
-    except AllaniteError as error:
-        raise type(error)(f"{name}: {error}") from None
-    except OSError as error:
-        raise DataError(
-            f"{name}: the file cannot be read ({error.strerror or error}); check that it exists and that you may "
-            "read it"
-        ) from None
-    except MemoryError:
-        raise DataError(f"{name}: the file does not fit into memory; read fewer channels, or a part of it") from None
+    with landed(path) as (file, member, name):
+        try:
+            with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
+                suffix = os.path.splitext(inner)[1].lower()
+                reader = reader_named("raw") if dtype is not None else reader_for(head_of(inner), suffix)
+                recording = reader.read(inner, options)
+            return replace(recording, source=name, digest=digest_of(file))
+        except AllaniteError as error:
+            raise type(error)(f"{name}: {error}") from None
+        except OSError as error:
+            why = f"the file cannot be read ({error.strerror or error}); check that it exists and that you may read it"
+            raise DataError(f"{name}: {why}") from None
+        except MemoryError:
+            why = "the file does not fit into memory; read fewer channels, or a part of it"
+            raise DataError(f"{name}: {why}") from None
 
 
 def write(recording: Recording | Record, path: str | os.PathLike[str], *, force: bool = False) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.core.scope import Band, demand_band
+from allanite.meaning.devices import device
 from allanite.prepare.outliers import demand_choice
 
 if TYPE_CHECKING:
@@ -23,8 +24,11 @@ IDENTIFYING = ("terms", "method", "band", "level")
 CURVE = ("statistic", "taus")
 """Keys of the curve of a study."""
 
+SHOWN = ("device",)
+"""Keys of what is said about a result."""
+
 _NUMBERS = ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset")
-_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers")
+_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "device")
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Recipe:
 
     The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
-    they are excluded from the fit only.
+    they are excluded from the fit only. `device` is a name in `DEVICES`, whose likely causes of each term are shown.
     """
 
     rate: float | None = None
@@ -55,6 +59,7 @@ class Recipe:
     method: str = "whittle"
     band: Band = "auto"
     level: float = 0.95
+    device: str | None = None
 
     def __post_init__(self) -> None:
         for key in _NUMBERS:
@@ -71,8 +76,10 @@ class Recipe:
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
+        if self.device is not None:
+            device(self.device)
 
-    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
+    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWN)) -> dict[str, Any]:
         """Plain data of these keys; those not given are omitted."""
         return {key: value for key, value in chosen(self).items() if key in keys}
 
@@ -103,8 +110,8 @@ def chosen(settings: "DataclassInstance") -> dict[str, Any]:
     return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(settings).items() if v is not None}
 
 
-def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The table of a TOML file.
+def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, Any]:
+    """The table of a TOML file, which messages call `what`.
 
     Raises
     ------
@@ -117,4 +124,4 @@ def load_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
         with open(path, "rb") as file:
             return tomllib.load(file)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"the recipe {os.fspath(path)!r} cannot be read: {error}") from None
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read: {error}") from None

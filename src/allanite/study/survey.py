@@ -35,7 +35,7 @@ class Deviations(Value):
         Names in `STATISTICS`.
     taus, m, threads
         As for `deviation`.
-    limits : bool
+    intervals : bool
         Whether to compute confidence intervals, for which the noise is identified.
     to : str, optional
         Unit of the values; by default the data-sheet unit.
@@ -44,7 +44,7 @@ class Deviations(Value):
     statistic: tuple[str, ...] = ("oadev",)
     taus: str | tuple[float, ...] = "octave"
     m: tuple[int, ...] | None = None
-    limits: bool = True
+    intervals: bool = True
     threads: int = 1
     to: str | None = None
 
@@ -54,11 +54,11 @@ class Deviations(Value):
     @property
     def fitted(self) -> bool:
         """The intervals assume a noise."""
-        return self.limits
+        return self.intervals
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One curve per statistic."""
-        noise: Supposing | None = fit or ("auto" if self.limits else None)
+        noise: Supposing | None = fit or ("auto" if self.intervals else None)
         for name in self.statistic:
             yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
 
@@ -186,7 +186,7 @@ def survey(
     >>> from allanite.core.model import N
     >>> from allanite.simulation.record import simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
-    >>> found = survey(record, Deviations(("adev", "oadev"), limits=False))
+    >>> found = survey(record, Deviations(("adev", "oadev"), intervals=False))
     >>> [(value.name, value.statistic) for value in found.values]
     [('z', 'adev'), ('z', 'oadev')]
     """

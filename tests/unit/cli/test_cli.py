@@ -117,7 +117,7 @@ def test_the_choices_reach_the_recipe(monkeypatch):
     [
         (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
         (["analyze", "{file}", "--nonsense"], 2, "No such option '--nonsense'"),
-        (["analyze"], 2, "Missing argument 'FILE'"),
+        (["analyze"], 2, "Missing argument 'FILE"),
         (["analyse"], 2, "No such command 'analyse'"),
         (["analyze", "{file}", "--band", "3"], 2, "two frequencies"),
         (["analyze", "{file}", "--rate", "fast"], 2, "'fast' is not a valid float"),

@@ -53,12 +53,12 @@ def test_deviation_is_that_of_the_library(file):
 
 
 def test_limits_can_be_left_out_and_the_unit_chosen(file):
-    result = run("deviation", file, "--channels", "x", "--no-limits", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-")
+    result = run("deviation", file, "--channels", "x", "--no-intervals", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-")
     found = rows(result.stdout)
     assert [row["tau_s"] for row in found] == ["0.1", "1.0"]
     assert found[0]["low"] == found[0]["edf"] == ""
     assert float(found[0]["deviation"]) == pytest.approx(np.radians(1 / 3600), rel=0.1)
-    assert "edf" not in run("deviation", file, "--channels", "x", "--no-limits").stdout
+    assert "edf" not in run("deviation", file, "--channels", "x", "--no-intervals").stdout
 
 
 def test_spectrum_is_that_of_the_library(file):
@@ -107,7 +107,7 @@ def test_files_table_and_json(verb, file, tmp_path):
 
 
 def test_a_long_table_is_cut_on_the_terminal_only(file):
-    result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-limits")
+    result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-intervals")
     whole = rows(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
     assert f"28 of {len(whole)} rows; --csv writes all" in result.stdout
     lines = [line.split() for line in result.stdout.splitlines()]

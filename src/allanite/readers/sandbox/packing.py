@@ -24,12 +24,12 @@ _BLOCK = 1 << 20
 _DECODER = 100 << 20
 """Memory limit of the .xz decoder; xz -9 needs 65 MB, and a file may claim 4 GB."""
 
-# files that accompany a recording, though they may be text
-_PROSE = re.compile(
+PROSE = re.compile(
     r"(^|/)(\.|__MACOSX/|readme|license|licence|copying|changelog)|"
     r"\.(md|rst|pdf|html?|json|ya?ml|xml|toml|ini|cfg|log|py|m|r|c|h|cpp|png|jpe?g|svg)$",
     re.IGNORECASE,
 )
+"""Names of files that lie beside recordings and are not recordings, though they may be text."""
 
 Judge = Callable[[bytes, str], bool]
 """Whether first bytes and suffix are those of a readable file."""
@@ -132,7 +132,7 @@ def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
     """The only readable member."""
     if "xl/workbook.xml" in names:
         raise DataError("this is an Excel workbook; save the sheet with the samples as CSV and read that")
-    likely = [name for name in names if not _PROSE.search(name)][:1000]
+    likely = [name for name in names if not PROSE.search(name)][:1000]
     readable = [name for name in likely if _readable(archive, name, judge)]
     if len(readable) == 1:
         return readable[0]

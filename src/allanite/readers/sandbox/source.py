@@ -2,8 +2,13 @@
 
 import hashlib
 import os
+import shutil
 import stat
 import struct
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +16,12 @@ from allanite.core.errors import DataError, UsageError
 
 SEPARATOR = "::"
 """Separates an archive and the name of a member."""
+
+STDIN = "-"
+"""In place of a path: standard input."""
+
+STDIN_NAME = "standard input"
+"""What messages and results call it."""
 
 HEAD = 1 << 16
 """Number of bytes used to detect a format."""
@@ -46,6 +57,25 @@ def checked(path: Any) -> tuple[str, str]:
     if mode.st_size == 0:
         raise DataError(f"{name}: the file is empty; was the recording saved?")
     return name, member
+
+
+@contextmanager
+def landed(path: Any) -> Iterator[tuple[str, str, str]]:
+    """The file, the member of an archive, and the name for messages; standard input is copied to a file first."""
+    if path != STDIN:
+        file, member = checked(path)
+        yield file, member, SEPARATOR.join((file, member)) if member else file
+        return
+    with tempfile.NamedTemporaryFile(prefix="allanite-") as copy:
+        try:
+            shutil.copyfileobj(sys.stdin.buffer, copy)
+            copy.flush()
+        except OSError as error:
+            why = error.strerror or error
+            raise DataError(f"{STDIN_NAME}: it cannot be read ({why}); save it to a file first") from None
+        if not copy.tell():
+            raise DataError(f"{STDIN_NAME}: nothing came; pipe a recording into the command")
+        yield copy.name, "", STDIN_NAME
 
 
 def head_of(name: str) -> bytes:

@@ -17,3 +17,6 @@ from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra
 from .statespace import plot_state_spaces as plot_state_spaces
 from .surfaces import plot_surfaces as plot_surfaces
+from .units import Line as Line
+from .units import UnitCurve as UnitCurve
+from .units import plot_units as plot_units

@@ -41,6 +41,8 @@ class View:
 VIEWS: dict[str, str] = {
     "Study": "analysis.STUDY",
     "Channel": "analysis.CHANNEL",
+    "Batch": "batch.BATCH",
+    "Meaning": "meaning.MEANING",
     "Survey": "survey.SURVEY",
     "Curve": "values.CURVE",
     "Spectrum": "values.SPECTRUM",

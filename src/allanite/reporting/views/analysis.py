@@ -19,6 +19,7 @@ from allanite.study.recipe import Recipe
 from . import Rows, View
 from .fit import coefficients, definitions, goodness_parts, plot_curves
 from .jobs import channel_sheet, job_face, source_of
+from .meaning import meanings
 from .readings import readings_table
 from .values import numbers_table, rows_of
 
@@ -66,7 +67,7 @@ def _face(study: Study, level: float) -> Face:
     return replace(
         job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets),
         header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
-        close=[*_shared(study), *_statuses(study)],
+        close=[*meanings(study), *_shared(study), *_statuses(study)],
         how=list(_how(study)),
     )
 

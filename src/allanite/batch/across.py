@@ -1,0 +1,125 @@
+"""Mean, spread and worst of a coefficient over units."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from allanite.core.plain import Value
+from allanite.core.units import Signal, convert
+from allanite.study.analysis import Channel
+from allanite.terms import TERMS
+
+from .specification import MINIMUM
+
+
+@dataclass(frozen=True, repr=False)
+class Across(Value):
+    """One coefficient of one channel over all units, SI.
+
+    Attributes
+    ----------
+    channel, symbol, signal
+        Whose it is; "minimum" is the minimum of the Allan deviation.
+    units : int
+        Units with a valid result for it, identified or not.
+    identified : int
+        Units with a value; the numbers that follow are theirs.
+    mean, deviation : float
+        Mean of the values, and their standard deviation from unit to unit; NaN of a single one. It contains the
+        statistical error of each value.
+    worst : float
+        The value of the largest size.
+    file : str
+        The unit it belongs to.
+    below : float or None
+        The largest upper limit of the units in which the term was not identified.
+    """
+
+    channel: str
+    symbol: str
+    signal: Signal
+    units: int
+    identified: int
+    mean: float
+    deviation: float
+    worst: float
+    file: str
+    below: float | None = None
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[power_of(self.symbol)]
+
+    @property
+    def factor(self) -> float:
+        """SI units in one unit of data sheets."""
+        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
+
+    def row(self) -> list[Any]:
+        """Channel, term, numbers of units, mean, spread, worst and its file, upper limit, unit: of data sheets."""
+        shown = [v / self.factor for v in (self.mean, self.deviation, self.worst)]
+        below = math.nan if self.below is None else self.below / self.factor
+        return [self.channel, self.symbol, self.units, self.identified, *shown, self.file, below, self.sheet_unit]
+
+    def _summary(self) -> str:
+        return f"{self.channel!r}: {self.symbol}, {self.identified} of {self.units} units"
+
+
+def power_of(symbol: str) -> float:
+    """The power of time in the unit of a coefficient, or of the minimum of the deviation."""
+    return 0 if symbol == MINIMUM else TERMS[symbol].power
+
+
+class _One(NamedTuple):
+    """A coefficient of one unit: its value, or its upper limit."""
+
+    file: str
+    value: float | None
+    upper: float | None
+
+
+def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:
+    """Every coefficient of every channel over units.
+
+    Parameters
+    ----------
+    channels : iterable of (file, Channel)
+    level : float
+        Of the interval whose upper end is the limit of a minimum that the record does not reach.
+    """
+    found: dict[tuple[str, str, str], list[_One]] = {}
+    signals: dict[str, Signal] = {}
+    for file, channel in channels:
+        signal = channel.record.signal
+        signals[signal.name] = signal
+        for symbol, value, upper in _known(channel, level):
+            found.setdefault((channel.record.name, signal.name, symbol), []).append(_One(file, value, upper))
+    return tuple(_across((channel, symbol, signals[signal]), ones) for (channel, signal, symbol), ones in found.items())
+
+
+def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
+    for e in channel.fit or ():
+        if e.status in ("identified", "weak", "reported"):
+            yield e.symbol, e.value, None
+        elif e.status == "absent":
+            yield e.symbol, None, e.upper
+    readings = channel.readings
+    if readings is not None and readings.minimum is not None:
+        size, most = readings.minimum.deviation, readings.minimum.interval(level)[1]
+        yield (MINIMUM, size, None) if readings.inside else (MINIMUM, None, most)
+
+
+def _across(of: tuple[str, str, Signal], ones: list[_One]) -> Across:
+    values = np.array([one.value for one in ones if one.value is not None], dtype=np.float64)
+    named = [one.file for one in ones if one.value is not None]
+    limits = [one.upper for one in ones if one.value is None and one.upper is not None]
+    below = max(limits) if limits else None
+    if not values.size:
+        return Across(*of, len(ones), 0, math.nan, math.nan, math.nan, "", below)
+    spread = float(values.std(ddof=1)) if values.size > 1 else math.nan
+    at = int(np.argmax(np.abs(values)))
+    return Across(*of, len(ones), values.size, float(values.mean()), spread, float(values[at]), named[at], below)

@@ -1,0 +1,147 @@
+"""Whether a unit keeps its limits."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from allanite.core.errors import UsageError
+from allanite.core.plain import Value
+from allanite.study.analysis import Channel, Study
+
+from .specification import MINIMUM, Limit, Specification
+
+PASS, FAIL, NOT_SHOWN = "pass", "fail", "not shown"
+OUTCOMES = (FAIL, NOT_SHOWN, PASS)
+"""Outcomes, the worst first."""
+
+
+def worst_of(outcomes: "list[str]") -> str:
+    """The worst of several outcomes; empty where there is none."""
+    return next((outcome for outcome in OUTCOMES if outcome in outcomes), "")
+
+
+@dataclass(frozen=True, repr=False)
+class Judgement(Value):
+    """What a limit says of one coefficient of one channel.
+
+    Attributes
+    ----------
+    channel : str
+    limit : Limit
+    outcome : {"pass", "fail", "not shown"}
+    size : float or None
+        What was held against the limit, SI: the value or the upper end of its interval; of a term that was not
+        identified its upper limit. None where nothing is known.
+    reason : str
+        The numbers, in the unit of the limit.
+    near : bool
+        Whether the interval of the value holds the limit: another record of this unit may fall on its other side.
+    """
+
+    channel: str
+    limit: Limit
+    outcome: str
+    size: float | None
+    reason: str
+    near: bool = False
+
+    def _summary(self) -> str:
+        return f"{self.channel!r}: {self.limit.symbol} {self.outcome}, {self.reason}"
+
+
+class Seen(NamedTuple):
+    """What is known of the size of a coefficient, SI: a value with its interval, or an upper limit, or the reason."""
+
+    value: float | None = None
+    low: float = math.nan
+    high: float = math.nan
+    upper: float | None = None
+    reason: str = ""
+
+
+def judge_study(study: Study, specification: Specification) -> tuple[Judgement, ...]:
+    """Every limit of a specification, held against the channels of a study.
+
+    Raises
+    ------
+    UsageError
+        A limit of a channel is in the unit of another kind of sensor.
+    """
+    found = [judged for channel in study for judged in _judge_channel(channel, study.recipe.level, specification)]
+    there = {channel.record.name for channel in study}
+    for name, limits in specification.channels.items():
+        if name not in there:
+            reason = f"there is no channel {name!r}"
+            found += [Judgement(name, limit, NOT_SHOWN, None, reason) for limit in limits]
+    return tuple(found)
+
+
+def _judge_channel(channel: Channel, level: float, specification: Specification) -> Iterator[Judgement]:
+    for limit in specification.of(channel.record.name, channel.record.signal):
+        yield judge(channel.record.name, limit, _seen(channel, limit.symbol, level))
+
+
+def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
+    """Hold what is known of a coefficient against its limit; see `Specification` for the rule.
+
+    Examples
+    --------
+    >>> limit = Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
+    >>> unit = limit.factor
+    >>> judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))
+    <Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval holds the limit>
+    >>> judge("gz", limit, Seen(upper=3 * unit))
+    <Judgement 'gz': B not shown, not identified, below 3 deg/h>
+    """
+    most, unit = limit.maximum, limit.unit
+    if seen.value is None:
+        if seen.upper is None:
+            return Judgement(channel, limit, NOT_SHOWN, None, seen.reason)
+        text = f"{seen.reason or 'not identified'}, below {seen.upper / limit.factor:.3g} {unit}"
+        return Judgement(channel, limit, PASS if seen.upper <= most else NOT_SHOWN, seen.upper, text)
+    known = math.isfinite(seen.low) and math.isfinite(seen.high)
+    near = known and seen.low <= most <= seen.high
+    parts = [f"{seen.value / limit.factor:.4g} {unit}"]
+    parts[0] += f" ({seen.low / limit.factor:.4g} .. {seen.high / limit.factor:.4g})" if known else ", no interval"
+    parts += ["the interval holds the limit"] if near else []
+    upper = limit.judge == "upper"
+    outcome = FAIL if seen.value > most else NOT_SHOWN if upper and not seen.high <= most else PASS
+    size = seen.high if upper and known else seen.value
+    return Judgement(channel, limit, outcome, size, ", ".join([*parts, *filter(None, [seen.reason])]), near)
+
+
+def _seen(channel: Channel, symbol: str, level: float) -> Seen:
+    if channel.refusal:
+        return Seen(reason=f"no result: {channel.refusal}")
+    return _minimum(channel, level) if symbol == MINIMUM else _coefficient(channel, symbol, level)
+
+
+def _minimum(channel: Channel, level: float) -> Seen:
+    found = channel.readings.minimum if channel.readings else None
+    if channel.readings is None or found is None:
+        return Seen(reason="the curve has no minimum that can be read (it is read of oadev with --taus log)")
+    if not channel.readings.inside:
+        return Seen(upper=found.interval(level)[1], reason="not reached in this record")
+    return Seen(found.deviation, *found.interval(level))
+
+
+def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
+    try:
+        e = channel.fit[symbol] if channel.fit else None
+    except UsageError as error:
+        return Seen(reason=str(error))
+    if e is None:
+        return Seen(reason="nothing was fitted")
+    if e.status == "absent" and e.upper is not None:
+        return Seen(upper=e.upper)
+    if e.value is None or e.status not in ("identified", "weak", "reported"):
+        return Seen(reason=": ".join(filter(None, (e.status, e.reason))))
+    low, high = e.interval(level)
+    low, high = (low, high) if low >= 0 or not math.isfinite(low) else _sizes(low, high)
+    return Seen(abs(e.value), low, high)
+
+
+def _sizes(low: float, high: float) -> tuple[float, float]:
+    """Limits of the size of what has a sign."""
+    return (0.0 if high > 0 else -high), max(-low, high)

@@ -1,0 +1,102 @@
+"""Which files are meant: paths, folders and patterns become a list of files."""
+
+import glob
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from allanite.core.errors import UsageError
+from allanite.readers.sandbox.packing import PROSE
+from allanite.readers.sandbox.source import STDIN
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files in the order in which they were named, and what was left out of folders, in `notes`."""
+
+    files: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+
+def several(named: Sequence[PathLike]) -> bool:
+    """Whether these names ask for many units: more than one, a folder, or a pattern.
+
+    Examples
+    --------
+    >>> several(["gyro.csv"]), several(["-"]), several(["a.csv", "b.csv"]), several(["units/*.csv"])
+    (False, False, True, True)
+    """
+    return len(named) != 1 or os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0]))
+
+
+def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
+    """The files that names stand for.
+
+    Parameters
+    ----------
+    named : sequence of str or path
+        A file, ``"-"`` for standard input, a folder (the files in it, in the order of their names, but not those of
+        folders inside it), or a pattern such as ``"units/*.csv"`` (``**`` goes through folders). A file that is named
+        twice is taken once.
+    besides : iterable of path or None
+        Files that are not recordings: those that will be written, and settings.
+
+    Returns
+    -------
+    Sources
+
+    Raises
+    ------
+    UsageError
+        A folder holds no recording, or no file matches a pattern.
+    """
+    left = {os.path.realpath(path) for path in besides if path is not None}
+    found: dict[str, str] = {}
+    notes: list[str] = []
+    for name in named:
+        for file in _files(os.fspath(name), left, notes):
+            found.setdefault(file if file == STDIN else os.path.realpath(file), file)
+    return Sources(tuple(found.values()), tuple(notes))
+
+
+def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
+    if name == STDIN:
+        return [name]
+    if os.path.isdir(name):
+        return _in_folder(name, left, notes)
+    if not _is_pattern(name):
+        return [name]
+    files = [file for file in sorted(glob.glob(name, recursive=True)) if os.path.isfile(file)]
+    files = [file for file in files if os.path.realpath(file) not in left]
+    if not files:
+        raise UsageError(f"no file matches {name!r}; check the folder, and the pattern")
+    return files
+
+
+def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
+    try:
+        inside = sorted(str(path) for path in Path(folder).iterdir() if path.is_file() and path.name[0] != ".")
+    except OSError as error:
+        raise UsageError(f"the folder {folder!r} cannot be read ({error.strerror or error})") from None
+    files = list(_recordings(inside, left))
+    other = [os.path.basename(file) for file in inside if file not in files]
+    if not files:
+        raise UsageError(f"the folder {folder!r} holds no recording; name its files, or a pattern such as '**/*.csv'")
+    if other:
+        shown = ", ".join(other[:5]) + (" ..." if len(other) > 5 else "")
+        notes.append(f"left out of {folder}, by their names not recordings: {shown}")
+    return files
+
+
+def _recordings(files: Iterable[str], left: set[str]) -> Iterator[str]:
+    for file in files:
+        if os.path.realpath(file) not in left and not PROSE.search(os.path.basename(file)):
+            yield file
+
+
+def _is_pattern(name: str) -> bool:
+    """Whether a name is a pattern, and not that of a file which happens to have such letters."""
+    return glob.has_magic(name) and not os.path.exists(name)

@@ -1,0 +1,210 @@
+"""The limits that units must keep, as a TOML file gives them."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.core.model import coefficient_factor
+from allanite.core.notation import split_quantities
+from allanite.core.plain import Value
+from allanite.core.units import SIGNALS, Signal, signal_with, unit_of
+from allanite.study.recipe import load_toml
+from allanite.terms import TERMS
+
+MINIMUM = "minimum"
+"""The minimum of the Allan deviation, which data sheets call in-run bias stability; it takes limits as the terms do."""
+
+JUDGES = ("value", "upper")
+"""What is held against a limit: the value, or the upper end of its interval."""
+
+EXAMPLE = 'N = { max = "0.15 deg/sqrt(h)" }'
+LIMITED = (*(symbol for symbol, row in TERMS.items() if not row.periodic), MINIMUM)
+"""What can have a limit."""
+
+
+@dataclass(frozen=True, repr=False)
+class Limit(Value):
+    """The largest size that a coefficient may have.
+
+    Attributes
+    ----------
+    symbol : str
+        A noise term, or "minimum" for the minimum of the Allan deviation.
+    maximum : float
+        In SI.
+    unit : str
+        The unit in which the limit was given.
+    signal : Signal
+        The kind of sensor that the unit belongs to; other channels are not judged by this limit.
+    judge : {"value", "upper"}
+        What must not exceed the limit: the value, or the upper end of its interval.
+    """
+
+    symbol: str
+    maximum: float
+    unit: str
+    signal: Signal
+    judge: str = "value"
+
+    @property
+    def factor(self) -> float:
+        """Size of `unit` in SI."""
+        return unit_of(self.unit).factor
+
+    def words(self) -> str:
+        """The limit as it was given: ``0.15 deg/sqrt(h)``."""
+        return f"{self.maximum / self.factor:.6g} {self.unit}"
+
+    def _summary(self) -> str:
+        return f"{self.symbol} <= {self.words()}, by the {self.judge}"
+
+
+@dataclass(frozen=True, repr=False)
+class Specification(Value):
+    """Limits of the terms, for all channels and for some of them.
+
+    A term passes if its size does not exceed the limit. What the size is, `Limit.judge` says: "value", the default, is
+    the estimated coefficient; "upper" is the upper end of its interval, so that only what is certain passes. A term
+    that was not identified passes if its 95 % upper limit does not exceed the limit. What neither passes nor fails is
+    "not shown": the record is too short, or its model is not valid.
+
+    Attributes
+    ----------
+    limits : tuple of Limit
+        Of every channel of their kind of sensor.
+    channels : dict of str to tuple of Limit
+        Of single channels, by name; they replace those of all.
+    source : str
+        The file.
+    """
+
+    limits: tuple[Limit, ...]
+    channels: dict[str, tuple[Limit, ...]] = field(default_factory=dict)
+    source: str = ""
+
+    def of(self, channel: str, signal: Signal) -> tuple[Limit, ...]:
+        """The limits of a channel.
+
+        Raises
+        ------
+        UsageError
+            A limit of this channel is in the unit of another kind of sensor.
+        """
+        own = self.channels.get(channel, ())
+        for limit in own:
+            if limit.signal is not signal:
+                raise UsageError(
+                    f"{self.source}: the limit of {limit.symbol} for the channel {channel!r} is in {limit.unit}, which "
+                    f"is a unit of a {limit.signal.name}; the channel is a {signal.name}"
+                )
+        common = {limit.symbol: limit for limit in self.limits if limit.signal is signal}
+        return tuple((common | {limit.symbol: limit for limit in own}).values())
+
+    @classmethod
+    def from_toml(cls, data: dict[str, Any], source: str = "") -> "Specification":
+        """The limits in a TOML table.
+
+        Parameters
+        ----------
+        data : dict
+            ``limits``: a table of ``{ max = "0.15 deg/sqrt(h)", judge = "value" }`` by term, or a list of these for
+            different kinds of sensors; ``channels``: such tables by the name of a channel; ``judge``: the rule of
+            limits that do not say theirs.
+        source : str
+            The name of the file, for messages.
+
+        Raises
+        ------
+        UsageError
+            A key or term is unknown, a limit is not a positive number with a unit, or there is no limit.
+        UnitError
+            A unit does not fit its term.
+
+        Examples
+        --------
+        >>> Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}}).limits
+        (<Limit N <= 0.15 deg/sqrt(h), by the value>,)
+        """
+        try:
+            _demand_keys(data, ("judge", "limits", "channels"), "the limits file")
+            judge = _judge(data.get("judge", "value"))
+            common = tuple(_limits(data.get("limits", {}), judge, "limits"))
+            tables = _table(data.get("channels", {}), "channels")
+            own = {name: tuple(_limits(table, judge, f"channels.{name}")) for name, table in tables.items()}
+            if not common and not any(own.values()):
+                raise UsageError(f"there is no limit in it; write {EXAMPLE} below [limits]")
+        except UsageError as error:
+            raise type(error)(f"{source}: {error}" if source else str(error)) from None
+        return cls(common, own, source)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Specification":
+        """The limits in a TOML file; errors as of `from_toml`."""
+        return cls.from_toml(load_toml(path, "limits file"), os.fspath(path))
+
+    def _summary(self) -> str:
+        parts = [f"{limit.symbol} <= {limit.words()}" for limit in self.limits]
+        return ", ".join([*parts, *(f"own limits of {name}" for name in self.channels)])
+
+
+def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
+    for key in table:
+        if key not in known:
+            raise UsageError(f"unknown key {key!r} in {where}; known are {', '.join(known)}")
+
+
+def _table(found: Any, name: str) -> dict[str, Any]:
+    if not isinstance(found, dict):
+        raise UsageError(f"{name} is a table, as [{name}] and below it {EXAMPLE}; {found!r} came")
+    return found
+
+
+def _judge(found: Any) -> str:
+    if found not in JUDGES:
+        raise UsageError(f"judge is {' or '.join(map(repr, JUDGES))}, not {found!r}")
+    return str(found)
+
+
+def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
+    """The limits of a table, for each kind of sensor at most one."""
+    for symbol, entries in _table(table, where).items():
+        if symbol not in LIMITED:
+            raise UsageError(f"unknown term {symbol!r} in [{where}]; limits are set for {', '.join(LIMITED)}")
+        met = set()
+        for entry in entries if isinstance(entries, list) else [entries]:
+            limit = _limit(symbol, entry, judge, where)
+            if limit.signal.name in met:
+                raise UsageError(f"{symbol} in [{where}] has two limits for a {limit.signal.name}; keep one")
+            met.add(limit.signal.name)
+            yield limit
+
+
+def _limit(symbol: str, entry: Any, judge: str, where: str) -> Limit:
+    if not isinstance(entry, dict) or not isinstance(entry.get("max"), str):
+        raise UsageError(f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; {entry!r} came")
+    _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
+    quantities = split_quantities(entry["max"].split())
+    if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
+        raise UsageError(
+            f"the limit of {symbol} in [{where}] is a positive number with a unit, as in {EXAMPLE}; "
+            f"{entry['max']!r} came"
+        )
+    (number, unit) = quantities[0]
+    factor, signal = _unit(symbol, unit)
+    return Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))
+
+
+def _unit(symbol: str, unit: str) -> tuple[float, Signal]:
+    """Size in SI of the unit of a limit, and the kind of sensor that it belongs to."""
+    if symbol != MINIMUM:
+        factor, power = coefficient_factor(symbol, unit), TERMS[symbol].power
+        signal = signal_with(unit_of(unit).dimension, power)
+        assert signal is not None  # noqa: S101 - coefficient_factor has found it
+        return factor, signal
+    signal = signal_with(unit_of(unit).dimension)
+    if signal is None:
+        usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
+        raise UsageError(f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}")
+    return unit_of(unit).factor, signal

@@ -1,0 +1,29 @@
+"""The table of devices."""
+
+from allanite.core.errors import UsageError
+
+from .device import Device
+from .micromechanical import ACCELEROMETER, MEMS
+from .optical import FOG, RLG
+from .platforms import MSCSG, STABILIZER
+
+DEVICES: dict[str, Device] = {device.name: device for device in (STABILIZER, MSCSG, RLG, FOG, MEMS, ACCELEROMETER)}
+"""By name."""
+
+
+def device(name: str) -> Device:
+    """A device of the table.
+
+    Raises
+    ------
+    UsageError
+        There is none of that name.
+
+    Examples
+    --------
+    >>> device("fog").terms["R"].sources[0]
+    'slow monotonic change of the intensity of the light source'
+    """
+    if name not in DEVICES:
+        raise UsageError(f"unknown device {name!r}; known are {', '.join(DEVICES)}")
+    return DEVICES[name]

@@ -1,0 +1,100 @@
+"""The curves of many units in one figure: a panel for each channel, with what exceeds a limit in colour."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from allanite.core.model import Term
+from allanite.reporting import style
+from allanite.reporting.sheet import printable, printed_unit
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
+
+from .drawing import draw_legend, stacked
+from .panels import Panel, span, thinned
+
+MOST_NAMED = len(style.SERIES) - 1
+"""Units of a panel that have a colour of their own; the first colour is that of all others."""
+
+
+class UnitCurve(NamedTuple):
+    """The curve of one unit: `marked` are drawn in colour, with their names."""
+
+    name: str
+    marked: bool
+    panel: Panel
+
+
+class Line(NamedTuple):
+    """The limit of a term, or of the minimum of the curve, SI."""
+
+    label: str
+    symbol: str
+    value: float
+
+
+def plot_units(curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | None = None) -> Figure:
+    """One panel for each channel; sensors of different units of measurement stand side by side.
+
+    Parameters
+    ----------
+    curves : sequence of UnitCurve
+    limits : dict of sequence of Line, optional
+        By the name of the channel.
+    """
+    columns: dict[str, dict[str, list[UnitCurve]]] = {}
+    for curve in curves:
+        columns.setdefault(curve.panel.unit, {}).setdefault(curve.panel.name, []).append(curve)
+    with style.look():
+        figure, grid = stacked([len(column) for column in columns.values()])
+        for column, axes in zip(columns.values(), grid, strict=True):
+            for ax, (name, group) in zip(axes, column.items(), strict=True):
+                _draw(ax, group, (limits or {}).get(name, ()))
+            axes[-1].set_xlabel("averaging time τ (s)")
+        draw_legend(figure, marks=False)
+    return figure
+
+
+def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[Line]) -> None:
+    spans = [span(curve.panel._replace(fit=None)) for curve in group]
+    tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
+    ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
+    style.plain_ticks(ax.xaxis, ax.yaxis)
+    style.grid(ax)
+    first = group[0].panel
+    style.title(ax, first.name)
+    ax.set_ylabel(f"{STATISTICS[first.curve.statistic].title} ({printed_unit(first.unit)})")
+    marked = [curve for curve in group if curve.marked]
+    for curve in group:
+        if not curve.marked:
+            _plot(ax, curve.panel, style.SERIES[0], "units", 0.45)
+    for i, curve in enumerate(marked):
+        named = i < MOST_NAMED
+        color, label = (style.SERIES[i + 1], printable(curve.name)) if named else (style.ALARM, "others beyond a limit")
+        _plot(ax, curve.panel, color, label, 1.0)
+    for line in limits:
+        _draw_limit(ax, first, line)
+
+
+def _plot(ax: Axes, panel: Panel, color: str, label: str, alpha: float) -> None:
+    keep = thinned(panel.curve.tau.size)
+    shown = panel.shown(panel.curve.deviation[keep])
+    ax.plot(panel.curve.tau[keep], shown, color=color, lw=0.6 + 0.8 * (alpha == 1.0), alpha=alpha, label=label)
+
+
+def _draw_limit(ax: Axes, panel: Panel, line: Line) -> None:
+    """The asymptote of a term that is as large as it may be, or a level."""
+    tau = np.geomspace(*ax.get_xlim(), 50)
+    if line.symbol not in TERMS:
+        shown = panel.shown(np.full_like(tau, line.value))
+    elif TERMS[line.symbol].parameters:
+        return
+    else:
+        signal = next(iter(panel.fit)).signal if panel.fit is not None else None
+        if signal is None:
+            return
+        shown = panel.expected(Term(line.symbol, line.value, signal), tau)
+    ax.plot(tau, shown, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2.5, label="limits")

@@ -1,0 +1,253 @@
+"""How many units are shown: one row for each channel of a unit, and what they have in common."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from allanite.batch.across import Across, power_of
+from allanite.batch.batch import Batch, BatchUnit
+from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, Judgement, worst_of
+from allanite.batch.specification import MINIMUM
+from allanite.core.fit import Fit
+from allanite.core.units import Signal, convert
+from allanite.reporting import figures, words
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
+from allanite.study.analysis import Channel
+
+from . import Rows, View
+from .analysis import STUDY
+from .fit import definitions, terms_table
+from .meaning import causes_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+EVERY = 1_000_000
+"""Rows of a table that has all of them in a terminal, too."""
+
+MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
+"""Mark of a row by its outcome."""
+
+RULE = (
+    "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
+    "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. What neither "
+    "passes nor fails is not shown: nothing says that the unit is bad, and nothing that it is good."
+)
+MAIN = "'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result."
+SPREAD = (
+    "Mean and standard deviation of the values of those units in which the term was identified, so that of a term that "
+    "few units show the mean is too large. The standard deviation contains the error of each value."
+)
+CAPTION = "The Allan deviation of all units; those that exceed a limit are in colour."
+
+
+def _face(batch: Batch, level: float) -> Face:
+    fits = [channel.fit for unit in batch for channel in unit.channels if channel.fit]
+    return Face(
+        f"Noise of {_units(batch)}",
+        "noise coefficients of inertial sensors",
+        header=_header(batch),
+        parts=list(_parts(batch, level)),
+        close=list(_details(batch, level)),
+        how=(definitions(fits),),
+        choices=toml(batch.choices),
+        provenance=batch.provenance,
+        notes=batch.notes,
+    )
+
+
+def _header(batch: Batch) -> list[tuple[str, str]]:
+    where = f" in {batch.folder}" if batch.folder else ""
+    lines = [("files", f"{len(batch)}{where}"), *(("", note) for note in batch.notes)]
+    if batch.specification is not None:
+        lines.append(("limits", f"{batch.specification.source}: {batch.specification._summary()}"))
+    return [*lines, ("made by", f"allanite {batch.provenance.get('allanite', '')}")]
+
+
+def _parts(batch: Batch, level: float) -> Iterator[Part]:
+    yield _summary(batch)
+    for unit in batch:
+        if unit.error:
+            yield Note(f"not analyzed: {batch.label(unit)}: {unit.error}", "alert")
+    if batch.specification is not None:
+        yield from _limits_table(batch)
+        yield Note(RULE, "quiet", where="page")
+    if any(channel.curve for unit in batch for channel in unit.channels):
+        yield Drawing(lambda: _plot([batch], None, level), "deviations of all units", CAPTION)
+    for signal in _signals(batch):
+        yield _main(batch, signal, level)
+    yield _across(batch)
+
+
+def _summary(batch: Batch) -> Note:
+    """How many units there are, and how many of them pass."""
+    done = [unit for unit in batch if not unit.error]
+    if batch.specification is None:
+        text = f"{len(done)} of {_units(batch)} analyzed"
+        return Note(text, "alert" if batch.failed else "strong")
+    counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
+    parts = [f"{count} {outcome}" for outcome, count in counts.items() if count]
+    parts += [f"{len(batch.failed)} not analyzed"] if batch.failed else []
+    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
+    named = [f"{outcome}: {_named(batch, outcome)}" for outcome in (FAIL, NOT_SHOWN) if counts[outcome]]
+    return Note(f"{_units(batch)}: {', '.join(parts)}", level, points=named)
+
+
+def _units(batch: Batch) -> str:
+    return f"{len(batch)} unit{'s' * (len(batch) != 1)}"
+
+
+def _named(batch: Batch, outcome: str) -> str:
+    return ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error)
+
+
+def _limits_table(batch: Batch) -> Iterator[Part]:
+    """What fails, is not shown, or lies so near that its interval holds the limit."""
+    found = [(unit, j) for unit in batch for j in unit.judgements if j.outcome in (FAIL, NOT_SHOWN) or j.near]
+    if not found:
+        return
+    found.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
+    heads = (
+        Column("unit", "name"), Column("channel", "name"), Column("term", "symbol"), Column("found", "name"),
+        Column("limit", "name"), Column("result", "name"),
+    )  # fmt: skip
+    rows = [[batch.label(unit), j.channel, j.limit.symbol, j.reason, _limit(j), j.outcome] for unit, j in found]
+    marks = [MARKS.get(j.outcome, "") for _, j in found]
+    yield Table(heads, rows, "limits exceeded, not shown, or within the interval", marks, most=EVERY)
+
+
+def _limit(judgement: Judgement) -> str:
+    limit = judgement.limit
+    return f"{limit.words()}{' (upper)' if limit.judge == 'upper' else ''}"
+
+
+def _signals(batch: Batch) -> list[Signal]:
+    found = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
+    return list(found.values())
+
+
+def _main(batch: Batch, signal: Signal, level: float) -> Table:
+    """A row for each channel of each unit: coefficients in the units of data sheets."""
+    rows = [(unit, c) for unit in batch for c in unit.channels if c.record.signal is signal]
+    symbols = list(dict.fromkeys(e.symbol for _, c in rows for e in c.fit or ()))
+    heads = [Column("unit", "name"), Column("channel", "name")]
+    heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
+    heads += [Column(f"{MINIMUM} [{signal.sheet[0]}]"), Column("model", "name")]
+    heads += [Column("result", "name")] if batch.specification else []
+    cells = [_row(batch, unit, channel, symbols, level) for unit, channel in rows]
+    marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in rows]
+    title = f"units: {words.SENSORS[signal.name]}"
+    return Table(heads, cells, title, marks, MAIN, most=EVERY)
+
+
+def _outcome(unit: BatchUnit, channel: Channel) -> str:
+    """The worst outcome of a channel."""
+    return worst_of([j.outcome for j in unit.judgements if j.channel == channel.record.name])
+
+
+def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
+    found = {e.symbol: e for e in channel.fit or ()}
+    cells = []
+    for symbol in symbols:
+        e = found.get(symbol)
+        valid = e is not None and e.status not in ("not valid", "not observable", "negative")
+        number = words.shown(e, e.sheet_unit, level) if e is not None and valid else None
+        most = words.limit(e, e.sheet_unit) if e is not None and valid else None
+        cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
+    last = [
+        _minimum(channel, level),
+        "no result" if channel.refusal else channel.noise.validity if channel.noise else "",
+    ]
+    result = [_outcome(unit, channel)] if batch.specification else []
+    return [batch.label(unit), channel.record.name, *cells, *last, *result]
+
+
+def _minimum(channel: Channel, level: float) -> str:
+    """The minimum of the curve; its upper limit where the record does not reach it."""
+    readings = channel.readings
+    if readings is None or readings.minimum is None:
+        return "-"
+    scale = convert(1.0, readings.unit, readings.signal.sheet[0])
+    low, high = (limit * scale for limit in readings.minimum.interval(level))
+    if not readings.inside:
+        return f"< {digits(high, figures=2).plain()[0]}"
+    return digits(readings.minimum.deviation * scale, low, high).plain()[0]
+
+
+def _across(batch: Batch) -> Table:
+    heads = (
+        Column("channel", "name"), Column("term", "symbol"), Column("identified", "name"), Column("mean"),
+        Column("standard deviation"), Column("worst"), Column("unit", "name"), Column("others below"),
+        Column("", "unit"),
+    )  # fmt: skip
+    return Table(heads, [_spread(batch, found) for found in batch.across], "over all units", key=SPREAD, most=EVERY)
+
+
+def _spread(batch: Batch, found: Across) -> list[str]:
+    channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
+    numbers = [_number(v) for v in (mean, deviation, worst)]
+    return [channel, symbol, f"{count} of {units}", *numbers, batch.label(batch[file]) if file else "",
+            _number(below), unit]  # fmt: skip
+
+
+def _number(value: float) -> str:
+    return digits(value).plain()[0] if value == value else ""  # noqa: PLR0124 - NaN is no value
+
+
+def _details(batch: Batch, level: float) -> Iterator[Part]:
+    """What was found in each unit, folded away on the page."""
+    warned = [unit for unit in batch if any(channel.alerts for channel in unit.channels)]
+    if warned:
+        text = f"warnings in {len(warned)} of {_units(batch)}: the page (--report) and the JSON have them"
+        yield Note(text, "quiet", where="text")
+    yield from causes_of((c for unit in batch for c in unit.channels), batch.choices.get("device"))
+    for unit in batch:
+        for channel in unit.channels:
+            name = ", ".join(filter(None, (f"unit {batch.label(unit)}", channel.record.name)))
+            told = [*channel.alerts, *filter(None, [channel.refusal])]
+            yield from (Note(f"{name}: {text}", "quiet", where="page") for text in told)
+            if channel.fit is not None:
+                table = terms_table(channel.fit, level)
+                yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")
+
+
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+    batch: Batch = values[0]
+    curves = []
+    lines: dict[str, Sequence[figures.Line]] = {}
+    for unit in batch:
+        for channel in (channel for channel in unit.channels if channel.curve is not None):
+            (panel,) = figures.panels_of(channel)
+            curves.append(figures.UnitCurve(batch.label(unit), _outcome(unit, channel) == FAIL, panel))
+            limits = batch.specification.of(channel.record.name, channel.record.signal) if batch.specification else ()
+            lines[panel.name] = [figures.Line(limit.words(), limit.symbol, limit.maximum) for limit in limits]
+    return figures.plot_units(curves, lines)
+
+
+def _rows(batch: Batch, level: float) -> Rows:
+    found = [(unit.file, STUDY.rows(unit.study, level)) for unit in batch if unit.study and STUDY.rows]
+    heads = found[0][1][0]
+    return ("file", *heads), [[file, *row] for file, (_, rows) in found for row in rows]
+
+
+def _coefficients(batch: Batch, level: float) -> Rows:
+    """As of a study, after the file and before what the limits say; a file that was not analyzed has one row."""
+    heads: Sequence[str] = ()
+    rows: list[list[Any]] = []
+    for unit in batch:
+        judged = {(j.channel, j.limit.symbol): j for j in unit.judgements}
+        if unit.study is None or STUDY.coefficients is None:
+            continue
+        heads, found = STUDY.coefficients(unit.study, level)
+        for row in found:
+            symbol = row[1] or (MINIMUM if row[2].startswith(MINIMUM) and "/" not in row[2] else "")
+            judgement = judged.get((row[0], symbol))
+            limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
+            rows.append([unit.file, *row, *limit])
+    for unit in (unit for unit in batch if unit.error):
+        told = {"status": "not analyzed", "remark": unit.error}
+        rows.append([unit.file, *(told.get(head, "") for head in heads), "", ""])
+    return ("file", *heads, "limit", "result"), rows
+
+
+BATCH = View(_face, _plot, _rows, _coefficients)

@@ -1,0 +1,83 @@
+"""How the meaning of coefficients is shown."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from allanite.meaning.device import REFERENCES
+from allanite.meaning.devices import DEVICES
+from allanite.meaning.meaning import Meaning, meaning
+from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
+from allanite.study.analysis import Channel, Study
+
+from . import View
+
+
+def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
+    """What the coefficients of a channel mean; None where it has none."""
+    if channel.fit is None:
+        return None
+    record = channel.record
+    found = meaning(channel.fit, channel.readings, rate=record.rate, length=record.duration, device=device)
+    return replace(found, name=record.name)
+
+
+def meanings(study: Study) -> Iterator[Part]:
+    """What the coefficients of each channel mean, and of the device that the recipe names what may cause them."""
+    found = [meaning_of(channel, study.recipe.device) for channel in study.channels]
+    yield from _parts([one for one in found if one is not None])
+
+
+def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
+    """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
+    found = [meaning_of(channel, device) for channel in channels]
+    if device is not None:
+        yield from _causes([replace(one, name="") for one in found if one is not None])
+
+
+def _parts(found: Sequence[Meaning]) -> Iterator[Part]:
+    for one in found:
+        if one.sentences:
+            name = f": {one.name}" if one.name else ""
+            yield Note(f"what it means{name}", "strong", points=one.sentences)
+    if found and found[0].device:
+        yield from _causes(found)
+
+
+def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
+    """The rows of a device's table for the terms that were found, with the channels that have them."""
+    if not found:
+        return
+    device = DEVICES[found[0].device]
+    yield from (Note(note, "quiet") for note in dict.fromkeys(one.note for one in found if one.note))
+    channels: dict[str, list[str]] = {}
+    for one in found:
+        for symbol in one.symbols:
+            channels.setdefault(symbol, []).append(one.name)
+    rows = []
+    for symbol, cause in ((symbol, cause) for symbol, cause in device.terms.items() if symbol in channels):
+        names = ", ".join(filter(None, channels[symbol]))
+        sources, remedies = ("; ".join(texts) for texts in (cause.sources, cause.remedies))
+        head = f"{symbol} in a {device.title}: {cause.name}{f' ({names})' if names else ''}"
+        points = (f"sources: {sources}", f"try: {remedies}", f"see {cause.reference}")
+        yield Note(head, "strong", where="text", points=points)
+        rows.append([symbol, names, cause.name, sources, remedies, cause.reference])
+    if rows:
+        heads = (
+            Column("", "symbol"), Column("channels", "name"), Column("term", "text"), Column("sources", "text"),
+            Column("what to try", "text"), Column("reference", "text"),
+        )  # fmt: skip
+        yield Table(heads, rows, f"likely causes in a {device.title}", key=_cited(rows), where="page")
+
+
+def _cited(rows: Sequence[Sequence[str]]) -> str:
+    """The works that the rows name."""
+    named = " ".join(row[-1] for row in rows)
+    return " ".join(f"{key}: {text}." for key, text in REFERENCES.items() if key in named)
+
+
+def _face(found: Meaning, level: float) -> Face:
+    sheet = Sheet(found.name or "record", parts=tuple(_parts([found])))
+    return Face("What it means", "noise coefficients of an inertial sensor", (sheet,))
+
+
+MEANING = View(_face)

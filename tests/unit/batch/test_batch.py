@@ -1,0 +1,274 @@
+"""Many units: which files are meant, what a limits file may say, what passes, and what one bad file does."""
+
+import csv
+import dataclasses
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.batch.judgement import Seen, judge
+from allanite.batch.sources import expand, several
+from allanite.cli import main
+
+N_ONLY = '[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n'
+
+
+def run(*words, **how):
+    return CliRunner().invoke(main, ["analyze", *map(str, words)], **how)
+
+
+def unit(path, size, seed, name="gz"):
+    noise = al.N(size, "deg/sqrt(h)") if "g" in name else al.N(size, "m/s/sqrt(h)")
+    al.write(dataclasses.replace(al.simulate(noise, 3000, 10.0, rng=np.random.default_rng(seed)), name=name), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("units")
+    for i, size in enumerate((0.1, 0.2)):
+        unit(folder / f"u{i}.csv", size, i)
+    (folder / "readme.txt").write_text("12 gyros\n")
+    (folder / "deep").mkdir()
+    unit(folder / "deep" / "u9.csv", 0.1, 9)
+    return folder
+
+
+def spec(tmp_path, text):
+    path = tmp_path / "spec.toml"
+    path.write_text(text)
+    return path
+
+
+def test_files_folders_and_patterns_name_units(folder):
+    u0, u1, deep = (str(folder / name) for name in ("u0.csv", "u1.csv", "deep/u9.csv"))
+    found = expand([folder])
+    assert found.files == (u0, u1)
+    assert found.notes == (f"left out of {folder}, by their names not recordings: readme.txt",)
+    assert expand([f"{folder}/*.csv"]).files == (u0, u1)
+    assert set(expand([f"{folder}/**/*.csv"]).files) == {u0, u1, deep}
+    assert expand([u1, folder, "-"]).files == (u1, u0, "-")  # none twice
+    assert expand([folder], besides=[u1, None]).files == (u0,)
+
+
+def test_names_that_stand_for_nothing_are_refused(folder, tmp_path):
+    with pytest.raises(al.UsageError, match=r"no file matches '.*\*\.npz'"):
+        expand([f"{folder}/*.npz"])
+    with pytest.raises(al.UsageError, match="holds no recording"):
+        expand([tmp_path])
+
+
+def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
+    path = unit(tmp_path / "u[1].csv", 0.1, 0)
+    assert not several([path])
+    assert expand([path]).files == (str(path),)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; limits are set for Q, N, B"),
+        ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
+        ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is no unit of N (angle random walk)"),
+        ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
+        ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
+        ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
+        ('[limits]\nN = { max = "0.15" }', "a positive number with a unit"),
+        ('[limits]\nN = { max = "-1 deg/sqrt(h)" }', "a positive number with a unit"),
+        ('[limits]\nN = { max = "0.15 deg/sqrt(h)", min = "0" }', "unknown key 'min' in the limit of N"),
+        ('[limits]\nN = { max = "1 deg/sqrt(h)", judge = "mean" }', "judge is 'value' or 'upper', not 'mean'"),
+        ('[limits]\nN = [{ max = "1 deg/sqrt(h)" }, { max = "2 deg/sqrt(h)" }]', "two limits for a gyro"),
+        ('[limit]\nN = { max = "1 deg/sqrt(h)" }', "unknown key 'limit' in the limits file"),
+        ("[limits]\n", "there is no limit in it"),
+        ("limits = 3\n", "limits is a table"),
+        ("[limits", "the limits file"),
+    ],
+)
+def test_a_wrong_limits_file_is_refused_before_anything_is_read(tmp_path, text, words):
+    path = spec(tmp_path, text)
+    result = run(tmp_path / "missing.csv", "--limits", path)
+    assert result.exit_code == 2, result.output
+    assert words in result.stderr
+    assert "spec.toml" in result.stderr
+
+
+def test_limits_of_one_channel_replace_those_of_all(tmp_path):
+    text = N_ONLY + '[channels.gx]\nN = { max = "0.3 deg/sqrt(h)", judge = "upper" }\n'
+    found = al.Specification.load(spec(tmp_path, text))
+    gyro = found.limits[0].signal
+    assert [limit.words() for limit in found.of("gz", gyro)] == ["0.15 deg/sqrt(h)"]
+    assert [(limit.words(), limit.judge) for limit in found.of("gx", gyro)] == [("0.3 deg/sqrt(h)", "upper")]
+
+
+def test_a_limit_of_another_kind_of_sensor_is_named(folder, tmp_path):
+    path = spec(tmp_path, '[channels.gz]\nN = { max = "0.3 m/s/sqrt(h)" }\n')
+    result = run(folder, "--limits", path)
+    assert result.exit_code == 2
+    assert "the limit of N for the channel 'gz' is in m/s/sqrt(h)" in result.stderr
+
+
+def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
+    text = '[limits]\nN = [{ max = "0.15 deg/sqrt(h)" }, { max = "0.01 m/s/sqrt(h)" }]\n'
+    files = [unit(tmp_path / "g.csv", 0.1, 0), unit(tmp_path / "a.csv", 0.1, 0, "ax")]
+    batch = al.analyze_files(files, limits=spec(tmp_path, text))
+    assert [u.outcome for u in batch] == ["pass", "fail"]
+
+
+LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
+
+
+@pytest.mark.parametrize(
+    ("seen", "value", "upper"),
+    [
+        (Seen(1.0, 0.8, 1.2), "pass", "pass"),
+        (Seen(1.9, 1.7, 2.1), "pass", "not shown"),
+        (Seen(2.1, 1.9, 2.3), "fail", "fail"),
+        (Seen(1.0), "pass", "not shown"),  # a method without intervals
+        (Seen(upper=1.5), "pass", "pass"),
+        (Seen(upper=2.5), "not shown", "not shown"),
+        (Seen(reason="not valid"), "not shown", "not shown"),
+    ],
+)
+def test_the_rule(seen, value, upper):
+    sized = Seen(*(v if v is None else v * LIMIT.factor for v in seen[:4]), seen.reason)
+    assert judge("gz", LIMIT, sized).outcome == value
+    assert judge("gz", dataclasses.replace(LIMIT, judge="upper"), sized).outcome == upper
+
+
+def test_an_interval_that_holds_the_limit_is_said():
+    near = judge("gz", LIMIT, Seen(*(v * LIMIT.factor for v in (1.9, 1.7, 2.1))))
+    assert near.near
+    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval holds the limit"
+
+
+def test_the_size_of_a_ramp_is_judged(tmp_path):
+    model = al.N(0.01, "deg/sqrt(h)") + al.R(2000.0, "deg/h^2")
+    record = al.simulate(model, 3000, 10.0, rng=np.random.default_rng(0), name="gz")
+    falling = dataclasses.replace(record, values=-record.values)
+    for i, one in enumerate((record, falling)):
+        al.write(one, tmp_path / f"u{i}.csv")
+    for most, outcome in (("1500", "fail"), ("2500", "pass")):
+        limits = spec(tmp_path, f'judge = "upper"\n[limits]\nR = {{ max = "{most} deg/h^2" }}\n')
+        assert [u.outcome for u in al.analyze_files(tmp_path, limits=limits)] == [outcome] * 2
+
+
+def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_shown(folder, tmp_path):
+    text = '[limits]\nK = { max = "1 deg/h/sqrt(h)" }\n[channels.gx]\nN = { max = "0.15 deg/sqrt(h)" }\n'
+    batch = al.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
+    assert [(j.outcome, j.reason) for j in batch[0].judgements] == [
+        ("not shown", "'K' was not asked for; there are N"),
+        ("not shown", "there is no channel 'gx'"),
+    ]
+    assert batch[0].outcome == "not shown"
+
+
+def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
+    limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
+    result = run(folder / "u0.csv", "--limits", limits)
+    assert result.exit_code == 0
+    assert "1 unit: 1 not shown" in result.stdout
+    assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
+
+
+@pytest.mark.parametrize(
+    ("files", "limits", "code"),
+    [
+        (["u0.csv", "u1.csv"], None, 0),
+        (["u0.csv"], N_ONLY, 0),
+        (["u0.csv", "u1.csv"], N_ONLY, 4),
+        (["u0.csv", "missing.csv"], None, 5),
+        (["u0.csv", "missing.csv"], N_ONLY, 5),
+        (["u1.csv", "missing.csv"], N_ONLY, 4),  # what was exceeded stays exceeded
+        (["missing.csv", "gone.csv"], N_ONLY, 3),
+    ],
+)
+def test_exit_codes(folder, tmp_path, files, limits, code):
+    options = [] if limits is None else ["--limits", spec(tmp_path, limits)]
+    result = run(*(folder / name for name in files), *options)
+    assert result.exit_code == code, result.output
+    for name in ("missing.csv", "gone.csv"):
+        assert (name in result.stdout + result.stderr) == (name in files)
+
+
+def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
+    result = run(folder, "--terms", "XYZ")
+    assert result.exit_code == 2
+    assert result.stderr.count("unknown term") == 1
+    assert "u0.csv" in result.stderr
+
+
+def test_one_file_is_shown_as_before(folder):
+    alone = run(folder / "u0.csv", "--json", "-")
+    assert json.loads(alone.stdout)["type"] == "Study"
+    assert json.loads(alone.stdout) == al.analyze(folder / "u0.csv").to_dict()
+
+
+def test_standard_input_is_a_file(folder, tmp_path):
+    data = (folder / "u0.csv").read_bytes()
+    alone = run("-", "--json", "-", input=data)
+    found, named = json.loads(alone.stdout), json.loads(run(folder / "u0.csv", "--json", "-").stdout)
+    assert found["channels"] == named["channels"]
+    assert found["provenance"]["source"] == "standard input"
+    beside = run("-", folder / "u1.csv", input=data)
+    assert beside.exit_code == 0
+    assert "standard input" in beside.stdout
+    empty = run("-", input=b"")
+    assert empty.exit_code == 3
+    assert "standard input: nothing came" in empty.stderr
+    wrong = run("-", input=b"what is this\n")
+    assert wrong.exit_code == 3
+    assert "standard input: no rows of numbers" in wrong.stderr
+
+
+def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
+    result = run(folder, folder / "missing.csv", "--limits", spec(tmp_path, N_ONLY), "--table", "-")
+    rows = list(csv.DictReader(io.StringIO(result.stdout)))
+    judged = {row["file"]: row["result"] for row in rows if row["term"] == "N"}
+    assert judged == {str(folder / "u0.csv"): "pass", str(folder / "u1.csv"): "fail"}
+    first = next(row for row in rows if row["term"] == "N")
+    assert (first["channel"], first["unit"], first["status"]) == ("gz", "deg/sqrt(h)", "identified")
+    assert float(first["low"]) < float(first["value"]) < float(first["high"])
+    assert rows[-1]["file"] == str(folder / "missing.csv")
+    assert rows[-1]["status"] == "not analyzed"
+    assert "no such file" in rows[-1]["remark"]
+    alone = run(folder / "u0.csv", "--coefficients", "-").stdout
+    assert alone == run(folder / "u0.csv", "--table", "-").stdout
+    assert alone.startswith("channel,term,")
+
+
+def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
+    unit(tmp_path / "u0.csv", 0.1, 0)
+    for _ in range(2):
+        result = run(tmp_path, "--table", tmp_path / "table.csv", "--force")
+        assert result.exit_code == 0, result.output
+        assert "1 of 1 unit analyzed" in result.stdout
+
+
+def test_mean_spread_and_worst_are_over_the_values(folder):
+    batch = al.analyze_files(folder)
+    found = {one.symbol: one for one in batch.across}
+    values = [u.study["gz"].fit["N"].value for u in batch]
+    assert found["N"].mean == pytest.approx(np.mean(values))
+    assert found["N"].deviation == pytest.approx(np.std(values, ddof=1))
+    assert (found["N"].worst, found["N"].file) == (max(values), str(folder / "u1.csv"))
+    assert found["K"].identified == 0
+    assert found["K"].below == max(u.study["gz"].fit["K"].upper for u in batch)
+    assert np.isnan(found["K"].mean)
+
+
+def test_the_device_is_said_once_for_all_units(folder):
+    result = run(folder, "--device", "mems")
+    assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1
+
+
+def test_a_batch_holds_no_samples(folder):
+    batch = al.analyze_files(folder)
+    record = batch[0].study["gz"].record
+    assert not isinstance(record, al.Record)
+    assert (record.size, record.rate, record.name) == (3000, 10.0, "gz")
+    with pytest.raises(al.UsageError, match="no unit 'x'"):
+        batch["x"]
