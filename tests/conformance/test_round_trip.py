@@ -291,7 +291,7 @@ MAKERS = {
     "Study by another method": lambda: al.analyze(record(), al.Recipe(method="gls", level=LEVEL)),
     "Surface": surface,
     "Sway": lambda: plan_of_angles().sway,
-    "Survey": lambda: surveyed(Deviations(limits=False)),
+    "Survey": lambda: surveyed(Deviations(intervals=False)),
     "Survey of spectra": lambda: surveyed(Densities(fit=True)),
     "Survey of surfaces": lambda: surveyed(Windows(window=40.0)),
     "Term": lambda: MODEL["Sine"],

@@ -151,7 +151,7 @@ def test_what_takes_minutes_is_warned_of():
 
 def test_a_table_of_every_tau_is_short_and_its_csv_whole():
     record = record_of(rate("white", 6000))
-    found = survey(record, Deviations(taus="all", limits=False))
+    found = survey(record, Deviations(taus="all", intervals=False))
     text = table(found)
     assert re.search(r"2\d of 3000 rows; --csv writes all", text)
     assert len(text.splitlines()) < 45
