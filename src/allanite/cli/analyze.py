@@ -22,7 +22,7 @@ def info(file: str, **choices: Any) -> None:
 
 
 @click.command()
-@options("file", *RECORDING, "statistic", "taus", *IDENTIFYING, "coefficients", *RESULTS)
+@options("file", *RECORDING, "statistic", "taus", *IDENTIFYING, "shown in", "about", "coefficients", *RESULTS)
 def analyze(file: str, **choices: Any) -> None:
     """Find the noise coefficients of FILE, with intervals.
 

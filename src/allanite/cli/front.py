@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import sys
 import traceback
 from collections.abc import Mapping
@@ -13,6 +14,9 @@ import click
 from allanite.core.errors import AllaniteError
 
 DEFECT, DATA, INTERRUPTED = 1, 3, 130
+LINE = "allanite.line"
+"""Where the context has the command line."""
+
 TRACKER = "https://github.com/allanite/allanite/issues"
 
 
@@ -42,6 +46,11 @@ class Front(click.Group):
         module, _, name = self.verbs[cmd_name].partition(".")
         command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
         return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the arguments, and keep them as they were typed."""
+        ctx.meta[LINE] = shlex.join(["allanite", *args])
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; whatever goes wrong becomes a `Failure`."""

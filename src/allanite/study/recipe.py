@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.core.scope import Band, demand_band
+from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.prepare.outliers import demand_choice
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ IDENTIFYING = ("terms", "method", "band", "level")
 
 CURVE = ("statistic", "taus")
 """Keys of the curve of a study."""
+
+SHOWING = ("to", "about")
+"""Keys of how a study is shown: units, and what is said of the device."""
 
 _NUMBERS = ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset")
 _WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers")
@@ -55,6 +59,8 @@ class Recipe:
     method: str = "whittle"
     band: Band = "auto"
     level: float = 0.95
+    to: tuple[str, ...] | None = None
+    about: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         for key in _NUMBERS:
@@ -71,8 +77,19 @@ class Recipe:
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level lies between 0 and 1, not {self.level!r}")
         demand_band(self.band)
+        for unit in self.to or ():
+            _demand_shown(unit)
+        for line in self.about or ():
+            if not line.partition("=")[2]:
+                raise UsageError(f"what is said of a device is KEY=VALUE, as serial=SN-12, not {line!r}")
 
-    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING)) -> dict[str, Any]:
+    @property
+    def device(self) -> dict[str, str]:
+        """What is said of the device, by its key."""
+        lines = (line.partition("=") for line in self.about or ())
+        return {key.strip(): value.strip() for key, _, value in lines}
+
+    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWING)) -> dict[str, Any]:
         """Plain data of these keys; what was left open is left out."""
         return {key: value for key, value in chosen(self).items() if key in keys}
 
@@ -96,6 +113,14 @@ class Recipe:
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":
         """A recipe from a TOML file."""
         return cls.from_dict(load_toml(path))
+
+
+def _demand_shown(unit: str) -> None:
+    """Refuse a unit in which no coefficient can be shown."""
+    dimension = unit_of(unit).dimension
+    if not any(signal_with(dimension, power) for power in SIGNALS[0].si):
+        raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
+                         "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:

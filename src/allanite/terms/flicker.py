@@ -103,7 +103,9 @@ FLICKER = NoiseTerm(
     "walk make a minimum by themselves, at sqrt(2 N K / sqrt(3)), without any flicker. Kalman filters "
     "have no state for it; it is stood in for by one or several Gauss-Markov processes.",
     typical=1.0,
-    color="#008F6B",
+    color="#146A4E",
+    dark="#31C697",
+    dash=(8, 2, 1.6, 2),
     alpha=-1,
     automatic=True,
     substitute="GM",

@@ -125,7 +125,9 @@ def gauss_markov(T: float) -> NoiseTerm:
         "an angle random walk with N = s sqrt(2 T). A Kalman filter takes it as a state with "
         "Phi = exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). Do not call it flicker because the top of the hump "
         "is flat: the ranking of both by the likelihood tells them apart where the record can.",
-        color="#5D6B00",
+        color="#72780E",
+        dark="#BBFD7A",
+        dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
         block=lambda size, shape, h: markov_block(size, shape[0], h),
     )
 

@@ -66,7 +66,9 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         "1/f; the envelope falls with slope -1. The top may be taken for bias instability, and its flank for "
         "quantization. In the spectrum it is a narrow peak: there it is found, its amplitude and frequency "
         "estimated, and it is taken out before the noise is identified.",
-        color="#444B54",
+        color="#462362",
+        dark="#7D7ADE",
+        dash=(1.2, 3.2),
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
     )
 

@@ -11,6 +11,9 @@ IntArray = NDArray[np.int64]
 
 MARGIN = 0.015
 
+PLACES = [(reach, dx, dy) for reach in (1.0, 1.8, 3.0, 4.5, 6.0) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9)]
+"""Where a label may stand: distance above or below its anchor and shift to a side, in heights and widths."""
+
 
 class Box(NamedTuple):
     """A label's centre and size."""
@@ -38,9 +41,9 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
     width, height = size
     best, most = Box(0.5, 0.5, width, height), -np.inf
     for rank, (x, y) in enumerate(anchors):
-        for dx, dy in ((0.0, 0.9), (0.0, -0.9), (0.58, 0.9), (0.58, -0.9), (-0.58, 0.9), (-0.58, -0.9)):
-            box = Box(*_inside(x + dx * width, y + dy * height, width, height), width, height)
-            free = _freedom(box, obstacles, taken) - 0.004 * rank
+        for reach, dx, dy in PLACES:
+            box = Box(*_inside(x + dx * width, y + dy * reach * height, width, height), width, height)
+            free = _freedom(box, obstacles, taken) - 0.004 * rank - 0.06 * reach
             if free > most:
                 best, most = box, free
     return best

@@ -16,9 +16,10 @@ from allanite.reporting import style
 from allanite.reporting.sheet import printable
 
 from .goodness import draw_ratio, draw_surprise
+from .record import time_scale
 
-HOURS, MINUTES = 7200.0, 300.0
-"""Lengths in seconds from which time is shown in hours, and in minutes."""
+MOST = 70
+"""Quantiles that are drawn, about."""
 
 
 def plot_series(residuals: Residuals) -> Figure:
@@ -76,9 +77,9 @@ def _color(residuals: Residuals, *names: str) -> str:
 
 
 def _draw_series(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     length = residuals.size / residuals.rate
-    unit, size = ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
+    unit, size = time_scale(length)
     time = residuals.time / size
     ax.fill_between(time, residuals.low, residuals.high, color=style.DATA, alpha=0.35, lw=0)
     edges = np.linspace(time[0], time[-1], residuals.level.size + 1)
@@ -93,7 +94,7 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
 
 
 def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     lag = np.arange(1, residuals.correlation.size + 1)
     band = 1.96 / math.sqrt(residuals.size)
     ax.axhspan(-band, band, color=style.DATA, alpha=0.14, lw=0)
@@ -106,9 +107,12 @@ def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
 
 
 def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     ends = residuals.expected[[0, -1]]
     ax.plot(ends, ends, color=style.INK, lw=1.0)
-    ax.plot(residuals.expected, residuals.observed, ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3)
+    some = slice(None, None, max(residuals.expected.size // MOST, 1))
+    ax.plot(
+        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
+    )
     ax.set(xlabel="normal quantile", xticks=range(-4, 5, 2))
     ax.set_title("quantiles", loc="left")

@@ -17,6 +17,7 @@ from allanite.reporting.sheet import printed_unit
 from .drawing import (
     by_share,
     color_of,
+    dashes,
     draw_grade,
     draw_label,
     draw_legend,
@@ -89,7 +90,7 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label="model")
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
-        ax.plot(f, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
+        ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
     paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
     drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
     placed: list[Box] = []

@@ -1,28 +1,54 @@
 """How a study is shown."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
+from allanite.core.record import Record
 from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit
 from allanite.identification.front import METHODS
-from allanite.reporting import words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, printable
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import (
+    Column,
+    Drawing,
+    Face,
+    Fold,
+    Note,
+    Part,
+    Sheet,
+    Table,
+    columns,
+    header_of,
+    printable,
+    printed_unit,
+)
+from allanite.statistics import STATISTICS
+from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
 
 from . import Rows, View
+from .datasheet import alternative, card_of, data_sheet_table
 from .fit import coefficients, definitions, goodness_parts, plot_curves
 from .jobs import channel_sheet, job_face, source_of
 from .readings import readings_table
 from .values import numbers_table, rows_of
 
 BRAND = "noise coefficients of an inertial sensor"
+
+STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
+RECORD = "Range and mean of short stretches of the record."
+SPECTRUM = (
+    "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
+    "of white noise is sqrt(2) N."
+)
 
 EXPLAINED = {
     "whittle": (
@@ -62,40 +88,107 @@ SHARED = (
 
 def _face(study: Study, level: float) -> Face:
     fitted = any(channel.fit for channel in study.channels)
-    sheets = [_sheet(channel, level) for channel in study.channels]
+    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
+    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
+    job = job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets)
     return replace(
-        job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets),
+        job,
         header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
+        parts=[*job.parts, *_overlay(list(panels.values()), level)],
         close=[*_shared(study), *_statuses(study)],
         how=list(_how(study)),
+        device=study.recipe.device,
+        facts=_facts(study),
     )
 
 
-def _sheet(channel: Channel, level: float) -> Sheet:
+def _facts(study: Study) -> list[str]:
+    """Sensors, sampling rate, length and program in a line."""
+    records = [channel.record for channel in study.channels]
+    sensors = Counter(words.SENSORS[record.signal.name] for record in records)
+    counted = [f"{n} channel{'s' if n > 1 else ''} of a {sensor}" for sensor, n in sensors.items()]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), f"{r.size} samples") for r in records}
+    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    digest = study.provenance.get("sha256", "")
+    return [*found, f"sha256 {digest[:12]}…"] if digest else found
+
+
+def _overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
+    """The curves of all channels in one figure."""
+    if len(panels) < 2:
+        return
+    names = ", ".join(panel.name for panel in panels)
+    title = STATISTICS[panels[0].curve.statistic].title
+    label = f"{title} of {names} in one panel"
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", "all channels")
+
+
+def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
-    return channel_sheet(channel, _parts(channel, level), verdicts, doubt=doubt, fair=fair)
+    if panel is None:
+        panel = next(iter(figures.panels_of(channel, demand=False)), None)
+    sheet = channel_sheet(channel, _parts(channel, level, panel), verdicts, doubt=doubt, fair=fair)
+    return replace(sheet, card=card_of(channel, level))
 
 
-def _parts(channel: Channel, level: float) -> Iterator[Part]:
+def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
         return
     yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
-    if channel.readings is not None:
-        yield readings_table(channel.readings, level)
-    if channel.curve is not None:
-        drawn = ", the model, and each term of it alone" if channel.fit.valid is not None else ""
+    if channel.curve is not None and panel is not None:
+        drawn = ", the model, and each of its terms" if channel.fit.valid is not None else ""
         band = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}"
         caption = f"{band}; {channel.curve.supposed}."
-        yield Drawing(lambda: plot_curves([channel], None, level), "deviation by averaging time", caption)
-    yield from goodness_parts(channel.fit, channel.residuals)
-    if channel.curve is not None:
-        shown = channel.curve.to(readable_unit(channel.curve.unit))
+        yield Drawing(
+            lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
+        )
+    yield data_sheet_table(channel, level)
+    if channel.readings is not None:
+        yield readings_table(channel.readings, level)
+    yield from _details(channel, level, panel)
+
+
+def _details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+    """Residuals, record and spectrum; on the page only."""
+    assert channel.fit is not None  # noqa: S101 - the caller has looked
+    checked = list(goodness_parts(channel.fit, channel.residuals))
+    if channel.curve is not None and channel.fit.valid is not None and panel is not None:
+        label = f"observed over expected deviation of {channel.record.name} by averaging time"
+        checked.insert(
+            0, Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
+        )
+    yield Fold("residuals: does the model explain the record?", checked)
+    record = channel.record
+    if isinstance(record, Record):
+        yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)
+    if panel is not None:
+        shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, "the curve in numbers", where="page")
+
+
+def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+    unit = record.signal.sheet[0]
+    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
+    spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
+    length = words.duration(record.duration)
+    yield Drawing(lambda: figures.plot_record(record), f"{record.name} over {length}: {spread}", RECORD)
+    try:
+        density = spectrum(record, bins=10)
+    except DataError as error:
+        yield Note(f"no spectrum: {error}", "quiet", where="page")
+        return
+    fits = {} if channel.fit is None else {record.name: channel.fit}
+    found = density.to(unit)
+    ends = " and ".join(f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)} at {found.frequency[i]:.3g} Hz"
+                        for i in (0, -1))  # fmt: skip
+    label = f"one-sided amplitude spectral density of {record.name}: {ends}"
+    yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)
 
 
 def _shared(study: Study) -> Iterator[Part]:
