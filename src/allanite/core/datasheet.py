@@ -77,9 +77,10 @@ def _name(e: Estimate) -> str:
 
 def _white(e: Estimate, level: float) -> Iterator[Entry]:
     yield _entry(e, _name(e), e.sheet_unit, level)
-    for sides, factor in (("two-sided (N)", 1.0), ("one-sided (sqrt(2) N)", ONE_SIDED)):
+    for sides, factor, symbol in (("two", 1.0, "N"), ("one", ONE_SIDED, "sqrt(2) N")):
         for unit in (u for u in e.signal.density if u != e.sheet_unit or factor > 1):
-            yield _entry(e, f"white noise density, {sides}", unit, level, factor)
+            found = _entry(e, f"noise density, {sides}-sided", unit, level, factor)
+            yield found if found.remark else found._replace(remark=symbol)
 
 
 def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
@@ -107,9 +108,8 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
-    remark = "" if readings.inside else "the curve still falls there: an upper limit"
-    name = "in-run bias stability (minimum of the Allan deviation)"
-    yield Entry(name, point.deviation * factor, low * factor, high * factor, unit, point.tau, remark)
+    remark = "minimum of the curve" if readings.inside else "upper limit: still falling"
+    yield Entry("in-run bias stability", point.deviation * factor, low * factor, high * factor, unit, point.tau, remark)
 
 
 def _stability(readings: Readings | None) -> Iterator[Entry]:

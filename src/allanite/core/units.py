@@ -274,8 +274,15 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
             return unit
     for unit in wanted:
         if unit_of(unit).dimension == signal.dimension and unit != signal.sheet[0]:
-            return unit + {1: "*s", 0.5: "/sqrt(Hz)", 0: "", -0.5: "/sqrt(s)", -1: "/s"}[power]
+            return _carried(unit, power)
     return signal.sheet[power]
+
+
+def _carried(unit: str, power: float) -> str:
+    """The unit of a signal times time to a power, as it is written: deg/s becomes deg/s^2."""
+    if unit.endswith("/s") and power in (1, -1):
+        return unit.removesuffix("/s") + ("" if power == 1 else "/s^2")
+    return unit + {1: "*s", 0.5: "/sqrt(Hz)", 0: "", -0.5: "/sqrt(s)", -1: "/s"}[power]
 
 
 def readable_unit(unit: str) -> str:

@@ -40,16 +40,21 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
 
 
 def _rounded(text: str) -> str:
-    """Blanks and decimals that nobody sees taken out, but for the text itself."""
-    parts = re.split(r"(<text.*?</text>)", text, flags=re.DOTALL)
+    """Blanks and decimals of attributes that nobody sees taken out; the words of a figure stay as they are."""
+    parts = re.split(r"(<[^>]*>)", text)
+    parts[1::2] = [_short_tag(tag) for tag in parts[1::2]]
+    inside = False
     for i, part in enumerate(parts):
-        if not i % 2:
-            points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), part)
-            short = re.sub(r"\s*\n\s*", " ", re.sub(r"(\.\d\d)\d+", r"\1", points))
-            parts[i] = re.sub(r"(?<=[>;:\"]) +| +(?=[<\"/])", "", short).replace('"href=', '" href=')
-        else:
-            parts[i] = re.sub(r' transform="rotate\(-0 [^"]*"', "", re.sub(r"(\.\d\d)\d+(?=[ \")])", r"\1", part))
-    return re.sub(r'"(?=[\w:-]+=")', '" ', "".join(parts))
+        inside = (inside or part.startswith("<text")) and part != "</text>"
+        if not i % 2 and not inside:
+            parts[i] = part.strip()
+    return "".join(parts)
+
+
+def _short_tag(tag: str) -> str:
+    points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), tag)
+    short = re.sub(r"\s+", " ", re.sub(r"(\.\d\d)\d+", r"\1", points)).replace(' "', '"')
+    return re.sub(r' transform="rotate\(-0 [^"]*"', "", short)
 
 
 def _without_groups(text: str) -> str:
@@ -71,13 +76,13 @@ def drawer() -> Callable[[Drawing], Markup]:
 
     numbers, classes = count(), dict[str, str]()
 
+    def named(found: re.Match[str]) -> str:
+        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], found[1])
+        return f'class="{classes.setdefault(style, f"k{len(classes)}")}"'
+
     def draw(drawing: Drawing) -> Markup:
-        picture = str(svg(drawing.draw(), f"f{next(numbers)}", drawing.label))
-        picture = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], picture)
         known = len(classes)
-        picture = re.sub(
-            r'style="([^"]*)"', lambda s: f'class="{classes.setdefault(s[1], f"k{len(classes)}")}"', picture
-        )
+        picture = re.sub(r'style="([^"]*)"', named, svg(drawing.draw(), f"f{next(numbers)}", drawing.label))
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{picture}" if new else picture)  # noqa: S704 - as `svg` has made it
 

@@ -44,6 +44,7 @@ DARK: dict[str, str] = {
 _LOOK: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib
     "font.size": 9.0,
+    "text.color": INK,
     "axes.labelsize": 9.0,
     "axes.titlesize": 10.0,
     "axes.titley": 1.0,  # a fixed height: else every drawing measures the ticks once more, for nothing

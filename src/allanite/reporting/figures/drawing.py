@@ -124,7 +124,11 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
     if "expected by the model" in entries:
         entries["expected by the model"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
-    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6)
+    legend = figure.legend(
+        list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6
+    )
+    for text in legend.get_texts():  # names are the user's, and no formulas
+        text.set_parse_math(False)
 
 
 def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:

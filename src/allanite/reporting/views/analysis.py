@@ -150,7 +150,9 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         )
     yield data_sheet_table(channel, level)
     if channel.readings is not None:
-        yield readings_table(channel.readings, level)
+        table = readings_table(channel.readings, level)
+        yield replace(table, where="text")
+        yield Fold("read off the curve", [table], shut=True)
     yield from _details(channel, level, panel)
 
 
@@ -160,10 +162,9 @@ def _details(channel: Channel, level: float, panel: "figures.Panel | None") -> I
     checked = list(goodness_parts(channel.fit, channel.residuals))
     if channel.curve is not None and channel.fit.valid is not None and panel is not None:
         label = f"observed over expected deviation of {channel.record.name} by averaging time"
-        checked.insert(
-            0, Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
-        )
-    yield Fold("residuals: does the model explain the record?", checked)
+        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
+        checked.insert(0, strip)
+    yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):
         yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)

@@ -8,7 +8,7 @@ from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry
 from allanite.core.estimate import Estimate
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
-from allanite.core.units import readable_unit
+from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Card, Column, Table, printed_unit
@@ -28,7 +28,7 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
     """The quantities and units that data sheets quote, with limits."""
     heads = (
         Column("quantity", "name"), Column("value"), Column(words.interval(level), "interval"), Column("unit", "unit"),
-        Column("at", "name"), Column("remark", "text"),
+        Column("at", "name", aside=True), Column("remark", "text", aside=True),
     )  # fmt: skip
     rows = [_row(entry) for entry in channel.data_sheet(level)]
     marks = ["quiet" if row[1] == "" else "" for row in rows]
@@ -80,11 +80,13 @@ def _with_share(e: Estimate, level: float) -> str:
 
 
 def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
-    for entry in channel.data_sheet():
-        if entry.tau is not None and "minimum" in entry.quantity and entry.value is not None:
-            most = "≤ " if entry.remark else ""
-            number = digits(entry.value, figures=3).pretty()
-            yield "Minimum of the curve", f"{most}{number} {printed_unit(entry.unit)} at {entry.tau:.3g} s"
+    readings = channel.readings
+    if readings is None or readings.minimum is None:
+        return
+    unit = readings.shown_unit(0)
+    number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
+    most = "" if readings.inside else "≤ "
+    yield "Minimum of the curve", f"{most}{number} {printed_unit(unit)} at {readings.minimum.tau:.3g} s"
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:

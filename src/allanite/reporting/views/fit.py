@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.model import Model
@@ -60,10 +62,14 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
     """Whether the model explains the record: figures and checks, for the page."""
     good = fit.goodness
     if good is not None:
-        label, title = "observed over expected power by frequency", "does the model explain the record?"
+        name, title = fit.name or "the record", "does the model explain the record?"
+        least, most = float(np.nanmin(good.ratio)), float(np.nanmax(good.ratio))
+        label = f"observed over expected power of {name} by frequency: {least:.2g} to {most:.2g}, {chance(good.p)}"
         yield Drawing(lambda: figures.plot_goodness(good), label, GOODNESS, title)
     if residuals is not None and residuals.checks:
-        label, title = "residuals over time, their correlation and quantiles", "what the model leaves"
+        name, title = fit.name or "the record", "residuals"
+        found = "; ".join(f"{check.title} {check.value:.3g}" for check in residuals.checks)
+        label = f"residuals of {name} over time, their correlation and quantiles: {found}"
         yield Drawing(lambda: figures.plot_series(residuals), label, RESIDUALS_CAPTION, title)
         yield _checks(residuals, "page")
 
