@@ -10,7 +10,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 
 @click.command()
-@options("file", *RECORDING, "json", "force", "quiet")
+@options("file", *RECORDING, "report", "json", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
     """Say what is in FILE, and whether it is fit for the job."""
     out = outputs(choices, [file])

@@ -1,4 +1,4 @@
-"""The figures of what a model leaves: over time, from sample to sample, and against the normal distribution."""
+"""The figures of residuals: over time, autocorrelation, and quantiles against the normal distribution."""
 
 import math
 from typing import Any
@@ -23,7 +23,7 @@ MOST = 70
 
 
 def plot_series(residuals: Residuals) -> Figure:
-    """The whitened series with its level, the correlation of neighbours, and the quantiles, side by side.
+    """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def plot_residuals(residuals: Residuals) -> Figure:
         Too little was left to look at.
     """
     if not residuals.checks:
-        raise UsageError(f"of {residuals.name!r} too little is left, ends and gaps apart, to draw residuals")
+        raise UsageError(f"{residuals.name!r} has too few samples, without ends and gaps, to draw residuals")
     with style.look():
         figure = style.new_figure(7.2, 6.0)
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
@@ -101,9 +101,9 @@ def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
     ax.axhline(0.0, color=style.INK, lw=1.0)
     ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
     reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
-    ax.set(xlabel="samples apart", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
+    ax.set(xlabel="lag (samples)", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
-    ax.set_title("correlation", loc="left")
+    ax.set_title("autocorrelation", loc="left")
 
 
 def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:

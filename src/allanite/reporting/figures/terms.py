@@ -75,7 +75,7 @@ def _draw_labels(  # noqa: PLR0917 - what is drawn, and where
             ax.plot(*mark, "D", ms=5.5, mfc="white", mec=color_of(e.symbol), mew=1.3, zorder=5)
             anchors = fractions(ax, np.array([mark]))
         near = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
-        avoid = np.concatenate([curves, *(path[::4] for symbol, path in paths.items())])
+        avoid = np.concatenate([curves, *(path[::4] for path in paths.values())])
         if len(near):
             text = _label(panel, e, lines.parts[e.symbol], (mark, level))
             placed.append(draw_label(ax, (e.symbol, text), near[::8], avoid, placed))

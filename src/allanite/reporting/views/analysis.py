@@ -44,7 +44,7 @@ from .values import numbers_table, rows_of
 BRAND = "noise coefficients of an inertial sensor"
 
 STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
-RECORD = "Range and mean of short stretches of the record."
+RECORD = "Range and mean of short segments of the record."
 SPECTRUM = (
     "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
     "of white noise is sqrt(2) N."
@@ -54,35 +54,35 @@ EXPLAINED = {
     "whittle": (
         "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
         "the constant bias and does not leak where the two ends of the record differ. Each squared "
-        "coefficient scatters, as a chi-square with one degree of freedom, about the power that the terms "
-        "lead one to expect: the squares of the noise coefficients, each times the known spectrum of its "
-        "term (Whittle likelihood). The model is the set of terms, none below zero, that makes the record most "
-        "likely; a ramp is estimated along with them, with its sign.",
-        "A noise term is called found only where it lowers twice the negative log-likelihood by more than 4 "
-        "and its interval excludes zero, so that about one record in twenty shows a term that is not there. "
-        "Which terms are there is never certain: each coefficient is averaged over all sets of terms that have "
+        "coefficient has a chi-square distribution with one degree of freedom about the power expected under the "
+        "model: the sum of the squared noise coefficients, each times the known spectrum of its term (Whittle "
+        "likelihood). The model is the set of terms, none negative, with the highest likelihood; a ramp is estimated "
+        "jointly, with its sign.",
+        "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 "
+        "and its interval excludes zero, so that about one record in twenty shows a term that is absent. "
+        "Which terms are present is never certain: each coefficient is averaged over all sets of terms that have "
         "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
         "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
-        "between its quantiles. A term that was not found has a one-sided 95 % upper limit instead of a value.",
+        "between its quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value.",
     ),
     "gls": (
         "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
         "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
-        "points (generalised least squares, iterated). A term is called found where the quadratic form rises by more "
-        "than 4 without it. Standard errors come from the same covariance and suppose Gaussian errors.",
+        "points (generalized least squares, iterated). A term is identified where the quadratic form rises by more "
+        "than 4 without it. Standard errors come from the same covariance and assume Gaussian errors.",
     ),
 }
 """How a method works, in a few sentences; without them its title is enough."""
 
-CURVE_ALONE = "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it."
+CURVE_ALONE = "The curve is estimated independently and shown for comparison: no coefficient was read off it."
 READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
 LIMITS = (
     "The limits of the curve come from the exact distribution of the statistic, averaged over the noise models that "
-    "the record leaves open: a random walk that was not identified may still be there."
+    "the record leaves open: a random walk that was not identified may still be present."
 )
 SHARED = (
-    "Correlation of what the models leave: sample by sample, and of means over 64 stretches of the record. By chance "
-    "the second stays within +-0.25 nineteen times in twenty."
+    "Correlation of the residuals of two channels: sample by sample, and of means over 64 segments of the record. In "
+    "independent channels the second lies within +-0.25 with 95 % probability."
 )
 
 
@@ -138,6 +138,8 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
+        if isinstance(channel.record, Record):
+            yield _over_time(channel.record)
         return
     yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
@@ -173,12 +175,18 @@ def _details(channel: Channel, level: float, panel: "figures.Panel | None") -> I
         yield numbers_table(shown, level, "the curve in numbers", where="page")
 
 
-def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+def _over_time(record: Record) -> Drawing:
+    """The record over time, with its mean and spread as the words for it."""
     unit = record.signal.sheet[0]
     values = record.rate_values * convert(1.0, record.signal.si[0], unit)
     spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
-    length = words.duration(record.duration)
-    yield Drawing(lambda: figures.plot_record(record), f"{record.name} over {length}: {spread}", RECORD)
+    label = f"{record.name or 'the record'} over {words.duration(record.duration)}: {spread}"
+    return Drawing(lambda: figures.plot_record(record), label, RECORD)
+
+
+def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+    yield _over_time(record)
+    unit = record.signal.sheet[0]
     try:
         density = spectrum(record, bins=10)
     except DataError as error:
@@ -198,7 +206,7 @@ def _shared(study: Study) -> Iterator[Part]:
     yield from (Note(str(finding), "alert") for finding in study.shared.findings)
     rows = [[a, b, f"{fast:+.3f}", f"{slow:+.2f}"] for a, b, fast, slow in study.shared.rows()[1]]
     yield Table(
-        columns("channel", "and", "fast", "slow", left=2), rows, "what the channels share", key=SHARED, where="page"
+        columns("channel", "and", "fast", "slow", left=2), rows, "correlation of the channels", key=SHARED, where="page"
     )
 
 
@@ -236,7 +244,7 @@ def _rows(study: Study, level: float) -> Rows:
 
 
 def _coefficients(study: Study, level: float) -> Rows:
-    """Every coefficient and every reading of each channel; the limit of an absent term is its upper one."""
+    """Coefficients, values read off the curve and data sheet of each channel; an absent term has an upper limit."""
     heads = (
         "channel", "term", "name", "value", "low", "high", "unit", "status", "tau_s", "si_value", "si_unit", "remark"
     )  # fmt: skip
@@ -249,6 +257,9 @@ def _coefficients(study: Study, level: float) -> Rows:
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             rows.append([name, "", title, *size, "reading", tau, si, si_unit, remark])
+        for entry in channel.data_sheet(level):
+            size = [entry.value, entry.low, entry.high, entry.unit]
+            rows.append([name, "", entry.quantity, *size, "data sheet", entry.tau, None, "", entry.remark])
     return heads, rows
 
 
@@ -270,7 +281,7 @@ def fitness(channel: Channel) -> str:
 
 
 def verdict(channel: Channel, level: float) -> str:
-    """What the sensor is, in one or two plain sentences."""
+    """The result for a channel in one or two sentences."""
     name = printable(channel.record.name) or "the channel"
     if channel.fit is None:
         return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."

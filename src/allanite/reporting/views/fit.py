@@ -1,4 +1,4 @@
-"""How coefficients are shown, and what a model leaves."""
+"""How coefficients and residuals are shown."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -24,14 +24,13 @@ MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": 
 
 GOODNESS = (
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
-    "same in standard deviations. A model that explains the record leaves nine cells in ten or more within the shaded "
+    "same in standard deviations. If the model explains the record, nine cells in ten or more lie within the shaded "
     "band; cells beyond three standard deviations are red."
 )
 RESIDUALS_CAPTION = (
-    "The record over its model, in standard deviations: white, Gaussian and of one level if the model is right. Left: "
-    "least and largest value of short stretches, and the level of each eighth. Middle: correlation of residuals so "
-    "many samples apart, with the band that chance keeps to nineteen times in twenty. Right: their quantiles against "
-    "those of the normal distribution."
+    "Residuals in standard deviations: white, Gaussian and stationary if the model is right. Left: range of short "
+    "segments, and RMS of each eighth of the record. Middle: autocorrelation, with the 95 % band of white noise. "
+    "Right: quantiles against those of the normal distribution."
 )
 
 
@@ -75,7 +74,7 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
 
 
 def _checks(residuals: Residuals, where: Any = "") -> Table:
-    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("what it is", "text"))
+    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("meaning", "text"))
     rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
@@ -92,7 +91,7 @@ def definitions(fits: Iterable[Fit]) -> Table:
         for s, row in TERMS.items()
         if s in signals
     ]
-    return Table(heads, rows, "what each coefficient means", where="page")
+    return Table(heads, rows, "definitions of the coefficients", where="page")
 
 
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
@@ -125,7 +124,9 @@ def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure
 def _residuals_face(residuals: Residuals, level: float) -> Face:
     notes = statement_note(residuals.statement)
     drawing = Drawing(lambda: figures.plot_residuals(residuals), "residuals", RESIDUALS_CAPTION)
-    return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),))
+    return Face(
+        "Residuals", "residuals of a noise model", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),)
+    )
 
 
 def model_table(model: Model) -> Table:
