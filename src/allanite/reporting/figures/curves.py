@@ -117,8 +117,8 @@ def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> No
 
 def _lines(ax: Axes) -> FloatArray:
     """What is drawn in a panel, as fractions of it."""
-    data = [np.asarray(line.get_xydata()) for line in ax.lines if len(line.get_xydata()) > 2]
-    drawn = np.concatenate(data)
+    data = (np.asarray(line.get_xydata()) for line in ax.lines)
+    drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions
     return fractions(ax, drawn[(drawn > 0).all(axis=1)])
 
 

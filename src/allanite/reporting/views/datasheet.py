@@ -11,7 +11,7 @@ from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Card, Column, Table, printed_unit
+from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit
 from allanite.statistics import STATISTICS
 from allanite.study.analysis import Channel
 
@@ -31,7 +31,7 @@ def data_sheet_table(channel: Channel, level: float) -> Table:
         Column("at", "name", aside=True), Column("remark", "text", aside=True),
     )  # fmt: skip
     rows = [_row(entry) for entry in channel.data_sheet(level)]
-    marks = ["quiet" if row[1] == "" else "" for row in rows]
+    marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
     return Table(heads, rows, "data sheet", marks=marks, key=KEY)
 
 
