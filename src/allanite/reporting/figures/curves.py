@@ -81,10 +81,9 @@ def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], ranges: Span, le
 
 def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     style.grid(ax)
-    _draw_landmarks(ax)
+    placed = _draw_landmarks(ax)
     drawn = points(panel, level)
     _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
-    placed: list[Box] = []
     if panel.fit is not None:
         _shade(ax, panel.fit)
     if panel.fit is not None and panel.fit.valid is not None:
@@ -131,8 +130,9 @@ def _shade(ax: Axes, fit: Fit) -> None:
     shade(ax, ((0.0, shortest), *masks, (longest, math.inf)))
 
 
-def _draw_landmarks(ax: Axes) -> None:
-    low, high = ax.get_xlim()
+def _draw_landmarks(ax: Axes) -> list[Box]:
+    """Rules at a minute, an hour and a day; where their labels are."""
+    (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
         if low < tau < high / 1.2:
             ax.axvline(tau, color=style.OTHER, lw=0.7, ls=(0, (1, 2)), zorder=1)
@@ -140,6 +140,8 @@ def _draw_landmarks(ax: Axes) -> None:
                 label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
                 va="top", fontsize=7.5, color=style.SOFT,
             )  # fmt: skip
+            taken.append(Box(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
+    return taken
 
 
 def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:

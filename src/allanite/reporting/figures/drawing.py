@@ -14,7 +14,7 @@ from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
 from allanite.terms import TERMS
 
-from .labels import Box, FloatArray, IntArray, place
+from .labels import Box, FloatArray, IntArray, nearest, place
 
 
 def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
@@ -71,7 +71,7 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
     box = place(anchors, _size(ax, text), avoid, placed)
-    at = anchors[int(np.hypot(*(anchors - (box.x, box.y)).T).argmin())]
+    at = nearest(anchors, box)
     ax.annotate(
         text, (at[0], at[1]), (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
         va="center", fontsize=8.5, parse_math=False, linespacing=1.25, color=color_of(symbol), zorder=6,

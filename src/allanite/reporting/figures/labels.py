@@ -11,8 +11,13 @@ IntArray = NDArray[np.int64]
 
 MARGIN = 0.015
 
-PLACES = [(reach, dx, dy) for reach in (1.0, 1.8, 3.0, 4.5, 6.0) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9)]
-"""Where a label may stand: distance above or below its anchor and shift to a side, in heights and widths."""
+ENOUGH = 1.25
+"""Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
+
+NEAR = [(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)]
+"""Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
+
+GRID = np.array(np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 15))).reshape(2, -1).T
 
 
 class Box(NamedTuple):
@@ -39,15 +44,22 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
         Labels that are placed already.
     """
     width, height = size
-    best, most = Box(0.5, 0.5, width, height), -np.inf
-    for rank, (x, y) in enumerate(anchors):
-        for reach, dx, dy in PLACES:
-            box = Box(*_inside(x + dx * width, y + dy * reach * height, width, height), width, height)
-            free = _freedom(box, obstacles, taken) - 0.004 * rank - 0.06 * reach
-            free -= 0.4 * _crossed(box, (x, y), taken)
-            if free > most:
-                best, most = box, free
-    return best
+    wanted = [(x + dx * width, y + dy * height) for x, y in anchors for dx, dy in NEAR]
+    boxes = [Box(*_inside(x, y, width, height), width, height) for x, y in (*wanted, *GRID.tolist())]
+    return max(boxes, key=lambda box: _worth(box, anchors, obstacles, taken))
+
+
+def nearest(anchors: FloatArray, box: Box) -> FloatArray:
+    """The anchor that is nearest to a label; earlier ones are preferred."""
+    away = np.hypot(*(anchors - (box.x, box.y)).T) + 0.002 * np.arange(len(anchors))
+    return np.asarray(anchors[int(away.argmin())])
+
+
+def _worth(box: Box, anchors: FloatArray, obstacles: FloatArray, taken: Sequence[Box]) -> float:
+    """How good a place is: free, near its anchor, and no label on the way."""
+    x, y = nearest(anchors, box)
+    far = 0.5 * float(np.hypot(x - box.x, y - box.y))
+    return freedom(box, obstacles, taken) - far - 0.4 * _crossed(box, (x, y), taken)
 
 
 def _inside(x: float, y: float, width: float, height: float) -> tuple[float, float]:
@@ -62,15 +74,15 @@ def _crossed(box: Box, anchor: tuple[float, float], taken: Sequence[Box]) -> boo
     return any(bool(((np.abs(x - b.x) < b.width / 2) & (np.abs(y - b.y) < b.height / 2)).any()) for b in taken)
 
 
-def _freedom(box: Box, obstacles: FloatArray, taken: Sequence[Box]) -> float:
-    """Distance to the nearest thing in label sizes, at most 1.6: farther away is no better; below 1 it is touched."""
-    nearest = 1.6
+def freedom(box: Box, obstacles: FloatArray, taken: Sequence[Box]) -> float:
+    """Distance to the nearest thing in label sizes, at most `ENOUGH`."""
+    free = ENOUGH
     if obstacles.size:
         away = np.abs(obstacles - (box.x, box.y)) / (box.width / 2, box.height / 2)
-        nearest = min(nearest, float(away.max(axis=1).min()))
+        free = min(free, float(away.max(axis=1).min()))
     for other in taken:
         x = abs(other.x - box.x) / ((other.width + box.width) / 2)
         y = abs(other.y - box.y) / ((other.height + box.height) / 2)
         # labels on labels are worse than labels on lines
-        nearest = min(nearest, 1.5 * max(x, y) - 0.5)
-    return nearest
+        free = min(free, 3 * max(x, y) - 2)
+    return free

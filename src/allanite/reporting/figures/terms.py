@@ -16,7 +16,7 @@ from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 
 from .drawing import by_share, color_of, dashes, draw_label, fractions, label_of, pairs
-from .labels import Box, FloatArray
+from .labels import Box, FloatArray, freedom
 from .panels import Panel, Points
 
 SLOPES = {-1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1"}
@@ -46,7 +46,8 @@ def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: 
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
     _draw_labels(ax, panel, fit, (lines, curves, paths), placed, level)
     for symbol, path in paths.items():
-        _draw_slope(ax, symbol, path, curves, placed)
+        others = [other[::4] for name, other in paths.items() if name != symbol]
+        _draw_slope(ax, symbol, path, np.concatenate([curves, *others]), placed)
 
 
 def _lines(ax: Axes, panel: Panel, model: Model) -> Lines:
@@ -97,14 +98,12 @@ def _draw_slope(ax: Axes, symbol: str, path: FloatArray, curves: FloatArray, pla
     seen = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
     if said is None or not len(seen):
         return
-    taken = np.array([[box.x, box.y] for box in placed]).reshape(-1, 2)
-    others = np.vstack([curves, taken])
-    away = np.abs(seen[:, None, :] - others[None, :, :]).max(axis=2).min(axis=1)
-    x, y = seen[int(away.argmax())]
-    placed.append(Box(float(x), float(y), 0.1, 0.04))
+    boxes = [Box(float(x), float(y), 0.12, 0.05) for x, y in seen]
+    box = max(boxes, key=lambda box: freedom(box, curves, placed))
+    placed.append(box)
     ax.text(
-        x, y, f"slope {said}", transform=ax.transAxes, ha="center", va="center", fontsize=8, color=color_of(symbol),
-        zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+        box.x, box.y, f"slope {said}", transform=ax.transAxes, ha="center", va="center", fontsize=8,
+        color=color_of(symbol), zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
     )  # fmt: skip
 
 

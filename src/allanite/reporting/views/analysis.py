@@ -146,7 +146,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
     if channel.curve is not None and panel is not None:
         drawn = ", the model, and each of its terms" if channel.fit.valid is not None else ""
         band = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}"
-        caption = f"{band}; {channel.curve.supposed}."
+        caption = "; ".join(filter(None, (band, channel.curve.supposed))) + "."
         yield Drawing(
             lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
         )

@@ -57,7 +57,7 @@ def card_of(channel: Channel, level: float) -> Card | None:
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
         return Card(
-            BADGES[grade], "alert", tuple(_minimum(channel)), "; ".join(("coefficients not valid", *points[:1]))
+            BADGES[grade], "alert", tuple(_minimum(channel)), "; ".join(("Coefficients not valid", *points[:1]))
         )
     rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.claimed and e.value is not None]
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
