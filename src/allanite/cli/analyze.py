@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options("file", *RECORDING, "json", "force", "quiet")
+@options("file", *RECORDING, "report", "json", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality."""
     out = outputs(choices, [file])
@@ -26,7 +26,10 @@ def info(file: str, **choices: Any) -> None:
 
 
 @click.command()
-@options("files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "coefficients", *RESULTS)
+@options(
+    "files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "shown in", "about",
+    "coefficients", *RESULTS,
+)  # fmt: skip
 def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     """Identify the noise coefficients of FILES.
 

@@ -15,7 +15,7 @@ import click
 from allanite.core.errors import LongJobWarning, UsageError
 from allanite.core.files import demand_writable, write
 
-from .front import DATA
+from .front import DATA, LINE
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -187,7 +187,8 @@ def encoded(value: Any, name: str, path: str) -> str | bytes:
         from allanite.reporting.style import encode
 
         return encode(reporting.plot(value), Path(path).suffix.lower().lstrip("."))
-    return reporting.page(value)
+    context = click.get_current_context(silent=True)
+    return reporting.page(value, command="" if context is None else context.meta.get(LINE, ""))
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

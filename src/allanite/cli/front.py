@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
@@ -14,6 +15,9 @@ from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
+LINE = "allanite.line"
+"""Key of the command line in the context."""
+
 TRACKER = "https://github.com/allanite/allanite/issues"
 
 
@@ -50,6 +54,11 @@ class Front(click.Group):
             found = ((name, self.get_command(ctx, name)) for name in verbs)
             with formatter.section(heading):
                 formatter.write_dl([(name, verb.get_short_help_str()) for name, verb in found if verb is not None])
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the arguments, and keep them as they were typed."""
+        ctx.meta[LINE] = shlex.join(["allanite", *args])
+        return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; any exception becomes a `Failure`."""

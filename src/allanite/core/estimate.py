@@ -11,7 +11,7 @@ from .encoding import finite
 from .limits import demand_level
 from .model import coefficient_factor
 from .plain import Value
-from .units import Signal
+from .units import Signal, shown_unit
 
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""
@@ -47,6 +47,8 @@ class Estimate(Value):
     shape_limits : level -> (low, high) of each of them
     reason : str
         Why the term is not observable, or why the value is not valid.
+    wanted : tuple of str
+        Units in which it is shown, if not in those of data sheets; see `units.shown_unit`.
     """
 
     symbol: str
@@ -62,6 +64,7 @@ class Estimate(Value):
     shape: tuple[float, ...] = ()
     shape_limits: Callable[[float], tuple[tuple[float, float], ...]] | None = None
     reason: str = ""
+    wanted: tuple[str, ...] = ()
 
     def invalid(self, reason: str) -> "Estimate":
         """The same estimate with status "not valid": the value is kept, its interval is not."""
@@ -77,8 +80,8 @@ class Estimate(Value):
 
     @property
     def sheet_unit(self) -> str:
-        """Unit of data sheets."""
-        return self.signal.sheet[TERMS[self.symbol].power]
+        """Unit of data sheets, or the one that is wanted."""
+        return shown_unit(self.signal, TERMS[self.symbol].power, self.wanted)
 
     @property
     def claimed(self) -> bool:

@@ -10,7 +10,7 @@ from allanite.terms import TERMS
 from .encoding import finite, plain
 from .limits import demand_level, quantile
 from .plain import Value
-from .units import Signal, convert
+from .units import Signal, convert, shown_unit
 
 WHITE = 0.1
 """Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""
@@ -99,6 +99,8 @@ class Readings(Value):
         Slopes by decades of averaging time.
     means : tuple of Means
         N-second stability for 10 and 100 s.
+    wanted : tuple of str
+        Units in which all is shown, if not in those of data sheets; see `units.shown_unit`.
     """
 
     _also = ("unit", "random_walk", "bias_instability")
@@ -110,11 +112,16 @@ class Readings(Value):
     inside: bool
     slopes: tuple[Slope, ...]
     means: tuple[Means, ...]
+    wanted: tuple[str, ...] = ()
 
     @property
     def unit(self) -> str:
         """SI unit of the deviations."""
         return self.signal.si[0]
+
+    def shown_unit(self, power: float) -> str:
+        """The unit in which signal x time^power is shown."""
+        return shown_unit(self.signal, power, self.wanted)
 
     @property
     def white(self) -> bool:
@@ -162,7 +169,7 @@ class Readings(Value):
     def _shown(self, q: Quantity) -> list[Any]:
         if q.power is None:
             return [q.value, q.low, q.high, "", q.value, ""]
-        sheet, si = self.signal.sheet[q.power], self.signal.si[q.power]
+        sheet, si = self.shown_unit(q.power), self.signal.si[q.power]
         factor = convert(1.0, si, sheet)
         return [q.value * factor, q.low * factor, q.high * factor, sheet, q.value, si]
 
@@ -173,7 +180,7 @@ class Readings(Value):
         return super().to_dict(level) | {"shown": shown, "level": level}
 
     def _summary(self) -> str:
-        unit = self.signal.sheet[0]
+        unit = self.shown_unit(0)
         return f"{convert(self.usual.deviation, self.unit, unit):.4g} {unit} at {self.usual.tau:.4g} s"
 
 

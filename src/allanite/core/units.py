@@ -7,7 +7,7 @@ grammar, so that all common spellings work: ``deg/sqrt(h)``, ``deg/h/sqrt(Hz)``,
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from .errors import UnitError
@@ -192,7 +192,7 @@ class Signal:
     """A type of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p.
 
     `inertial`: the output of a gyro or accelerometer; the other types are recorded along with them, or converted to a
-    rate.
+    rate. `density` are the units in which data sheets give the amplitude spectral density of white noise.
     """
 
     name: str
@@ -201,6 +201,7 @@ class Signal:
     si: dict[float, str]
     sheet: dict[float, str]
     inertial: bool = False
+    density: tuple[str, ...] = ()
 
     @property
     def dimension(self) -> Dimension:
@@ -215,7 +216,7 @@ class Signal:
 def _plain(name: str, unit: str) -> Signal:
     """A signal whose noise has no data-sheet units of its own."""
     units = {1: f"{unit}*s", 0.5: f"{unit}*sqrt(s)", 0: unit, -0.5: f"{unit}/sqrt(s)", -1: f"{unit}/s"}
-    return Signal(name, unit, f"integrated {name}", units, units)
+    return Signal(name, unit, f"integrated {name}", units, units, density=(f"{unit}/sqrt(Hz)",))
 
 
 SIGNALS = (
@@ -224,12 +225,14 @@ SIGNALS = (
         {1: "rad", 0.5: "rad/sqrt(s)", 0: "rad/s", -0.5: "rad/s^1.5", -1: "rad/s^2"},
         {1: "arcsec", 0.5: "deg/sqrt(h)", 0: "deg/h", -0.5: "deg/h/sqrt(h)", -1: "deg/h^2"},
         inertial=True,
+        density=("deg/s/sqrt(Hz)", "deg/h/sqrt(Hz)"),
     ),
     Signal(
         "accelerometer", "m/s^2", "velocity",
         {1: "m/s", 0.5: "m/s^1.5", 0: "m/s^2", -0.5: "m/s^2.5", -1: "m/s^3"},
         {1: "m/s", 0.5: "m/s/sqrt(h)", 0: "ug", -0.5: "ug/sqrt(h)", -1: "ug/h"},
         inertial=True,
+        density=("ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"),
     ),
     Signal(
         "dimensionless", "1", "time",
@@ -253,6 +256,33 @@ def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
     """The signal that, multiplied by time to the power `time_power`, has `dimension`; None if there is none."""
     wanted = _add(dimension, _powers(time=-time_power))
     return next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+
+
+def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
+    """The unit in which signal x time^power is shown: that of data sheets, or what the `wanted` units say.
+
+    A wanted unit of this very quantity is taken as it is; one of the signal itself is carried over.
+
+    Examples
+    --------
+    >>> gyro = signal_named("gyro")
+    >>> shown_unit(gyro, 0.5), shown_unit(gyro, 0.5, ["deg/s"]), shown_unit(gyro, 0.5, ["rad/sqrt(s)"])
+    ('deg/sqrt(h)', 'deg/s/sqrt(Hz)', 'rad/sqrt(s)')
+    """
+    for unit in wanted:
+        if signal_with(unit_of(unit).dimension, power) is signal:
+            return unit
+    for unit in wanted:
+        if unit_of(unit).dimension == signal.dimension and unit != signal.sheet[0]:
+            return _carried(unit, power)
+    return signal.sheet[power]
+
+
+def _carried(unit: str, power: float) -> str:
+    """The unit of a signal times time to a power, as it is written: deg/s becomes deg/s^2."""
+    if unit.endswith("/s") and power in (1, -1):
+        return unit.removesuffix("/s") + ("" if power == 1 else "/s^2")
+    return unit + {1: "*s", 0.5: "/sqrt(Hz)", 0: "", -0.5: "/sqrt(s)", -1: "/s"}[power]
 
 
 def readable_unit(unit: str) -> str:

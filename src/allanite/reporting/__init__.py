@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 PathLike = str | os.PathLike[str]
 
+MOST_DATA = 300_000
+"""Bytes of compressed JSON that a page carries at most."""
+
 
 def plot(
     value: Any,
@@ -89,11 +92,17 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
     write(path, page(value, level=level).encode(), force=force)
 
 
-def page(value: Any, *, level: float | None = None) -> str:
-    """The page that `report` writes, as text."""
-    from .html import render
+def page(value: Any, *, level: float | None = None, command: str = "") -> str:
+    """The page that `report` writes, as text; `command` is the command line that made it."""
+    import gzip
+    from dataclasses import replace
 
-    return render(view_of(value).face(value, level_of(value, level)))
+    from .html import render
+    from .json import to_json
+
+    face = view_of(value).face(value, level_of(value, level))
+    data = gzip.compress(to_json(value).encode(), mtime=0)
+    return render(replace(face, command=command, data=data if len(data) < MOST_DATA else b""))
 
 
 def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False) -> str:

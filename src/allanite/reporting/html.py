@@ -1,6 +1,6 @@
 """Sheets as one HTML page that needs nothing else: no script, no font, no request."""
 
-import re
+import base64
 from collections.abc import Iterator
 from functools import cache
 from itertools import count
@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from allanite.terms import TERMS
 
-from .sheet import Code, Column, Drawing, Face, Note, Part, Table, printable, printed, printed_heading
+from .picture import drawer, svg, variable
+from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +23,10 @@ _NOTEBOOK = count()
 
 def render(face: Face) -> str:
     """The page as text."""
-    return _environment().get_template("page.html.j2").render(face=face, draw=_counted())
+    from .style import DARK
+
+    grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
+    return _environment().get_template("page.html.j2").render(face=face, draw=drawer(), grounds=grounds)
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:
@@ -42,17 +46,19 @@ def _environment() -> Environment:
     )
     env.filters["clean"], env.filters["heading"] = printable, printed_heading
     env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
+    env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, color_of=_color_of)
     return env
 
 
 def _kind_of(part: Part) -> str:
-    return {Table: "table", Note: "note", Drawing: "drawing", Code: "code"}[type(part)]
+    return {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)]
 
 
 def _color_of(symbol: str) -> str:
+    """The colour of a term: that of the page's ground, or of white paper in a notebook."""
     name = symbol.strip("|")
-    return TERMS[name].color if name in TERMS else ""
+    return f"var({variable(TERMS[name].color)}, {TERMS[name].color})" if name in TERMS else ""
 
 
 def _shown(parts: Any) -> Iterator[Part]:
@@ -74,22 +80,3 @@ def _css(column: Column, text: str, mark: str) -> str:
     own_only = {"strong": column.kind == "number" and not column.aside, "struck": column.kind != "status"}
     shown = mark if own_only.get(mark, True) else ""
     return " ".join(filter(None, (own, "quiet" if column.aside else "", shown)))
-
-
-def _counted() -> Any:
-    """Draws the figures of one page, and gives each a prefix of its own."""
-    numbers = count()
-    return lambda drawing: svg(drawing.draw(), f"f{next(numbers)}", drawing.label)
-
-
-def svg(figure: "Figure", prefix: str, label: str) -> Markup:
-    """A figure for the middle of a page: names made its own, so that figures do not share parts by mistake."""
-    from .style import encode
-
-    text = encode(figure, "svg").decode()
-    text = text[text.index("<svg") :]
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    label = str(Markup.escape(printable(label)))
-    # the figure has no text of its own, glyphs are drawn: nothing of the user's is in it
-    return Markup(text.replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1))  # noqa: S704

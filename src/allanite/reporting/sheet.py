@@ -90,14 +90,46 @@ class Code:
     where: Where = ""
 
 
-Part = Table | Note | Drawing | Code
+@dataclass(frozen=True)
+class Fold:
+    """Parts of a page that can be folded away; `shut`: they are until somebody opens them."""
+
+    title: str
+    parts: "Sequence[Part]"
+    shut: bool = False
+    where: Where = "page"
+
+
+Part = Table | Note | Drawing | Code | Fold
+
+
+@dataclass(frozen=True)
+class Card:
+    """The main numbers of a channel at the top of the page.
+
+    Attributes
+    ----------
+    badge : str
+        How well the model explains the record, in two or three words.
+    level : str
+        "good", "fair", "alert", or "" where that was not tested.
+    rows : sequence of (name, value)
+    note : str
+        What was not found, or why there are no numbers.
+    """
+
+    badge: str
+    level: Literal["good", "fair", "alert", ""]
+    rows: Sequence[tuple[str, str]] = ()
+    note: str = ""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is said of one channel.
+    """The results of one channel.
 
     `verdicts` stand at the top of the page too, with the name before them; `doubt` marks them there, `fair` less so.
+    A sheet with a `card` has that at the top instead, and its verdicts above its parts.
     """
 
     name: str
@@ -106,6 +138,7 @@ class Sheet:
     verdicts: Sequence[str] = ()
     doubt: bool = False
     fair: bool = False
+    card: Card | None = None
 
 
 @dataclass(frozen=True)
@@ -130,6 +163,14 @@ class Face:
     provenance : dict
     notes : sequence of str
         What was assumed when reading.
+    device : dict
+        What the user says of the device: serial number, operator, date, temperature.
+    facts : sequence of str
+        Sensor, sampling rate, length: one line below the title of the page.
+    command : str
+        The command line that made the page; empty if none did.
+    data : bytes
+        The whole result as JSON, compressed.
     """
 
     title: str
@@ -142,6 +183,10 @@ class Face:
     choices: str = ""
     provenance: dict[str, str] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    device: dict[str, str] = field(default_factory=dict)
+    facts: Sequence[str] = ()
+    command: str = ""
+    data: bytes = b""
 
 
 def columns(*headings: str, left: int = 1) -> tuple[Column, ...]:

@@ -17,6 +17,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.core.errors import UsageError
 from allanite.core.files import demand_writable, write
+from allanite.terms import TERMS
 
 from .sheet import printable
 
@@ -28,12 +29,22 @@ SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
 MARKERS = "osD^vP"
 """One a colour."""
 
-OTHER = "#6B6B6B"
-INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#2E5C94", "#D9DDE2", "#8A5A00", "#B00020"
+OTHER, SOFT = "#6B6B6B", "#5B6570"
+INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#3C444D", "#D9DDE2", "#8A5A00", "#B00020"
+SHADE = "#E9ECEF"
+
+DARK: dict[str, str] = {
+    "#ffffff": "#14171b", "#1a1a1a": "#e6e9ec", "#3c444d": "#c9d1d9", "#d9dde2": "#343a42", "#555b63": "#8b949e",
+    "#6b6b6b": "#a0a7ae", "#5b6570": "#a0aab4", "#8a5a00": "#e3b341", "#b00020": "#ff8a94", "#e9ecef": "#262b31",
+    "#2e5c94": "#79b0ff", "#c1272d": "#ff7b72", "#008f6b": "#3fc9a0", "#b97700": "#e3b341", "#aa4499": "#dc8fd0",
+    "#444b54": "#b0b8c1",
+} | {row.color.lower(): row.dark for row in TERMS.values()}  # fmt: skip
+"""Colours of figures on a page: on a light ground and on a dark one."""
 
 _LOOK: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib
     "font.size": 9.0,
+    "text.color": INK,
     "axes.labelsize": 9.0,
     "axes.titlesize": 10.0,
     "axes.titley": 1.0,  # a fixed height: else every drawing measures the ticks once more, for nothing
@@ -66,7 +77,7 @@ _FORMATS: dict[str, dict[str, Any]] = {
 
 @contextmanager
 def look() -> Iterator[None]:
-    """Our settings, and nobody's matplotlibrc; what was set before is set again afterwards."""
+    """These settings and no matplotlibrc; the settings from before are restored afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(cast(Any, _LOOK))
@@ -87,11 +98,11 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def grid(axes: Axes) -> None:
-    """Major and minor lines, both faint."""
+def grid(axes: Axes, *, fine: bool = True) -> None:
+    """Major and, where `fine`, minor lines, both faint."""
     axes.grid(which="major", color=GRID, linewidth=0.8)
-    axes.grid(which="minor", color=GRID, linewidth=0.35, alpha=0.7)
-    axes.tick_params(which="both", top=True, right=True)
+    if fine:
+        axes.grid(which="minor", color=GRID, linewidth=0.35, alpha=0.7)
     axes.tick_params(which="minor", length=2)
 
 
@@ -100,17 +111,17 @@ def title(axes: Axes, name: str) -> None:
     axes.set_title(printable(name), loc="left", fontweight="bold", parse_math=False)
 
 
-def plain_ticks(*axes: Axis) -> None:
-    """Label 0.01 to 100000 as they are spoken, and only the rest as powers of ten.
+def plain_ticks(*axes: Axis, most: float = 60.0) -> None:
+    """Label 0.01 to 100000 in full, and only the rest as powers of ten.
 
-    Where an axis spans less than 60, 2 and 5 are labelled too.
+    An axis whose ends have a ratio of less than `most` has labels at 2 and 5, too.
     """
     for axis in axes:
         axis.set_major_formatter(
             FuncFormatter(lambda v, _: f"{v:g}" if 9e-4 < v < 2e5 else f"$10^{{{math.log10(v):.0f}}}$")
         )
         low, high = axis.get_view_interval()
-        few = low > 0 and high / low < 60
+        few = low > 0 and high / low < most
         axis.set_minor_formatter(FuncFormatter(_two_and_five) if few else NullFormatter())
 
 
@@ -141,9 +152,10 @@ def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
     write(path, encode(figure, demand_figure_path(path, force=force)), force=force)
 
 
-def encode(figure: Figure, form: str) -> bytes:
-    """The figure as png, svg or pdf."""
+def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
+    """The figure as png, svg or pdf; with `text`, an svg keeps its letters as text and needs a font to show them."""
     buffer = io.BytesIO()
     with look():
+        mpl.rcParams["svg.fonttype"] = "none" if text else "path"
         figure.savefig(buffer, format=form, metadata=_FORMATS[form])
     return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""The sentences that stand in the table, the page and the figures."""
+"""Sentences of the table, the page and the figures."""
 
 import math
 
@@ -31,13 +31,13 @@ RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "sign
 }
 
 STATUS = {
-    "identified": "found, relative standard error at most 25 %",
-    "weak": "found, but its relative standard error is above 25 %: an order of magnitude, not a number to specify",
-    "absent": "not found; the limit is the one-sided 95 % upper limit",
-    "not observable": "what was read of the record cannot tell; the reason is named",
+    "identified": "identified, relative standard error at most 25 %",
+    "weak": "identified, but with a relative standard error above 25 %: an order of magnitude, not a specification",
+    "absent": "not identified; the limit is the one-sided 95 % upper limit",
+    "not observable": "cannot be determined from the part of the record that was used, for the reason given",
     "not valid": "the model does not explain the record, or its measured curve contradicts the value: not a result",
-    "reported": "by a method that gives no evidence for the term: the number may stand for nothing",
-    "negative": "the square of the coefficient comes out negative: the method finds no such term",
+    "reported": "by a method that gives no evidence for the term: it may be absent",
+    "negative": "the estimated square of the coefficient is negative: the method finds no such term",
 }
 """What each status means."""
 
@@ -53,7 +53,7 @@ def grade(fit: Fit) -> str:
 
 
 def title(symbol: str, signal: Signal) -> str:
-    """The name of a term in the words of its sensor: an accelerometer has a velocity random walk."""
+    """The name of a term for its sensor: an accelerometer has a velocity random walk."""
     words = TERMS[symbol].title.replace("rate", RATES[signal.name])
     return words.replace("angle", signal.integral)
 
@@ -80,7 +80,7 @@ def named(estimate: Estimate, level: float) -> str:
 
 
 def shapes(estimate: Estimate, level: float) -> list[str]:
-    """What an estimate has beside its coefficient: ``T = 20 (15 .. 28) s``."""
+    """The shape parameters of an estimate: ``T = 20 (15 .. 28) s``."""
     limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
     parts = []
     for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
@@ -120,7 +120,7 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
 
 
 def about(record: Record | Header) -> str:
-    """What a channel holds: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
+    """The record of a channel: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
     length = duration(record.duration)

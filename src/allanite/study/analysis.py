@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from allanite.core.curve import Curve
+from allanite.core.datasheet import Entry, data_sheet
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
@@ -54,6 +55,22 @@ class Channel(ChannelResult):
         settled |= {"lines"} if met and self.explained else set()
         doubts = () if self.noise is None else self.noise.doubts
         return (*doubts, *(str(finding) for finding in self.quality.warnings if finding.name not in settled))
+
+    def to(self, *units: str) -> Self:
+        """The same, shown in these units: of the signal (deg/s) or of a coefficient (deg/s/sqrt(Hz))."""
+        if self.noise is None:
+            return self
+        fit = replace(self.noise.fit, estimates=tuple(replace(e, wanted=units) for e in self.noise.fit))
+        read = None if self.readings is None else replace(self.readings, wanted=units)
+        return replace(self, noise=replace(self.noise, fit=fit), readings=read)
+
+    def data_sheet(self, level: float = 0.95) -> list[Entry]:
+        """The quantities and units of data sheets, with limits."""
+        return data_sheet(self.fit, self.readings, self.record.rate, level)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with the data sheet."""
+        return super().to_dict(level) | {"data_sheet": [entry._asdict() for entry in self.data_sheet(level)]}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
@@ -138,7 +155,7 @@ def analyze(
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
         usual = curve.statistic == "oadev" and recipe.taus == "log"
         read = readings(seen.record, curve if usual else None)
-        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read)
+        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 
     return run(Study, source, recipe, work, Channel.refused, progress=progress)
 

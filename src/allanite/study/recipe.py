@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.core.scope import Band, demand_band
+from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.meaning.devices import device
 from allanite.prepare.outliers import demand_choice
 
@@ -24,8 +25,8 @@ IDENTIFYING = ("terms", "method", "band", "level")
 CURVE = ("statistic", "taus")
 """Keys of the curve of a study."""
 
-SHOWN = ("device",)
-"""Keys of what is said about a result."""
+SHOWING = ("device", "to", "about")
+"""Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
 
 _NUMBERS = ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset")
 _WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "device")
@@ -60,6 +61,8 @@ class Recipe:
     band: Band = "auto"
     level: float = 0.95
     device: str | None = None
+    to: tuple[str, ...] | None = None
+    about: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         for key in _NUMBERS:
@@ -78,8 +81,19 @@ class Recipe:
         demand_band(self.band)
         if self.device is not None:
             device(self.device)
+        for unit in self.to or ():
+            _demand_shown(unit)
+        for line in self.about or ():
+            if not line.partition("=")[2]:
+                raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
 
-    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWN)) -> dict[str, Any]:
+    @property
+    def labels(self) -> dict[str, str]:
+        """Facts about the device, by key."""
+        lines = (line.partition("=") for line in self.about or ())
+        return {key.strip(): value.strip() for key, _, value in lines}
+
+    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWING)) -> dict[str, Any]:
         """Plain data of these keys; those not given are omitted."""
         return {key: value for key, value in chosen(self).items() if key in keys}
 
@@ -103,6 +117,14 @@ class Recipe:
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":
         """A recipe from a TOML file."""
         return cls.from_dict(load_toml(path))
+
+
+def _demand_shown(unit: str) -> None:
+    """Refuse a unit in which no coefficient can be shown."""
+    dimension = unit_of(unit).dimension
+    if not any(signal_with(dimension, power) for power in SIGNALS[0].si):
+        raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
+                         "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:

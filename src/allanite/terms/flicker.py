@@ -103,7 +103,9 @@ FLICKER = NoiseTerm(
     "alone have a minimum, at sqrt(2 N K / sqrt(3)), without any flicker. It has no finite-dimensional state "
     "model; in a Kalman filter it is approximated by one or several Gauss-Markov processes.",
     typical=1.0,
-    color="#008F6B",
+    color="#146A4E",
+    dark="#31C697",
+    dash=(8, 2, 1.6, 2),
     alpha=-1,
     automatic=True,
     substitute="GM",

@@ -125,7 +125,9 @@ def gauss_markov(T: float) -> NoiseTerm:
         "well above an angle random walk with N = s sqrt(2 T). In a Kalman filter it is a state with Phi = "
         "exp(-tau0/T) and the driving noise s^2 (1 - Phi^2). A flat top of the hump is not flicker: the "
         "likelihood distinguishes the two if the record permits.",
-        color="#5D6B00",
+        color="#72780E",
+        dark="#BBFD7A",
+        dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
         block=lambda size, shape, h: markov_block(size, shape[0], h),
     )
 

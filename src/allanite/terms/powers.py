@@ -127,7 +127,9 @@ QUANTIZATION = NoiseTerm(
     "Allan deviation it falls faster, with slope -3/2. It does not grow with time: in navigation beyond a few "
     "seconds it can usually be neglected.",
     typical=0.5,
-    color="#AA4499",
+    color="#B24282",
+    dark="#C061AE",
+    dash=(1.2, 1.6),
     alpha=2,
     automatic=True,
     block=lambda Q, shape, h: angle_noise(Q, h),
@@ -159,7 +161,9 @@ ANGLE_RANDOM_WALK = NoiseTerm(
     "(scipy.signal.welch, many data sheets) gives sqrt(2) N. A sample of duration tau0 has the standard "
     "deviation N / sqrt(tau0); after a time t the standard deviation of the angle is N sqrt(t).",
     typical=0.1,
-    color="#0072B2",
+    color="#2E74C9",
+    dark="#8BB5F6",
+    dash=(6, 2.4),
     alpha=0,
     automatic=True,
     block=lambda N, shape, h: white_noise(N, h),
@@ -189,7 +193,9 @@ RATE_RANDOM_WALK = NoiseTerm(
     "has few degrees of freedom: a record of 10 tau says little about it at tau. It is the driving noise of the "
     "bias state of a Kalman filter, K^2 per second; the 'gyroscope_random_walk' of kalibr.",
     typical=10.0,
-    color="#C1272D",
+    color="#5B0200",
+    dark="#E95C5D",
+    dash=(3.2, 1.6),
     alpha=-2,
     automatic=True,
     block=lambda K, shape, h: integrators(("bias, random walk" if K else "bias",), h, density=K**2),
@@ -220,7 +226,9 @@ RAMP = NoiseTerm(
     "times the Hadamard deviation, there is a ramp, or a noise steeper than a random walk. Remove it with a "
     "model of its cause (temperature), not with a fitted line, before interpreting the noise at long times.",
     typical=10.0,
-    color="#B97700",
+    color="#6C4000",
+    dark="#EBA008",
+    dash=(11, 2.6),
     automatic=True,
     block=lambda R, shape, h: integrators(
         ("bias", "rate ramp"),

@@ -118,8 +118,10 @@ class NoiseTerm:
         For the documentation: its origin, and how to read it off and use it.
     typical : float
         For the documentation: an example coefficient, in the data-sheet unit of gyros.
-    color : str
-        Of its line in figures, ``#RRGGBB``.
+    color, dark : str
+        Of its line and name on a light and on a dark ground, ``#RRGGBB``.
+    dash : tuple of float
+        Lengths of the dashes and gaps of its line, in line widths.
     alpha : int or None
         Exponent of the spectral density of the rate, where that is one power of the frequency.
     per_sample : bool
@@ -160,6 +162,8 @@ class NoiseTerm:
     advice: str = ""
     typical: float = 1.0
     color: str = "#6B6B6B"
+    dark: str = "#A0A7AE"
+    dash: tuple[float, ...] = (5.0, 3.0)
     alpha: int | None = None
     per_sample: bool = False
     automatic: bool = False

@@ -66,7 +66,9 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         "of 1/f; the envelope falls with slope -1. The maximum may be mistaken for bias instability, and the "
         "flank for quantization. In the spectrum it is a narrow peak: there it is detected, its amplitude and "
         "frequency are estimated, and it is removed before the noise is identified.",
-        color="#444B54",
+        color="#462362",
+        dark="#7D7ADE",
+        dash=(1.2, 3.2),
         block=lambda amplitude, shape, h: oscillator(amplitude, shape[0], h),
     )
 

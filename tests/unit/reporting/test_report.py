@@ -202,9 +202,10 @@ def test_a_figure_has_a_panel_for_each_curve(study):
 
 def test_labels_give_the_coefficients(study):
     texts = [text.get_text() for text in plot(study).axes[0].texts]
-    assert "N = 0.0500 deg/√h (3 deg/h at 1 s)" in texts
-    assert "0.664 B = 0.332 deg/h (B = 0.50 deg/h)" in texts
-    assert "R = −0.400 deg/h²" in texts
+    assert "N = 0.0500 (0.0480 … 0.0520) deg/√h\nat τ = 1 s: 3 deg/h" in texts
+    assert "0.664 B = 0.332 deg/h\nB = 0.50 (0.20 … 0.80) deg/h" in texts
+    assert "R = −0.400 (−0.480 … −0.320) deg/h²" in texts
+    assert "slope −½" in texts
     assert not any(text.startswith("K =") for text in texts)
 
 
@@ -290,7 +291,7 @@ def test_the_page_loads_nothing(text):
 
 def test_the_pictures_are_in_the_page_and_share_no_names(text):
     tags = Tags(text).tags
-    assert [tag for tag, _ in tags].count("svg") == 4
+    assert [tag for tag, _ in tags].count("svg") == 10
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))

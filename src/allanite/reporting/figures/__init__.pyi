@@ -12,6 +12,8 @@ from .panels import Panel as Panel
 from .panels import panels_of as panels_of
 from .planning import plot_plans as plot_plans
 from .rate import plot_rates as plot_rates
+from .record import plot_record as plot_record
+from .record import plot_strip as plot_strip
 from .residuals import plot_residuals as plot_residuals
 from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra

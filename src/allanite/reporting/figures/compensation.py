@@ -15,7 +15,7 @@ from allanite.reporting.words import percent
 
 from .labels import FloatArray
 
-BEFORE, AFTER, TAKEN = style.OTHER, style.DATA, "#C1272D"
+BEFORE, AFTER, TAKEN = style.OTHER, style.SERIES[0], style.SERIES[1]
 
 POINTS = 400
 """Means over time that are drawn."""

@@ -14,7 +14,7 @@ from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
 from allanite.terms import TERMS
 
-from .labels import Box, FloatArray, IntArray, place
+from .labels import Box, FloatArray, IntArray, nearest, place
 
 
 def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
@@ -32,8 +32,13 @@ def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
 
 
 def color_of(symbol: str) -> str:
-    """The colour of a term."""
-    return TERMS[symbol].color
+    """The colour of a term; that of the text where there is none."""
+    return TERMS[symbol].color if symbol else style.INK
+
+
+def dashes(symbol: str) -> tuple[float, tuple[float, ...]]:
+    """The line style of a term."""
+    return 0.0, TERMS[symbol].dash
 
 
 GRADES = {EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
@@ -53,7 +58,7 @@ def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
     for low, high in spans:
         a, b = max(low, left), min(high, right)
         if a < b:
-            ax.axvspan(a, b, color="#E9ECEF", lw=0, zorder=0.5, label="not read by the fit")
+            ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label="not used by the fit")
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
@@ -63,19 +68,22 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
 
 
 def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
-    """Write (symbol, text) where it is free, and say where that was."""
+    """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
     box = place(anchors, _size(ax, text), avoid, placed)
-    ax.text(
-        box.x, box.y, text, transform=ax.transAxes, ha="center", va="center", fontsize=8.5, parse_math=False,
-        color=color_of(symbol), zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
+    at = nearest(anchors, box)
+    ax.annotate(
+        text, (at[0], at[1]), (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
+        va="center", fontsize=8.5, parse_math=False, linespacing=1.25, color=color_of(symbol), zorder=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+        arrowprops={"arrowstyle": "-", "color": color_of(symbol), "lw": 0.8, "shrinkA": 0, "shrinkB": 4},
     )  # fmt: skip
     return box
 
 
 def label_of(estimate: Estimate, level: float) -> str:
-    """A coefficient for the figure, with the digits of the table: ``N = 0.310 deg/√h``."""
-    return f"{words.symbol(estimate)} = {words.number(estimate, level)}"
+    """A coefficient for the figure, with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``."""
+    return f"{words.symbol(estimate)} = {words.in_print(estimate, estimate.sheet_unit, level)}"
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:
@@ -85,8 +93,10 @@ def _size(ax: Axes, text: str) -> tuple[float, float]:
     assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
     rows, columns = spec.get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
+    lines = text.splitlines()
     # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
-    return len(text) * 5.4 / (72 * 0.86 * width / columns), 11.5 / (72 * 0.8 * height / rows)
+    wide, high = max(map(len, lines)) * 5.3, 11.5 * len(lines)
+    return wide / (72 * 0.86 * width / columns), high / (72 * 0.8 * height / rows)
 
 
 def pairs(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -114,7 +124,11 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
     if "expected by the model" in entries:
         entries["expected by the model"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
-    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6)
+    legend = figure.legend(
+        list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6
+    )
+    for text in legend.get_texts():  # names are the user's, and no formulas
+        text.set_parse_math(False)
 
 
 def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:

@@ -44,7 +44,7 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
 def draw_ratio(ax: Axes, goodness: Goodness) -> None:
     """Observed over expected power of every cell."""
     ax.set(xscale="log", yscale="log", ylabel="observed /\nexpected power")
-    style.grid(ax)
+    style.grid(ax, fine=False)
     ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
     # a cell of one coefficient may be as good as empty by chance: it stands at the edge, with an arrow
@@ -64,7 +64,7 @@ def draw_ratio(ax: Axes, goodness: Goodness) -> None:
 def draw_surprise(ax: Axes, goodness: Goodness) -> None:
     """The same in standard deviations."""
     ax.set(xscale="log", ylabel="standard\ndeviations")
-    style.grid(ax)
+    style.grid(ax, fine=False)
     ax.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)
     ax.axhline(0.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]

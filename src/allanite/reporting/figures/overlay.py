@@ -48,7 +48,8 @@ def _columns(panels: Sequence[Panel]) -> list[list[list[Panel]]]:
 def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
     spans = [span(panel)[1] for panel in group]
     ax.set(yscale="log", ylim=(min(low for low, _ in spans), max(high for _, high in spans)))
-    style.plain_ticks(ax.xaxis, ax.yaxis)
+    style.plain_ticks(ax.xaxis)
+    style.plain_ticks(ax.yaxis, most=3000)
     style.grid(ax)
     names, titles = (dict.fromkeys(found) for found in zip(*map(_called, group), strict=True))
     for i, panel in enumerate(group):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,9 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
+from allanite.core.readings import Readings
 from allanite.core.units import convert, readable_unit, unit_of
+from allanite.reporting import words
 from allanite.statistics import STATISTICS, expected
 
 from .labels import FloatArray, IntArray
@@ -20,16 +23,22 @@ MOST_POINTS = 400
 
 
 class Panel(NamedTuple):
-    """A curve and what explains it."""
+    """A curve and what explains it.
+
+    `readings` have its minimum, `facts` are its file, rate and length, `wanted` is the unit that was asked for.
+    """
 
     name: str
     curve: Curve
     fit: Fit | None
+    readings: Readings | None = None
+    facts: str = ""
+    wanted: str = ""
 
     @property
     def unit(self) -> str:
         """The unit that is shown."""
-        return readable_unit(self.curve.unit)
+        return self.wanted or readable_unit(self.curve.unit)
 
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
         """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
@@ -101,34 +110,51 @@ def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     )
 
 
-def panels_of(value: Any, fit: Fit | None = None) -> list[Panel]:
+def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[Panel]:
     """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them.
 
     Raises
     ------
     UsageError
-        There is no curve in it.
+        There is no curve in it, and `demand`.
     """
     found = _panels(value, fit)
-    if not found:
+    if demand and not found:
         raise UsageError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
     return found
 
 
 def _panels(value: Any, fit: Fit | None) -> list[Panel]:
     if isinstance(value, Curve):
-        return [Panel(value.name, value, fit)]
+        return [Panel(value.name, value, fit, facts=_facts(value))]
     if isinstance(value, Fit):
         return _panels(value.curve, value)
     if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
-        return _panels(value.channels, None)
+        file = PurePath(value.provenance.get("source", "")).name
+        wanted = value.recipe.to or ()
+        return [
+            p._replace(facts=", ".join(filter(None, (file, p.facts))), wanted=_wanted(p.curve, wanted))
+            for p in _panels(value.channels, None)
+        ]
     if hasattr(value, "curve") and hasattr(value, "quality"):  # a Channel
-        return _panels(value.curve, value.fit)
+        return [panel._replace(readings=value.readings) for panel in _panels(value.curve, value.fit)]
     if isinstance(value, Sequence) and not isinstance(value, str):
         return [panel for item in value for panel in _panels(item, fit)]
     if value is None:
         return []
     raise UsageError(f"a {type(value).__name__} cannot be drawn; give a Curve, a Fit, or a Study")
+
+
+def _wanted(curve: Curve, wanted: Sequence[str]) -> str:
+    """The unit of those wanted that a curve can be shown in; empty if there is none."""
+    dimension = unit_of(curve.unit).dimension
+    return next((unit for unit in wanted if unit_of(unit).dimension == dimension), "")
+
+
+def _facts(curve: Curve) -> str:
+    """Sampling rate and length of the record of a curve."""
+    length = words.duration(curve.size / curve.rate) if curve.size else ""
+    return ", ".join(filter(None, (f"{curve.rate:.6g} Hz", length)))
 
 
 def columns_of(panels: Sequence[Panel]) -> list[list[Panel]]:

@@ -1,4 +1,4 @@
-"""The figures of what a model leaves: over time, from sample to sample, and against the normal distribution."""
+"""The figures of residuals: over time, autocorrelation, and quantiles against the normal distribution."""
 
 import math
 from typing import Any
@@ -16,13 +16,14 @@ from allanite.reporting import style
 from allanite.reporting.sheet import printable
 
 from .goodness import draw_ratio, draw_surprise
+from .record import time_scale
 
-HOURS, MINUTES = 7200.0, 300.0
-"""Lengths in seconds from which time is shown in hours, and in minutes."""
+MOST = 70
+"""Quantiles that are drawn, about."""
 
 
 def plot_series(residuals: Residuals) -> Figure:
-    """The whitened series with its level, the correlation of neighbours, and the quantiles, side by side.
+    """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def plot_residuals(residuals: Residuals) -> Figure:
         Too little was left to look at.
     """
     if not residuals.checks:
-        raise UsageError(f"of {residuals.name!r} too little is left, ends and gaps apart, to draw residuals")
+        raise UsageError(f"{residuals.name!r} has too few samples, without ends and gaps, to draw residuals")
     with style.look():
         figure = style.new_figure(7.2, 6.0)
         halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
@@ -76,9 +77,9 @@ def _color(residuals: Residuals, *names: str) -> str:
 
 
 def _draw_series(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     length = residuals.size / residuals.rate
-    unit, size = ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
+    unit, size = time_scale(length)
     time = residuals.time / size
     ax.fill_between(time, residuals.low, residuals.high, color=style.DATA, alpha=0.35, lw=0)
     edges = np.linspace(time[0], time[-1], residuals.level.size + 1)
@@ -93,22 +94,25 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
 
 
 def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     lag = np.arange(1, residuals.correlation.size + 1)
     band = 1.96 / math.sqrt(residuals.size)
     ax.axhspan(-band, band, color=style.DATA, alpha=0.14, lw=0)
     ax.axhline(0.0, color=style.INK, lw=1.0)
     ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
     reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
-    ax.set(xlabel="samples apart", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
+    ax.set(xlabel="lag (samples)", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
-    ax.set_title("correlation", loc="left")
+    ax.set_title("autocorrelation", loc="left")
 
 
 def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax)
+    style.grid(ax, fine=False)
     ends = residuals.expected[[0, -1]]
     ax.plot(ends, ends, color=style.INK, lw=1.0)
-    ax.plot(residuals.expected, residuals.observed, ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3)
+    some = slice(None, None, max(residuals.expected.size // MOST, 1))
+    ax.plot(
+        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
+    )
     ax.set(xlabel="normal quantile", xticks=range(-4, 5, 2))
     ax.set_title("quantiles", loc="left")

@@ -1,14 +1,16 @@
-"""The figure of a spectrum: amplitude density against frequency, and the terms that explain it."""
+"""The figure of a spectrum: amplitude spectral density against frequency, and the terms of the model."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
-from allanite.core.spectrum import Spectrum
+from allanite.core.spectrum import SIDES, Spectrum
 from allanite.core.units import readable_unit
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.reporting import style, words
@@ -17,6 +19,7 @@ from allanite.reporting.sheet import printed_unit
 from .drawing import (
     by_share,
     color_of,
+    dashes,
     draw_grade,
     draw_label,
     draw_legend,
@@ -67,7 +70,7 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     style.grid(ax)
     if f.size <= MOST_POINTS:
         low, high = (np.sqrt(limit) for limit in spectrum.interval(level))
-        label = f"{words.percent(level)} confidence"
+        label = f"{words.percent(level)} interval"
         ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
     size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
     ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
@@ -79,7 +82,7 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
             shade(ax, fit.scope.unread if fit.scope else ())
             _draw_model(ax, spectrum, fit, level)
     unit = printed_unit(spectrum.amplitude_unit)
-    ax.set_ylabel(f"{spectrum.sides}-sided amplitude density ({unit})")
+    ax.set_ylabel(f"{spectrum.sides}-sided amplitude spectral density ({unit})")
 
 
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
@@ -89,25 +92,34 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label="model")
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
-        ax.plot(f, line, color=color_of(symbol), lw=1.0, ls=(0, (5, 3)), zorder=2.5)
+        ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
     paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
     drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
     placed: list[Box] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
-        avoid = np.concatenate([drawn, *(path[::6] for symbol, path in paths.items() if symbol != e.symbol)])
+        avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(seen):
-            placed.append(draw_label(ax, (e.symbol, label_of(e, level)), seen[::8], avoid, placed))
+            text = label_of(e, level) + (_level(spectrum, e) if e.symbol == "N" else "")
+            placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
+
+
+def _level(spectrum: Spectrum, white: Estimate) -> str:
+    """The level of white noise on the axis, which depends on the convention: ``√2 N = 10.1 deg/h/√Hz, one-sided``."""
+    factor = math.sqrt(SIDES[spectrum.sides])
+    name = "N" if factor == 1 else "√2 N"
+    size = factor * white.to(spectrum.amplitude_unit)
+    return f"\n{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}, {spectrum.sides}-sided"
 
 
 def _gain(fit: Fit, rate: float, f: FloatArray) -> FloatArray:
-    """Of the filter before the readings."""
+    """Power gain of the filter before the samples."""
     behind = fit.scope.filter if fit.scope else None
     return np.ones_like(f) if behind is None else FILTERS[behind.row].gain(f / rate, behind.cutoff / rate)
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:
-    """Amplitude density of a model at other frequencies; NaN where it is zero."""
+    """Amplitude spectral density of a model at other frequencies; NaN where it is zero."""
     density = spectrum.expected(model, f)
     return np.sqrt(np.where(density > 0, density, np.nan))

@@ -1,22 +1,41 @@
 """How a study is shown."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
+from allanite.core.record import Record
 from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit
 from allanite.identification.front import METHODS
-from allanite.reporting import words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns, header_of, printable
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import (
+    Column,
+    Drawing,
+    Face,
+    Fold,
+    Note,
+    Part,
+    Sheet,
+    Table,
+    columns,
+    header_of,
+    printable,
+    printed_unit,
+)
+from allanite.statistics import STATISTICS
+from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
 
 from . import Rows, View
+from .datasheet import alternative, card_of, data_sheet_table
 from .fit import coefficients, definitions, goodness_parts, plot_curves
 from .jobs import channel_sheet, job_face, source_of
 from .meaning import meanings
@@ -25,78 +44,161 @@ from .values import numbers_table, rows_of
 
 BRAND = "noise coefficients of an inertial sensor"
 
+STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
+RECORD = "Range and mean of short segments of the record."
+SPECTRUM = (
+    "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
+    "of white noise is sqrt(2) N."
+)
+
 EXPLAINED = {
     "whittle": (
         "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
         "the constant bias and does not leak where the two ends of the record differ. Each squared "
-        "coefficient scatters, as a chi-square with one degree of freedom, about the power that the terms "
-        "lead one to expect: the squares of the noise coefficients, each times the known spectrum of its "
-        "term (Whittle likelihood). The model is the set of terms, none below zero, that makes the record most "
-        "likely; a ramp is estimated along with them, with its sign.",
-        "A noise term is called found only where it lowers twice the negative log-likelihood by more than 4 "
-        "and its interval excludes zero, so that about one record in twenty shows a term that is not there. "
-        "Which terms are there is never certain: each coefficient is averaged over all sets of terms that have "
+        "coefficient has a chi-square distribution with one degree of freedom about the power expected under the "
+        "model: the sum of the squared noise coefficients, each times the known spectrum of its term (Whittle "
+        "likelihood). The model is the set of terms, none negative, with the highest likelihood; a ramp is estimated "
+        "jointly, with its sign.",
+        "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 "
+        "and its interval excludes zero, so that about one record in twenty shows a term that is absent. "
+        "Which terms are present is never certain: each coefficient is averaged over all sets of terms that have "
         "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
         "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
-        "between its quantiles. A term that was not found has a one-sided 95 % upper limit instead of a value.",
+        "between its quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value.",
     ),
     "gls": (
         "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
         "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
-        "points (generalised least squares, iterated). A term is called found where the quadratic form rises by more "
-        "than 4 without it. Standard errors come from the same covariance and suppose Gaussian errors.",
+        "points (generalized least squares, iterated). A term is identified where the quadratic form rises by more "
+        "than 4 without it. Standard errors come from the same covariance and assume Gaussian errors.",
     ),
 }
 """How a method works, in a few sentences; without them its title is enough."""
 
-CURVE_ALONE = "The curve is an estimate by itself and is drawn for the eye: no coefficient was read off it."
+CURVE_ALONE = "The curve is estimated independently and shown for comparison: no coefficient was read off it."
 READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
 LIMITS = (
     "The limits of the curve come from the exact distribution of the statistic, averaged over the noise models that "
-    "the record leaves open: a random walk that was not identified may still be there."
+    "the record leaves open: a random walk that was not identified may still be present."
 )
 SHARED = (
-    "Correlation of what the models leave: sample by sample, and of means over 64 stretches of the record. By chance "
-    "the second stays within +-0.25 nineteen times in twenty."
+    "Correlation of the residuals of two channels: sample by sample, and of means over 64 segments of the record. In "
+    "independent channels the second lies within +-0.25 with 95 % probability."
 )
 
 
 def _face(study: Study, level: float) -> Face:
     fitted = any(channel.fit for channel in study.channels)
-    sheets = [_sheet(channel, level) for channel in study.channels]
+    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
+    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
+    job = job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets)
     return replace(
-        job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets),
+        job,
         header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
+        parts=[*job.parts, *_overlay(list(panels.values()), level)],
         close=[*meanings(study), *_shared(study), *_statuses(study)],
         how=list(_how(study)),
+        device=study.recipe.labels,
+        facts=_facts(study),
     )
 
 
-def _sheet(channel: Channel, level: float) -> Sheet:
+def _facts(study: Study) -> list[str]:
+    """Sensors, sampling rate, length and program in a line."""
+    records = [channel.record for channel in study.channels]
+    sensors = Counter(words.SENSORS[record.signal.name] for record in records)
+    counted = [f"{n} channel{'s' if n > 1 else ''} of a {sensor}" for sensor, n in sensors.items()]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), f"{r.size} samples") for r in records}
+    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    digest = study.provenance.get("sha256", "")
+    return [*found, f"sha256 {digest[:12]}…"] if digest else found
+
+
+def _overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
+    """The curves of all channels in one figure."""
+    if len(panels) < 2:
+        return
+    names = ", ".join(panel.name for panel in panels)
+    title = STATISTICS[panels[0].curve.statistic].title
+    label = f"{title} of {names} in one panel"
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", "all channels")
+
+
+def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
-    return channel_sheet(channel, _parts(channel, level), verdicts, doubt=doubt, fair=fair)
+    if panel is None:
+        panel = next(iter(figures.panels_of(channel, demand=False)), None)
+    sheet = channel_sheet(channel, _parts(channel, level, panel), verdicts, doubt=doubt, fair=fair)
+    return replace(sheet, card=card_of(channel, level))
 
 
-def _parts(channel: Channel, level: float) -> Iterator[Part]:
+def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
+        if isinstance(channel.record, Record):
+            yield _over_time(channel.record)
         return
     yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
-    if channel.readings is not None:
-        yield readings_table(channel.readings, level)
-    if channel.curve is not None:
-        drawn = ", the model, and each term of it alone" if channel.fit.valid is not None else ""
+    if channel.curve is not None and panel is not None:
+        drawn = ", the model, and each of its terms" if channel.fit.valid is not None else ""
         band = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}"
-        caption = f"{band}; {channel.curve.supposed}."
-        yield Drawing(lambda: plot_curves([channel], None, level), "deviation by averaging time", caption)
-    yield from goodness_parts(channel.fit, channel.residuals)
-    if channel.curve is not None:
-        shown = channel.curve.to(readable_unit(channel.curve.unit))
+        caption = "; ".join(filter(None, (band, channel.curve.supposed))) + "."
+        yield Drawing(
+            lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
+        )
+    yield data_sheet_table(channel, level)
+    if channel.readings is not None:
+        table = readings_table(channel.readings, level)
+        yield replace(table, where="text")
+        yield Fold("read off the curve", [table], shut=True)
+    yield from _details(channel, level, panel)
+
+
+def _details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+    """Residuals, record and spectrum; on the page only."""
+    assert channel.fit is not None  # noqa: S101 - the caller has looked
+    checked = list(goodness_parts(channel.fit, channel.residuals))
+    if channel.curve is not None and channel.fit.valid is not None and panel is not None:
+        label = f"observed over expected deviation of {channel.record.name} by averaging time"
+        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
+        checked.insert(0, strip)
+    yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
+    record = channel.record
+    if isinstance(record, Record):
+        yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)
+    if panel is not None:
+        shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, "the curve in numbers", where="page")
+
+
+def _over_time(record: Record) -> Drawing:
+    """The record over time, with its mean and spread as the words for it."""
+    unit = record.signal.sheet[0]
+    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
+    spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
+    label = f"{record.name or 'the record'} over {words.duration(record.duration)}: {spread}"
+    return Drawing(lambda: figures.plot_record(record), label, RECORD)
+
+
+def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+    yield _over_time(record)
+    unit = record.signal.sheet[0]
+    try:
+        density = spectrum(record, bins=10)
+    except DataError as error:
+        yield Note(f"no spectrum: {error}", "quiet", where="page")
+        return
+    fits = {} if channel.fit is None else {record.name: channel.fit}
+    found = density.to(unit)
+    ends = " and ".join(f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)} at {found.frequency[i]:.3g} Hz"
+                        for i in (0, -1))  # fmt: skip
+    label = f"one-sided amplitude spectral density of {record.name}: {ends}"
+    yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)
 
 
 def _shared(study: Study) -> Iterator[Part]:
@@ -105,7 +207,7 @@ def _shared(study: Study) -> Iterator[Part]:
     yield from (Note(str(finding), "alert") for finding in study.shared.findings)
     rows = [[a, b, f"{fast:+.3f}", f"{slow:+.2f}"] for a, b, fast, slow in study.shared.rows()[1]]
     yield Table(
-        columns("channel", "and", "fast", "slow", left=2), rows, "what the channels share", key=SHARED, where="page"
+        columns("channel", "and", "fast", "slow", left=2), rows, "correlation of the channels", key=SHARED, where="page"
     )
 
 
@@ -143,7 +245,7 @@ def _rows(study: Study, level: float) -> Rows:
 
 
 def _coefficients(study: Study, level: float) -> Rows:
-    """Every coefficient and every reading of each channel; the limit of an absent term is its upper one."""
+    """Coefficients, values read off the curve and data sheet of each channel; an absent term has an upper limit."""
     heads = (
         "channel", "term", "name", "value", "low", "high", "unit", "status", "tau_s", "si_value", "si_unit", "remark"
     )  # fmt: skip
@@ -156,6 +258,9 @@ def _coefficients(study: Study, level: float) -> Rows:
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
             rows.append([name, "", title, *size, "reading", tau, si, si_unit, remark])
+        for entry in channel.data_sheet(level):
+            size = [entry.value, entry.low, entry.high, entry.unit]
+            rows.append([name, "", entry.quantity, *size, "data sheet", entry.tau, None, "", entry.remark])
     return heads, rows
 
 
@@ -177,7 +282,7 @@ def fitness(channel: Channel) -> str:
 
 
 def verdict(channel: Channel, level: float) -> str:
-    """What the sensor is, in one or two plain sentences."""
+    """The result for a channel in one or two sentences."""
     name = printable(channel.record.name) or "the channel"
     if channel.fit is None:
         return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."

@@ -1,7 +1,9 @@
-"""How coefficients are shown, and what a model leaves."""
+"""How coefficients and residuals are shown."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
@@ -22,14 +24,13 @@ MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": 
 
 GOODNESS = (
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
-    "same in standard deviations. A model that explains the record leaves nine cells in ten or more within the shaded "
+    "same in standard deviations. If the model explains the record, nine cells in ten or more lie within the shaded "
     "band; cells beyond three standard deviations are red."
 )
 RESIDUALS_CAPTION = (
-    "The record over its model, in standard deviations: white, Gaussian and of one level if the model is right. Left: "
-    "least and largest value of short stretches, and the level of each eighth. Middle: correlation of residuals so "
-    "many samples apart, with the band that chance keeps to nineteen times in twenty. Right: their quantiles against "
-    "those of the normal distribution."
+    "Residuals in standard deviations: white, Gaussian and stationary if the model is right. Left: range of short "
+    "segments, and RMS of each eighth of the record. Middle: autocorrelation, with the 95 % band of white noise. "
+    "Right: quantiles against those of the normal distribution."
 )
 
 
@@ -60,16 +61,20 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
     """Whether the model explains the record: figures and checks, for the page."""
     good = fit.goodness
     if good is not None:
-        label, title = "observed over expected power by frequency", "does the model explain the record?"
+        name, title = fit.name or "the record", "does the model explain the record?"
+        least, most = float(np.nanmin(good.ratio)), float(np.nanmax(good.ratio))
+        label = f"observed over expected power of {name} by frequency: {least:.2g} to {most:.2g}, {chance(good.p)}"
         yield Drawing(lambda: figures.plot_goodness(good), label, GOODNESS, title)
     if residuals is not None and residuals.checks:
-        label, title = "residuals over time, their correlation and quantiles", "what the model leaves"
+        name, title = fit.name or "the record", "residuals"
+        found = "; ".join(f"{check.title} {check.value:.3g}" for check in residuals.checks)
+        label = f"residuals of {name} over time, their correlation and quantiles: {found}"
         yield Drawing(lambda: figures.plot_series(residuals), label, RESIDUALS_CAPTION, title)
         yield _checks(residuals, "page")
 
 
 def _checks(residuals: Residuals, where: Any = "") -> Table:
-    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("what it is", "text"))
+    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("meaning", "text"))
     rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
@@ -86,7 +91,7 @@ def definitions(fits: Iterable[Fit]) -> Table:
         for s, row in TERMS.items()
         if s in signals
     ]
-    return Table(heads, rows, "what each coefficient means", where="page")
+    return Table(heads, rows, "definitions of the coefficients", where="page")
 
 
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
@@ -119,7 +124,9 @@ def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure
 def _residuals_face(residuals: Residuals, level: float) -> Face:
     notes = statement_note(residuals.statement)
     drawing = Drawing(lambda: figures.plot_residuals(residuals), "residuals", RESIDUALS_CAPTION)
-    return Face("Residuals", "what a model leaves", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),))
+    return Face(
+        "Residuals", "residuals of a noise model", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),)
+    )
 
 
 def model_table(model: Model) -> Table:

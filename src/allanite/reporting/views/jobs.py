@@ -1,4 +1,4 @@
-"""What the views of jobs have in common: where the numbers come from, and what is said of each channel."""
+"""Common parts of the views of jobs: where the numbers come from, and the notes on each channel."""
 
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -21,15 +21,15 @@ REFUSED = "no result: "
 
 
 class Warned(Protocol):
-    """What is known of every channel of a job."""
+    """Every channel of a job."""
 
     @property
     def alerts(self) -> tuple[str, ...]:
-        """What must stand beside its numbers."""
+        """Warnings that are shown beside its numbers."""
 
     @property
     def refusal(self) -> str:
-        """Why there are none."""
+        """Why there is no result."""
 
 
 class Recorded(Warned, Protocol):
@@ -62,7 +62,7 @@ def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], par
 
 
 def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
-    """What several sheets warn of in the same words, with their names, and the sheets without it."""
+    """Warnings that several sheets have in common, with the names of the channels, and the sheets without them."""
     where: dict[str, list[str]] = {}
     for sheet in sheets:
         for text in dict.fromkeys(part.text for part in sheet.parts if _warns(part)):
@@ -80,7 +80,7 @@ def _warns(part: Part) -> TypeGuard[Note]:
 
 
 def _rest(parts: Iterable[Part], common: Container[str]) -> Iterator[Part]:
-    """The parts that are told here; of a refusal that is told elsewhere a reminder."""
+    """The parts that stay; a refusal that is shown elsewhere becomes a reference."""
     for part in parts:
         if not (_warns(part) and part.text in common):
             yield part
@@ -97,20 +97,20 @@ def channel_sheet(
     fair: bool = False,
     of: str = "",
 ) -> Sheet:
-    """The sheet of a channel: what it holds, what must stand beside its numbers, and its parts."""
+    """The sheet of a channel: its record, warnings and parts."""
     record = channel.record
     about = (words.about(record), *record.history)
     return Sheet(record.name, about, (*warnings(channel, of), *parts), verdicts, doubt, fair)
 
 
 def statement_note(said: Statement, before: str = "") -> Iterator[Note]:
-    """How well a model explains a record: the grade, and below it why and where; nothing where it was not tested."""
+    """How well a model explains a record: the grade with its reasons; nothing where it was not tested."""
     if said.grade:
         yield Note(f"{before}{said.head}", LEVELS[said.grade], points=said.points)
 
 
 def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
-    """The grade of the noise of a channel, what must stand beside its numbers, and why there are none."""
+    """The grade of the noise of a channel, its warnings, and why there is no result."""
     noise: Noise | None = getattr(channel, "noise", None)
     if noise is not None:
         yield from statement_note(noise.statement, of)

@@ -1,4 +1,4 @@
-"""How what is read off a curve is shown."""
+"""How values read off a curve are shown."""
 
 from allanite.core.readings import Quantity, Readings
 from allanite.core.units import convert
@@ -9,7 +9,7 @@ from allanite.reporting.sheet import Column, Face, Sheet, Table
 from . import View
 
 KEY = (
-    "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the limits "
+    "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the intervals "
     "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
     "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
     "standard deviation of successive means; unless the noise is white it grows with the length of the record."

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 def _face(survey: Survey, level: float) -> Face:
     sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
-    drawing = Drawing(lambda: _plot([survey], None, level), "all values")
+    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
+    titles = "; ".join(dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
+    drawing = Drawing(lambda: _plot([survey], None, level), f"{titles}, of {names}" if names else titles)
     return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 

@@ -97,7 +97,7 @@ def _curve_title(curve: Curve) -> str:
 
 
 def _spectrum_title(spectrum: Spectrum) -> str:
-    return f"{spectrum.sides}-sided density in {spectrum.density_unit}, {spectrum.method}"
+    return f"{spectrum.sides}-sided power spectral density in {spectrum.density_unit}, {spectrum.method}"
 
 
 def _surface_title(surface: Surface) -> str:

@@ -1,0 +1,130 @@
+"""Data sheet: what was found of a channel, as the quantities and in the units that data sheets quote."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from allanite.terms import TERMS
+
+from .estimate import Estimate
+from .fit import Fit
+from .readings import Readings
+from .units import convert
+
+ONE_SIDED = math.sqrt(2)
+"""One-sided over two-sided amplitude spectral density."""
+
+
+class Entry(NamedTuple):
+    """One line of a data sheet.
+
+    `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
+    limit. `tau` is the averaging time in s, where the quantity has one.
+    """
+
+    quantity: str
+    value: float | None
+    low: float | None
+    high: float | None
+    unit: str
+    tau: float | None = None
+    remark: str = ""
+
+
+def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[Entry]:
+    """The quantities of a data sheet, each with its limits.
+
+    Parameters
+    ----------
+    fit : Fit, optional
+        The identified noise.
+    readings : Readings, optional
+        Values read off the Allan deviation.
+    rate : float
+        Sampling rate, Hz.
+    level : float
+        Confidence level of the limits.
+
+    Returns
+    -------
+    list of Entry
+        The angle random walk N in the units in use; the amplitude spectral density of white noise, two-sided (N) and
+        one-sided (sqrt(2) N); the minimum of the Allan deviation, which data sheets call in-run bias stability; the
+        other coefficients; N-second stability and bandwidth.
+
+    Examples
+    --------
+    >>> from allanite.core.model import Model, N
+    >>> white = N(0.12, "deg/sqrt(h)")
+    >>> walk = Estimate("N", white.signal, white.value, None, "identified", None, "whittle")
+    >>> found = data_sheet(Fit((walk,), "whittle", white.signal, Model((white,))), None, 10.0)
+    >>> [f"{entry.value:.4g} {entry.unit}" for entry in found[:3]]
+    ['0.12 deg/sqrt(h)', '0.002 deg/s/sqrt(Hz)', '7.2 deg/h/sqrt(Hz)']
+    """
+    estimates = () if fit is None else fit.estimates
+    white = [e for e in estimates if e.symbol == "N"]
+    found = [entry for e in white for entry in _white(e, level)]
+    found += _minimum(readings, level)
+    found += [entry for e in estimates if e.symbol != "N" for entry in _coefficient(e, level)]
+    found += _stability(readings)
+    return found if fit is None else [*found, _bandwidth(fit, rate)]
+
+
+def _name(e: Estimate) -> str:
+    words = TERMS[e.symbol].title.replace("angle", e.signal.integral)
+    return f"{words if e.signal.name != 'accelerometer' else words.replace('rate', 'acceleration')} {e.symbol}"
+
+
+def _white(e: Estimate, level: float) -> Iterator[Entry]:
+    yield _entry(e, _name(e), e.sheet_unit, level)
+    for sides, factor, symbol in (("two", 1.0, "N"), ("one", ONE_SIDED, "sqrt(2) N")):
+        for unit in (u for u in e.signal.density if u != e.sheet_unit or factor > 1):
+            found = _entry(e, f"noise density, {sides}-sided", unit, level, factor)
+            yield found if found.remark else found._replace(remark=symbol)
+
+
+def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
+    if e.symbol == "B":
+        floor = math.sqrt(TERMS["B"].level)
+        yield _entry(e, _name(e), e.sheet_unit, level)
+        yield _entry(e, f"flicker floor, {floor:.3f} B", e.sheet_unit, level, floor)
+    else:
+        yield _entry(e, _name(e), e.sheet_unit, level)
+
+
+def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
+    scale = factor * convert(1.0, e.unit, unit)
+    remark = {"identified": "", "absent": "not identified"}.get(e.status, e.status)
+    if e.status == "not valid" or e.value is None:
+        most = None if e.upper is None or e.status == "not valid" else e.upper * scale
+        return Entry(quantity, None, None, most, unit, None, remark)
+    low, high = (None if math.isnan(v) else v * scale for v in e.interval(level))
+    return Entry(quantity, e.value * scale, low, high, unit, None, remark)
+
+
+def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
+    if readings is None or readings.minimum is None:
+        return
+    point, unit = readings.minimum, readings.shown_unit(0)
+    factor = convert(1.0, readings.unit, unit)
+    low, high = point.interval(level)
+    remark = "minimum of the curve" if readings.inside else "upper limit: still falling"
+    yield Entry("in-run bias stability", point.deviation * factor, low * factor, high * factor, unit, point.tau, remark)
+
+
+def _stability(readings: Readings | None) -> Iterator[Entry]:
+    if readings is None:
+        return
+    unit = readings.shown_unit(0)
+    for means in readings.means:
+        value = convert(means.value, readings.unit, unit)
+        yield Entry(f"{means.seconds:.4g} s stability", value, None, None, unit, means.seconds, f"{means.count} means")
+
+
+def _bandwidth(fit: Fit, rate: float) -> Entry:
+    behind = fit.scope.filter if fit.scope else None
+    if behind is not None:
+        return Entry("bandwidth (-3 dB)", behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
+    if fit.scope is None or not fit.scope.whole:
+        return Entry("bandwidth (-3 dB)", None, None, None, "", None, "not determined")
+    return Entry("bandwidth (-3 dB)", None, None, None, "", None, f"no roll-off up to {rate / 2:.6g} Hz")

@@ -1,0 +1,89 @@
+"""Figures for the middle of a page: small, with names of their own, in colours that follow the ground of the page."""
+
+import re
+from collections.abc import Callable
+from itertools import count
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from .sheet import Drawing, printable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FONT = "'DejaVu Sans',Verdana,sans-serif"
+"""Verdana has the same widths."""
+
+
+def variable(color: str) -> str:
+    """The name of a colour in the style sheet of a page."""
+    return f"--{color.lower().lstrip('#')}"
+
+
+def svg(figure: "Figure", prefix: str, label: str) -> Markup:
+    """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
+    from .style import encode
+
+    text = encode(figure, "svg", text=True).decode()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.DOTALL)
+    text = text.replace("xlink:href", "href").replace("'DejaVu Sans'", FONT)
+    used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
+    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
+    text = _without_groups(_rounded(text))
+    label = str(Markup.escape(printable(label)))
+    start = f'<svg role="img" aria-label="{label}" stroke-linejoin="round" '
+    # matplotlib escapes the text in a figure
+    return Markup(text.replace("<svg ", start, 1))  # noqa: S704
+
+
+def _rounded(text: str) -> str:
+    """Blanks and decimals of attributes that nobody sees taken out; the words of a figure stay as they are."""
+    parts = re.split(r"(<[^>]*>)", text)
+    parts[1::2] = [_short_tag(tag) for tag in parts[1::2]]
+    inside = False
+    for i, part in enumerate(parts):
+        inside = (inside or part.startswith("<text")) and part != "</text>"
+        if not i % 2 and not inside:
+            parts[i] = part.strip()
+    return "".join(parts)
+
+
+def _short_tag(tag: str) -> str:
+    points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), tag)
+    short = re.sub(r"\s+", " ", re.sub(r"(\.\d\d)\d+", r"\1", points)).replace(' "', '"')
+    return re.sub(r' transform="rotate\(-0 [^"]*"', "", short)
+
+
+def _without_groups(text: str) -> str:
+    """The same without groups that say nothing."""
+    kept: list[bool] = []
+
+    def tag(found: re.Match[str]) -> str:
+        if found[0] == "</g>":
+            return found[0] if kept.pop() else ""
+        kept.append(found[0] != "<g>")
+        return found[0] if kept[-1] else ""
+
+    return re.sub(r"<g(?:\s[^>]*)?(?<!/)>|</g>", tag, text)
+
+
+def drawer() -> Callable[[Drawing], Markup]:
+    """Draws the figures of one page: each with a prefix of its own, the styles of all of them as common classes."""
+    from .style import DARK
+
+    numbers, classes = count(), dict[str, str]()
+
+    def named(found: re.Match[str]) -> str:
+        style = re.sub(r"#[0-9a-f]{6}\b", lambda c: f"var({variable(c[0])})" if c[0] in DARK else c[0], found[1])
+        return f'class="{classes.setdefault(style, f"k{len(classes)}")}"'
+
+    def draw(drawing: Drawing) -> Markup:
+        known = len(classes)
+        picture = re.sub(r'style="([^"]*)"', named, svg(drawing.draw(), f"f{next(numbers)}", drawing.label))
+        new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
+        return Markup(f"<style>{new}</style>{picture}" if new else picture)  # noqa: S704 - as `svg` has made it
+
+    return draw

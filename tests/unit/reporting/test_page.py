@@ -1,0 +1,169 @@
+"""The page of a study: what a reader without a mouse, a colour or a wide screen gets, and that nothing is fetched."""
+
+import base64
+import gzip
+import json
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from click.testing import CliRunner
+from tests.unit.reporting.test_colors import READABLE, contrast
+from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused, study_of
+
+from allanite.cli import main
+from allanite.core.errors import UsageError
+from allanite.reporting import page, table
+from allanite.reporting.views.datasheet import alternative
+from allanite.study.recipe import Recipe
+
+
+@pytest.fixture(scope="module")
+def study():
+    about = ("serial=SN 12", f"operator={HOSTILE}", "temperature=23.5 degC")
+    return study_of(channel_of("gx"), channel_of("gy", p=1e-9), refused("gz"), about=about)
+
+
+@pytest.fixture(scope="module")
+def text(study):
+    return page(study, command="allanite analyze fog.csv --report page.html")
+
+
+@pytest.fixture(scope="module")
+def tags(text):
+    return Tags(text).tags
+
+
+def named(tags, name):
+    return [attrs for tag, attrs in tags if tag == name]
+
+
+def test_headings_descend_one_level_at_a_time(tags):
+    levels = [int(tag[1]) for tag, _ in tags if re.fullmatch(r"h[1-6]", tag)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+
+
+def test_every_header_cell_says_what_it_heads(tags):
+    cells = named(tags, "th")
+    assert len(cells) > 20
+    assert {cell.get("scope") for cell in cells} == {"col", "row"}
+
+
+def test_every_figure_is_described_by_its_numbers(tags, study):
+    labels = [attrs["aria-label"] for attrs in named(tags, "svg")]
+    assert all(attrs["role"] == "img" for attrs in named(tags, "svg"))
+    assert len(labels) == len(set(labels))
+    channel = study.channels[0]
+    assert alternative(channel, channel.curve, 0.95) in labels
+    assert any("N = 0.0500 (0.0480 … 0.0520) deg/√h" in label and "at 0.1 s" in label for label in labels)
+
+
+def test_there_are_landmarks_and_a_way_to_each_channel(tags):
+    for landmark in ("header", "nav", "main"):
+        assert len(named(tags, landmark)) == 1
+    assert named(tags, "html")[0]["lang"] == "en"
+    assert named(tags, "nav")[0]["aria-label"]
+    targets = {attrs["id"] for _, attrs in tags if "id" in attrs}
+    inside = [attrs["href"][1:] for attrs in named(tags, "a") if attrs["href"].startswith("#")]
+    assert {"summary", "s1", "s2", "s3", "method", "reproduce"} <= set(inside)
+    assert set(inside) <= targets
+
+
+def test_what_scrolls_can_be_reached_by_the_keyboard(tags):
+    scrolled = [attrs for _, attrs in tags if attrs.get("role") == "region"]
+    assert scrolled
+    assert all(attrs["tabindex"] == "0" and attrs["aria-label"] for attrs in scrolled)
+    assert not any(attrs.get("role") == "alert" for _, attrs in tags)  # nothing happens on a page
+
+
+def colors(text):
+    """The variables of the page on its two grounds."""
+    blocks = re.findall(r":root \{([^}]*)\}", text)
+    found = [dict(re.findall(r"(--[\w-]+): (#[0-9a-f]{3,6})", block)) for block in blocks]
+    return [one for one in found if "--ground" in one]
+
+
+@pytest.mark.parametrize("ground", [0, 1])
+def test_text_has_contrast_on_both_grounds(text, ground):
+    long = {
+        k: "#" + "".join(2 * c for c in v[1:]) if len(v) == 4 else v
+        for k, v in (colors(text)[0] | colors(text)[ground]).items()
+    }
+    pairs = [(ink, back) for ink in ("ink", "soft") for back in ("ground", "wash")]
+    pairs += [("alarm", "ground"), ("weak", "ground"), ("good", "ground"), ("link", "ground"), ("link", "wash")]
+    pairs += [("alarm-ink", "alarm-wash"), ("alarm", "alarm-wash"), ("good", "good-wash"), ("weak", "fair-wash")]
+    for ink, back in pairs:
+        assert contrast(long[f"--{ink}"], long[f"--{back}"]) >= READABLE, (ink, back)
+
+
+def test_the_cards_say_which_channels_can_be_used(text):
+    cards = [
+        re.sub(r"<[^>]+>|\s+", " ", card)
+        for card in re.findall(r'<article class="card">.*?</article>', text, re.DOTALL)
+    ]
+    assert "✓ explained" in cards[0]
+    assert "0.0500 deg/√h ± 4 %" in cards[0]
+    assert "Not identified in 60 s: Q, K" in cards[0]
+    assert "✗ not explained" in cards[1]
+    assert "deg/√h" not in cards[1]
+    assert "✗ no result" in cards[2]
+    assert "never changes" in cards[2]
+
+
+def test_the_header_names_the_device(text):
+    words = "".join(Tags(text).text)
+    for part in ("serial", "SN 12", HOSTILE, "23.5 degC", "10 Hz", "60 s"):
+        assert part in words
+
+
+def test_the_page_holds_its_command_and_its_data(text, study):
+    assert '<pre tabindex="0">allanite analyze fog.csv --report page.html</pre>' in text
+    packed = re.search(r"data:application/gzip;base64,([\w+/=]+)", text)[1]
+    data = json.loads(gzip.decompress(base64.b64decode(packed)))
+    assert data == json.loads(json.dumps(study.to_dict()))
+
+
+def test_the_data_sheet_is_on_the_page_in_the_terminal_and_in_json(text, study):
+    words = "".join(Tags(text).text)
+    assert "noise density, one-sided" in words
+    # 0.05 deg/sqrt(h) = 3 deg/h/sqrt(Hz), and sqrt(2) times that
+    assert "4.24" in words
+    assert "noise density, one-sided" in table(study)
+    entries = study.to_dict()["channels"][0]["data_sheet"]
+    assert {"quantity", "value", "low", "high", "unit", "tau", "remark"} == set(entries[0])
+
+
+def test_a_page_of_three_channels_is_small():
+    channels = tuple(channel_of(name) for name in ("gx", "gy", "gz"))
+    assert len(page(study_of(*channels)).encode()) < 600_000
+
+
+def test_another_unit_is_used_everywhere(study):
+    shown = replace(study, channels=(study.channels[0].to("deg/s"),), recipe=Recipe(to=("deg/s",)))
+    text = table(shown)
+    assert re.search(r"angle random walk +8.33e-4 .*deg/s/sqrt\(Hz\)", text)
+    assert re.search(r"bias instability +1.39e-4 .*deg/s", text)
+
+
+@pytest.mark.parametrize("wrong", ["deg/s^3", "m/s^7"])
+def test_a_unit_of_nothing_is_refused(wrong):
+    with pytest.raises(UsageError, match="no noise coefficient has the unit"):
+        Recipe(to=(wrong,))
+
+
+def test_what_is_said_of_a_device_needs_a_key():
+    with pytest.raises(UsageError, match="KEY=VALUE"):
+        Recipe(about=("SN 12",))
+    assert Recipe(about=("serial=SN=12",)).device == {"serial": "SN=12"}
+
+
+def test_the_command_line_takes_units_and_facts(tmp_path):
+    rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
+    (tmp_path / "x.csv").write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
+    words = ["analyze", str(tmp_path / "x.csv"), "--rate", "10", "--to", "deg/s^3"]
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 2
+    assert "no noise coefficient has the unit 'deg/s^3'" in result.output
