@@ -86,7 +86,7 @@ def _formula(name: str) -> list[str]:
 
 
 def _statistic_figure(name: str, folder: Path) -> Path:
-    """One simulated record in this statistic, with what its true terms lead one to expect."""
+    """One simulated record in this statistic, with the expectation of its true terms."""
     model = al.Model(tuple(term(*part) for part in EXAMPLE))
     record = al.simulate(model, 16_384, 1.0, rng=np.random.default_rng(2), name="example")
     curve = al.deviation(record, name, taus="octave")
