@@ -24,7 +24,10 @@ TOPICS: dict[str, tuple[str, str]] = {
     "spectra": ("Power spectral density", "spectrum Welch Multitaper Spectrum"),
     "models": ("Models of noise", f"{' '.join(TERMS)} Term Model parse_model sensor"),
     "simulating": ("Simulation and faults", "simulate faults simulate_ring_laser RingLaser"),
-    "planning": ("Planning, self-check, Kalman filter", "plan bound selfcheck state_space RecordingPlan Bound SelfCheck StateSpace"),
+    "planning": (
+        "Planning, self-check, Kalman filter",
+        "plan bound selfcheck state_space RecordingPlan Bound SelfCheck StateSpace",
+    ),
     "analyzing": ("Analysis, figures and reports", "analyze Recipe Study plot report"),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
     "compensating": (

@@ -8,20 +8,20 @@ import allanite as al
 from allanite.terms import TERMS
 
 MODEL = (
-    al.Q(1.0, "arcsec"),
-    al.N(0.004, "deg/sqrt(h)"),
-    al.B(0.05, "deg/h"),
-    al.K(0.04, "deg/h/sqrt(h)"),
-    al.R(0.003, "deg/h^2"),
+    al.Q(1.1, "arcsec"),
+    al.N(0.1, "deg/sqrt(h)"),
+    al.B(0.9, "deg/h"),
+    al.K(1.13, "deg/h/sqrt(h)"),
+    al.R(0.176, "deg/h^2"),
 )
-"""Sizes for which each term dominates a part of the curve."""
+"""Sizes for which each term dominates two decades or more of the curve."""
 
 
 def slopes_figure(folder: Path) -> None:
     """The expected curve of five terms, each with its slope, where it is read off."""
     from allanite.reporting import style
 
-    tau = np.geomspace(0.1, 1e6, 141)
+    tau = np.geomspace(1e-3, 1e7, 201)
     with style.look():
         drawn = style.new_figure(7.6, 3.8)
         ax = drawn.subplots()
@@ -29,10 +29,10 @@ def slopes_figure(folder: Path) -> None:
         ax.plot(tau, _sigma(al.Model(tuple(MODEL)), tau), color=style.INK, lw=2.0, label="sum")
         for term in MODEL:
             _line(ax, term, tau)
-        ax.set_ylim(0.01, 20)
+        ax.set_ylim(0.1, 3000)
         style.grid(ax)
         style.plain_ticks(ax.xaxis, ax.yaxis)
-        ax.legend(loc="upper center", ncols=3)
+        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     (folder / "slopes.svg").write_bytes(style.encode(drawn, "svg"))
 
 
@@ -48,4 +48,4 @@ def _line(ax, term: al.Term, tau: np.ndarray) -> None:
 
 def _sigma(model: al.Model | al.Term, tau: np.ndarray) -> np.ndarray:
     """In deg/h."""
-    return np.degrees(np.sqrt(al.expected(model, "oadev", tau, rate=10.0))) * 3600
+    return np.degrees(np.sqrt(al.expected(model, "oadev", tau, rate=1000.0))) * 3600

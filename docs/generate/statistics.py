@@ -11,7 +11,7 @@ from allanite.core.model import term
 from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.row import Statistic
-from generate.markdown import figure, sections, table
+from generate.markdown import figure, sections, table, typeset
 
 EXAMPLE = (("Q", 3.0, "arcsec"), ("N", 0.1, "deg/sqrt(h)"), ("B", 1.0, "deg/h"), ("K", 10.0, "deg/h/sqrt(h)"))
 """The noise of the curves on the pages of the statistics."""
@@ -22,7 +22,7 @@ BLIND = {1: "a constant angle", 2: "a constant rate", 3: "a constant rate and a 
 def statistic_index() -> list[str]:
     """All statistics side by side."""
     rows = [
-        (f"[{name}]({name}.md)", row.title, BLIND.get(row.order, ""), _reach(row), row.use)
+        (f"[{name}]({name}.md)", row.title, BLIND.get(row.order, ""), _reach(row), typeset(row.use))
         for name, row in STATISTICS.items()
     ]
     return [
@@ -47,7 +47,7 @@ def statistic_page(name: str, folder: Path) -> list[str]:
     """What the statistic is, and what an example looks like in it."""
     row = STATISTICS[name]
     return [
-        f"# {name}: {row.title} ({_short(name)})", "", row.meaning, "", *_formula(name), "",
+        f"# {name}: {row.title} ({_short(name)})", "", typeset(row.meaning), "", *_formula(name), "",
         *figure(_statistic_figure(name, folder), f"{row.title} of a simulated record with the expectation of its model"),
         "The simulated record is the same on the pages of all statistics: "
         + ", ".join(f"{symbol} = {value:g} {printed_unit(unit)}" for symbol, value, unit in EXAMPLE)
@@ -61,7 +61,7 @@ def statistic_page(name: str, folder: Path) -> list[str]:
             ("longest τ", _reach(row)),
         ]),
         "```python", f'curve = al.deviation(record, "{name}", taus="octave")', "```", "",
-        "## Source", "", row.reference + ".",
+        "## Source", "", typeset(row.reference) + ".",
     ]  # fmt: skip
 
 

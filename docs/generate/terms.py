@@ -9,7 +9,7 @@ from allanite.core.model import term
 from allanite.core.units import SIGNALS, convert
 from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
-from generate.markdown import figure, sections, shown, table
+from generate.markdown import figure, sections, shown, table, typeset
 
 
 ABBREVIATIONS = {
@@ -91,8 +91,14 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
         "```python", f'al.{symbol}({row.typical:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
         "```", "",
-        "## Source", "", row.reference + ".",
+        "## Source", "", f"{_source(row.reference)}. [Theory](../../theory.md) has the derivation.",
     ]  # fmt: skip
+
+
+def _source(reference: str) -> str:
+    """Where the formula stands, editions and annex included."""
+    editions = "IEEE Std 952-1997 (R2008), Annex C, and IEEE Std 952-2020"
+    return typeset(reference.replace("IEEE Std 952", editions))
 
 
 def _line(symbol: str) -> list[str]:

@@ -53,9 +53,7 @@ IN_README = commands((ROOT / "README.md").read_text("utf-8"))
 COMMANDS = [
     command
     for command in dict.fromkeys(
-        command
-        for page in WITH_COMMANDS
-        for command in commands((DOCS / page).read_text("utf-8"))
+        command for page in WITH_COMMANDS for command in commands((DOCS / page).read_text("utf-8"))
     )
     if command not in IN_README
 ]
@@ -85,7 +83,7 @@ def test_every_row_has_its_page(site):
     for symbol, row in al.TERMS.items():
         page = text(site, f"generated/terms/{symbol}.html")
         assert row.title in page
-        assert row.reference.split(";")[0] in page
+        assert row.reference.split(";")[0] in page  # the generator adds editions behind the number of a standard
     for name, row in al.STATISTICS.items():
         page = text(site, f"generated/statistics/{name}.html")
         assert row.title in page
@@ -280,7 +278,13 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
     """The page of results as the browser has it after its scripts ran."""
     address = f"{(site / 'search.html').as_uri()}?{urlencode({'q': words})}"
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}", "--virtual-time-budget=9000"]
+    options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}",
+        "--virtual-time-budget=9000",
+    ]
     done = subprocess.run([CHROMIUM, *options, "--dump-dom", address], capture_output=True, text=True, check=False)
     if not done.stdout:
         pytest.skip("Chromium does not start here")

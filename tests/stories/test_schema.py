@@ -76,7 +76,9 @@ def desk(tmp_path, monkeypatch):
     warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
     (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
     monkeypatch.chdir(tmp_path)
-    made = CliRunner().invoke(main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1"))
+    made = CliRunner().invoke(
+        main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")
+    )
     assert made.exit_code == 0, made.output
     return tmp_path
 
