@@ -115,8 +115,9 @@ def _index() -> list[str]:
     tables = sorted(name for name in dir(al) if isinstance(getattr(al, name), Mapping))
     return [
         "# Python", "",
-        "`import allanite as al`. Values are frozen and are passed through plain functions; everything inside is SI.", "",
+        "`import allanite as al`. Values are frozen and are passed through plain functions; everything inside is SI.",
+        "",
         *table(("topic", "names"), rows),
-        f"Tables, by name: {', '.join(f'`al.{name}`' for name in tables)}. `al.GL1` is a typical ring laser gyroscope.", "",
+        f"Tables, by name: {', '.join(f'`al.{name}`' for name in tables)}. `al.GL1` is a ring laser gyroscope.", "",
         "```{toctree}", ":hidden:", "", *TOPICS, "```",
     ]  # fmt: skip

@@ -25,8 +25,8 @@ def _index(results: Path, names: Iterable[str]) -> list[str]:
         rows.append((f"[{title[1] if title else name}]({name}.md)", f"`{command[1]}`" if command else ""))
     return [
         "# Benchmarks", "",
-        "Every claim of accuracy, coverage or speed has a script that measures it, and a table that it wrote. Each table names the "
-        "commit, the machine, the command and the seeds. The tests repeat a part of each.", "",
+        "Every claim of accuracy, coverage or speed has a script that measures it and a table that it wrote. Each "
+        "table names the commit, the machine, the command and the seeds. The tests repeat a part of each.", "",
         *table(("table", "made by"), rows),
         "```{toctree}", ":hidden:", "", *names, "```",
     ]  # fmt: skip

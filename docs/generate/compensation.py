@@ -93,8 +93,8 @@ def _units(before: dict[str, float]) -> list[str]:
     (high, late), (fit, early) = levels
     return [
         f"The paper gives Q in degrees. Then the deviation at 1 ms would be {high:.2g} deg/h, and quantization would "
-        f"dominate the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle random walk "
-        f"dominates from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper also divides B by "
+        f"dominate the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle "
+        f"random walk dominates from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper also divides B by "
         f"0.6648 to get the floor of the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
     ]  # fmt: skip
 
@@ -175,7 +175,8 @@ def _naive(records: list[al.Record]) -> list[str]:
     ]
     return [
         "## The paper's method on the same records", "",
-        "Least squares on the Allan variance, every point with the same weight. A negative number is the signed root of a "
-        "negative square, which no noise has: except for Q and N these numbers are scatter, and so are their percentages.", "",
+        "Least squares on the Allan variance, every point with the same weight. A negative number is the signed root "
+        "of a negative square, which no noise has: except for Q and N these numbers are scatter, and so are their "
+        "percentages.", "",
         *table(("", "unit", "before", "after", "status before", "status after"), rows),
     ]  # fmt: skip

@@ -9,7 +9,12 @@ from textwrap import dedent
 
 from generate.tutorial import SAMPLE, beside
 
-ABOUT = 'import numpy as np\nimport allanite as al\n\nrecording = al.read("examples/tactical_gyro.csv")\nrecord = recording["gz"]'
+ABOUT = """\
+import numpy as np
+import allanite as al
+
+recording = al.read("examples/tactical_gyro.csv")
+record = recording["gz"]"""
 
 PICTURES = {
     "Curve with the fitted model": ("curve", """\

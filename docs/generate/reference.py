@@ -2,7 +2,6 @@
 
 import click
 
-import allanite as al
 from allanite.cli import VERBS, main
 from allanite.core.units import ATOMS, SIGNALS, SPELLINGS, convert
 from allanite.terms import TERMS
@@ -31,8 +30,8 @@ def units_page() -> list[str]:
         "## Units of the coefficients", "", *table(("", "sensor", "data sheet", "SI", "1 in SI"), sheets),
         "## Frequent conversions", "",
         *table(("1", "is", ""), [(f"`{a}`", shown(convert(1.0, a, b)), f"`{b}`") for a, b in same]),
-        "`rad/sqrt(s)` and `rad/s/sqrt(Hz)` are the same unit, as are `rad/s^1.5` and `rad/s^2/sqrt(Hz)`. A noise density "
-        "defined as RMS noise over the square root of a bandwidth is one-sided: divide it by √2 to get N.", "",
+        "`rad/sqrt(s)` and `rad/s/sqrt(Hz)` are the same unit, as are `rad/s^1.5` and `rad/s^2/sqrt(Hz)`. A noise "
+        "density defined as RMS noise over the square root of a bandwidth is one-sided: divide it by √2 to get N.", "",
         "## Names", "", *table(("name", "value in SI", "dimension"), sizes),
         "## Other spellings", "", *table(("spelling", "is"), also),
     ]  # fmt: skip

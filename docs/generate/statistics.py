@@ -27,10 +27,10 @@ def statistic_index() -> list[str]:
     ]
     return [
         "# Statistics", "",
-        "Each is `al.deviation(record, name)` and `allanite deviation FILE --statistic name`, for any averaging factors, and "
-        "`al.dynamic` in sliding windows. Angle x and rate y are the same record: $x_{i+1} = x_i + \\tau_0 y_i$. An averaging "
-        "factor m means $\\tau = m \\tau_0$; T is the duration of the record. [Choosing a statistic](../../choosing_statistic.md) "
-        "says which one to use.", "",
+        "Each is `al.deviation(record, name)` and `allanite deviation FILE --statistic name`, for any averaging "
+        "factors, and `al.dynamic` in sliding windows. Angle x and rate y are the same record: "
+        "$x_{i+1} = x_i + \\tau_0 y_i$. An averaging factor m means $\\tau = m \\tau_0$; T is the duration of the record. "
+        "[Choosing a statistic](../../choosing_statistic.md) says which one to use.", "",
         *table(("", "name", "insensitive to", "longest τ", "use it for"), rows),
         "```{toctree}", ":hidden:", "", *STATISTICS, "```",
     ]  # fmt: skip
@@ -48,7 +48,7 @@ def statistic_page(name: str, folder: Path) -> list[str]:
     row = STATISTICS[name]
     return [
         f"# {name}: {row.title} ({_short(name)})", "", typeset(row.meaning), "", *_formula(name), "",
-        *figure(_statistic_figure(name, folder), f"{row.title} of a simulated record with the expectation of its model"),
+        *figure(_statistic_figure(name, folder), f"{row.title} of a simulated record, and what its model expects"),
         "The simulated record is the same on the pages of all statistics: "
         + ", ".join(f"{symbol} = {value:g} {printed_unit(unit)}" for symbol, value, unit in EXAMPLE)
         + ". Lines are the exact expectations of the model and of each of its terms.", "",

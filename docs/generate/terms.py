@@ -11,7 +11,6 @@ from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 from generate.markdown import figure, sections, shown, table, typeset
 
-
 ABBREVIATIONS = {
     "N": "ARW; VRW of accelerometers", "B": "BI, flicker", "K": "RRW", "R": "RR", "GM": "exponentially correlated",
 }  # fmt: skip
@@ -85,7 +84,7 @@ def term_page(symbol: str, folder: Path) -> list[str]:
     return [
         f"# {symbol}: {_title(symbol)}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
         f"$$\n{row.formula}\n$$", "", *_line(symbol), "",
-        *figure(_term_figure(symbol, folder), f"Left: a simulated rate of {row.title}. Right: Allan deviation of 20 simulated records and its expectation"),
+        *figure(_term_figure(symbol, folder), _caption(row.title)),
         *sections(row, [("origin", "Where it comes from"), ("advice", "Reading and using it")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
@@ -93,6 +92,10 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         "```", "",
         "## Source", "", f"{_source(row.reference)}. [Theory](../../theory.md) has the derivation.",
     ]  # fmt: skip
+
+
+def _caption(title: str) -> str:
+    return f"Left: a simulated rate of {title}. Right: Allan deviation of 20 simulated records and its expectation"
 
 
 def _source(reference: str) -> str:

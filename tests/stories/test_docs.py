@@ -1,5 +1,7 @@
 """The documentation site: it is built without a warning, has a page for every row, and what it says is run."""
 
+from table import read
+
 import json
 import re
 import shlex
@@ -12,7 +14,6 @@ from urllib.parse import urlencode
 
 import pytest
 from click.testing import CliRunner
-from table import read
 from tests import ROOT
 
 import allanite as al
@@ -42,8 +43,8 @@ WITH_COMMANDS = (
     "why_absent.md", "choosing_statistic.md", "rate_and_angle.md",
 )  # fmt: skip
 WITH_PYTHON = (
-    "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md", "ros.md",
-    "command.md", "reference_data.md",
+    "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
+    "ros.md", "command.md", "reference_data.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 

@@ -1,5 +1,7 @@
 """What the README says is run."""
 
+from table import read
+
 import re
 import shlex
 import shutil
@@ -9,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from table import read
 from tests import ROOT
 
 from allanite.cli import main
