@@ -94,7 +94,8 @@ def _units(before: dict[str, float]) -> list[str]:
     return [
         f"The paper gives Q in degrees. Then the deviation at 1 ms would be {high:.2g} deg/h, and quantization would "
         f"dominate the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle "
-        f"random walk dominates from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper also divides B by "
+        f"random walk dominates from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper "
+        f"also divides B by "
         f"0.6648 to get the floor of the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
     ]  # fmt: skip
 

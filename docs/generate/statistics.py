@@ -29,7 +29,8 @@ def statistic_index() -> list[str]:
         "# Statistics", "",
         "Each is `al.deviation(record, name)` and `allanite deviation FILE --statistic name`, for any averaging "
         "factors, and `al.dynamic` in sliding windows. Angle x and rate y are the same record: "
-        "$x_{i+1} = x_i + \\tau_0 y_i$. An averaging factor m means $\\tau = m \\tau_0$; T is the duration of the record. "
+        "$x_{i+1} = x_i + \\tau_0 y_i$. An averaging factor m means $\\tau = m \\tau_0$; T is the duration of "
+        "the record. "
         "[Choosing a statistic](../../choosing_statistic.md) says which one to use.", "",
         *table(("", "name", "insensitive to", "longest τ", "use it for"), rows),
         "```{toctree}", ":hidden:", "", *STATISTICS, "```",
