@@ -13,6 +13,7 @@ from generate.benchmarks import benchmark_pages
 from generate.compensation import compensation_page
 from generate.gallery import gallery_page
 from generate.methods import efficiencies, methods_page
+from generate.planning import accuracies
 from generate.reference import help_pages, units_page
 from generate.slopes import slopes_figure
 from generate.statistics import statistic_index, statistic_page
@@ -46,6 +47,7 @@ def write_pages(docs: Path) -> None:
         _write(root / "api" / f"{page}.md", lines)
     _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
+    _write(root / "accuracies.md", accuracies())
     _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
     benchmark_pages(beside(docs, RESULTS).parent, root / "benchmarks")
     slopes_figure(root)
