@@ -15,9 +15,10 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-# included by others
-exclude_patterns = ["generated/help.md", "generated/methods.md", "generated/efficiencies.md", "generated/devices.md"]
+INCLUDED = ("help", "methods", "efficiencies", "accuracies", "devices")
+exclude_patterns = [f"generated/{name}.md" for name in INCLUDED]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
+suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do
 
 autodoc_typehints = "none"  # types stand in the docstrings, in the words of the field
 autodoc_member_order = "bysource"

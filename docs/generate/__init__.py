@@ -8,10 +8,15 @@ from sphinx.application import Sphinx
 
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
+from generate.api import api_pages
+from generate.benchmarks import benchmark_pages
 from generate.compensation import compensation_page
 from generate.devices import devices_page
+from generate.gallery import gallery_page
 from generate.methods import efficiencies, methods_page
-from generate.reference import api_page, help_pages, units_page
+from generate.planning import accuracies
+from generate.reference import help_pages, units_page
+from generate.slopes import slopes_figure
 from generate.statistics import statistic_index, statistic_page
 from generate.terms import term_index, term_page
 from generate.tutorial import beside, run_tutorial
@@ -29,7 +34,7 @@ def write_pages(docs: Path) -> None:
     """Everything below ``generated``, anew."""
     root = docs / "generated"
     shutil.rmtree(root, ignore_errors=True)
-    for name in ("terms", "statistics", "tutorial"):
+    for name in ("terms", "statistics", "tutorial", "api"):
         (root / name).mkdir(parents=True)
     for symbol in TERMS:
         _write(root / "terms" / f"{symbol}.md", term_page(symbol, root / "terms"))
@@ -39,11 +44,16 @@ def write_pages(docs: Path) -> None:
     _write(root / "statistics" / "index.md", statistic_index())
     _write(root / "units.md", units_page())
     _write(root / "help.md", help_pages())
-    _write(root / "api.md", api_page())
+    for page, lines in api_pages():
+        _write(root / "api" / f"{page}.md", lines)
     _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
+    _write(root / "accuracies.md", accuracies())
     _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
     _write(root / "devices.md", devices_page())
+    benchmark_pages(beside(docs, RESULTS).parent, root / "benchmarks")
+    slopes_figure(root)
+    _write(root / "gallery.md", gallery_page(docs, root / "gallery"))
     run_tutorial(docs, root / "tutorial")
 
 

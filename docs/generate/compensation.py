@@ -53,7 +53,7 @@ def compensation_page(
         *_paper(before, after), *_units(before), *_result(records, found, (before, after)),
         *figure(path, "Both curves with their bands, and the ratio of their variances"),
         *_reach(found), *_naive(records),
-        "## How to do it with your own records", "",
+        "## With your own records", "",
         "```sh", "allanite compare before.csv after.csv --rate 1000 --unit deg/h --report page.html", "```", "",
         "```python", "found = al.compare(before, after)", "print(found.verdict)", "```", "",
     ]  # fmt: skip
@@ -68,15 +68,15 @@ def _paper(before: dict[str, float], after: dict[str, float]) -> list[str]:
     off = [s for s in before if abs(reductions[s] - PRINTED[s]) > 0.02]
     would = {s: before[s] * (1 - PRINTED[s] / 100) for s in off}
     slips = [
-        f"For {s} its own numbers make {reductions[s]:.2f} %, and it prints {PRINTED[s]:.2f} %: that would be so for "
-        f"{would[s]:.3f} after the compensation, where it has {after[s]:.3f}."
+        f"For {s} its own numbers give {reductions[s]:.2f} %, and it prints {PRINTED[s]:.2f} %: that would require "
+        f"{would[s]:.3f} after the compensation, where the table has {after[s]:.3f}."
         for s in off
     ]
     return [
         f"{PAPER} measure the X channel of a magnetically suspended control and sensing gyroscope at rest, one hour at "
         "1 kHz, before and after a better cable, connector and thermal compensation. Five coefficients are fitted to "
-        "each Allan deviation by least squares. Reductions are printed to four digits; whether they are more than "
-        "chance is not asked. Everything below is computed when this page is made.", "",
+        "each Allan deviation by least squares. Reductions are printed to four digits; their significance is "
+        "not tested. Everything below is computed when this page is built.", "",
         *table(("", "unit", "before (table 2)", "after (table 3)", "reduction by these, %", "printed, %"), rows),
         *([" ".join(slips), ""] if slips else []),
     ]  # fmt: skip
@@ -93,8 +93,9 @@ def _units(before: dict[str, float]) -> list[str]:
     (high, late), (fit, early) = levels
     return [
         f"The paper gives Q in degrees. Then the deviation at 1 ms would be {high:.2g} deg/h, and quantization would "
-        f"rule the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle random walk "
-        f"rules from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper also divides B by "
+        f"dominate the curve up to {late:.4g} s. With Q in arcseconds it adds {fit:.4g} deg/h there, and angle "
+        f"random walk dominates from {1e3 * early:.2g} ms on, which must be what the authors meant. The paper "
+        f"also divides B by "
         f"0.6648 to get the floor of the curve, which lies at {math.sqrt(2 * math.log(2) / math.pi):.4f} B.", "",
     ]  # fmt: skip
 
@@ -112,7 +113,7 @@ def _result(records: list[al.Record], found: al.Comparison, truth: tuple[dict[st
         ))  # fmt: skip
     headings = ("", "unit", "before", "after", "true change, %", "found", "95 % interval", "p (Holm)", "verdict")
     return [
-        "## What a comparison says", "",
+        "## Result of a comparison", "",
         f"Two records of {hours:g} h at {RATE:g} Hz, simulated with the coefficients of the two tables (seeds 1 and "
         "2), and compared by `al.compare`:", "",
         f"> {found.verdict}", "",
@@ -146,7 +147,7 @@ def _claims(found: al.Comparison) -> list[str]:
         named = ", ".join(f"{s} ({PRINTED[s]:.2f} %)" for s in unseen)
         lines.append(
             f"The paper's reductions of {named} are not resolvable in records of this length: a change by a factor of "
-            "two in either direction would not be told from none."
+            "two in either direction could not be distinguished from none."
         )
     return [" ".join(lines), ""] if lines else []
 
@@ -174,8 +175,9 @@ def _naive(records: list[al.Record]) -> list[str]:
         for s in UNITS
     ]
     return [
-        "## The paper's way on the same records", "",
-        "Least squares of the Allan variance, every point with the same weight. A negative number stands for a "
-        "negative square, which no noise has: beyond Q and N these numbers are scatter, and their percentages too.", "",
+        "## The paper's method on the same records", "",
+        "Least squares on the Allan variance, every point with the same weight. A negative number is the signed root "
+        "of a negative square, which no noise has: except for Q and N these numbers are scatter, and so are their "
+        "percentages.", "",
         *table(("", "unit", "before", "after", "status before", "status after"), rows),
     ]  # fmt: skip

@@ -1,5 +1,6 @@
 """Parts of pages."""
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,8 +17,22 @@ def sections(row: object, columns: Iterable[tuple[str, str]]) -> list[str]:
     lines = []
     for column, heading in columns:
         words = getattr(row, column, "")
-        lines += [f"## {heading}", "", words, ""] if words else []
+        lines += [f"## {heading}", "", typeset(words), ""] if words else []
     return lines
+
+
+LETTERS = {
+    r"\btau0\b": "τ₀", r"\btau\b": "τ", r"\bPhi\b": "Φ", r"\^2\b": "²", r"\^3\b": "³", r"slope -": "slope −",
+    r"sqrt\((\w+)\)": r"√\1", r"sqrt\(([^()]*)\)": r"√(\1)",
+}  # fmt: skip
+"""What formulas in the tables' plain text are in print, in this order."""
+
+
+def typeset(words: str) -> str:
+    """Plain text of a table as it is printed."""
+    for plain, printed in LETTERS.items():
+        words = re.sub(plain, printed, words)
+    return words
 
 
 def shown(number: float) -> str:

@@ -1,10 +1,7 @@
-"""The pages of units, of the command line's options, and of the Python names."""
-
-from collections.abc import Iterable
+"""The pages of units and of the command line's options."""
 
 import click
 
-import allanite as al
 from allanite.cli import VERBS, main
 from allanite.core.units import ATOMS, SIGNALS, SPELLINGS, convert
 from allanite.terms import TERMS
@@ -27,16 +24,16 @@ def units_page() -> list[str]:
     ]  # fmt: skip
     return [
         "# Units", "",
-        "Inside, everything is SI: rad, rad/s, m/s, m/s², s, A, V, K, T. A unit is a text, made of the names below "
+        "Internally everything is SI: rad, rad/s, m/s, m/s², s, A, V, K, T. A unit is a string made of the names below "
         "with `*`, `/`, `^`, `sqrt()` and brackets: `deg/s`, `deg/h/sqrt(Hz)`, `rad s^-1`, `°/√h`, `µg/√Hz`. Results "
         'are converted with `.to("deg/h")`.', "",
-        "## Of the coefficients", "", *table(("", "sensor", "data sheet", "SI", "1 in SI"), sheets),
-        "## Conversions often needed", "",
+        "## Units of the coefficients", "", *table(("", "sensor", "data sheet", "SI", "1 in SI"), sheets),
+        "## Frequent conversions", "",
         *table(("1", "is", ""), [(f"`{a}`", shown(convert(1.0, a, b)), f"`{b}`") for a, b in same]),
-        "`rad/sqrt(s)` and `rad/s/sqrt(Hz)` are one unit, as are `rad/s^1.5` and `rad/s^2/sqrt(Hz)`. A density that is "
-        "defined as effective value over the square root of a bandwidth is one-sided: divide it by √2 to get N.", "",
-        "## Names", "", *table(("name", "size in SI", "of"), sizes),
-        "## Other spellings", "", *table(("word", "stands for"), also),
+        "`rad/sqrt(s)` and `rad/s/sqrt(Hz)` are the same unit, as are `rad/s^1.5` and `rad/s^2/sqrt(Hz)`. A noise "
+        "density defined as RMS noise over the square root of a bandwidth is one-sided: divide it by √2 to get N.", "",
+        "## Names", "", *table(("name", "value in SI", "dimension"), sizes),
+        "## Other spellings", "", *table(("spelling", "is"), also),
     ]  # fmt: skip
 
 
@@ -55,30 +52,3 @@ def help_pages() -> list[str]:
             context = click.Context(verb, info_name=name, parent=above, terminal_width=88, max_content_width=88)
             lines += [f"## {name}", "", "```text", verb.get_help(context), "```", ""]
     return lines
-
-
-def api_page() -> list[str]:
-    """Every public name with its docstring."""
-    names = [name for name in dir(al) if not name.startswith("_")]
-    things = {name: getattr(al, name) for name in names}
-    functions = [n for n in names if callable(things[n]) and not isinstance(things[n], type)]
-    classes = [n for n in names if isinstance(things[n], type)]
-    errors = [n for n in classes if issubclass(things[n], Exception)]
-    order = {"functions": [n for n in functions if n not in TERMS], "terms": [n for n in functions if n in TERMS]}
-    lines = [
-        "# Python", "", "Values are frozen and go through plain functions; everything inside is SI. "
-        "`import allanite as al` is meant below.", "",
-    ]  # fmt: skip
-    lines += ["## Functions", "", *_directives("autofunction", order["functions"])]
-    lines += ["## Terms of a model", "", *_directives("autofunction", order["terms"])]
-    lines += ["## Values", "", *_directives("autoclass", [n for n in classes if n not in errors], ":members:")]
-    lines += ["## Errors", "", *_directives("autoclass", errors, ":show-inheritance:")]
-    tables = ", ".join(f"`al.{name}`" for name in names if isinstance(things[name], dict))
-    return [*lines, "## Tables", "", f"{tables}: what there is, by name; each row says what it is."]
-
-
-def _directives(kind: str, names: Iterable[str], *options: str) -> list[str]:
-    lines = ["```{eval-rst}"]
-    for name in names:
-        lines += [f".. {kind}:: allanite.{name}", *(f"   {option}" for option in options), ""]
-    return [*lines, "```", ""]

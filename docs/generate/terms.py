@@ -9,21 +9,39 @@ from allanite.core.model import term
 from allanite.core.units import SIGNALS, convert
 from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
-from generate.markdown import figure, sections, shown, table
+from generate.markdown import figure, sections, shown, table, typeset
+
+ABBREVIATIONS = {
+    "N": "ARW; VRW of accelerometers", "B": "BI, flicker", "K": "RRW", "R": "RR", "GM": "exponentially correlated",
+}  # fmt: skip
+"""What data sheets call the terms, beside their names."""
+
+
+def _title(symbol: str) -> str:
+    """The name, with what it is called for short."""
+    short = ABBREVIATIONS.get(symbol)
+    return f"{TERMS[symbol].title} ({short})" if short else TERMS[symbol].title
+
+
+def _short(symbol: str) -> str:
+    """The formula, where it fits into a column."""
+    formula = TERMS[symbol].formula
+    return f"${formula}$" if len(formula) < 60 else f"[on its page]({symbol}.md)"
 
 
 def term_index() -> list[str]:
     """All terms side by side."""
     rows = [
-        (f"[{s}]({s}.md)", row.title, f"${row.formula}$", _slope(row.slope), _read_off(symbol=s),
+        (f"[{s}]({s}.md)", _title(s), _short(s), _slope(row.slope), _read_off(symbol=s),
          *(printed_unit(signal.sheet[row.power]) for signal in SIGNALS[:2]))
         for s, row in TERMS.items()
     ]  # fmt: skip
     return [
         "# Noise terms", "",
-        "A model is a sum of these. Each enters every statistic through one function, its structure function; so that "
-        "any model has an exact expected curve in any statistic. For an accelerometer read velocity for angle, and "
+        "A model is a sum of these. Each enters every statistic through one function, its structure function, so any "
+        "model has an exact expected curve in any statistic. For an accelerometer read velocity for angle and "
         "acceleration for rate.", "",
+        "![The five terms of IEEE Std 952 and their sum](../slopes.svg)", "",
         *table(("", "name", "Allan variance", "slope", "read off", "gyroscope", "accelerometer"), rows),
         "The slope is that of the deviation. The unit of τ is that of the coefficient: hours for deg/√h, seconds for "
         "rad/√s.", "", "```{toctree}", ":hidden:", "", *TERMS, "```",
@@ -33,11 +51,11 @@ def term_index() -> list[str]:
 def _spectrum(density: str) -> list[str]:
     if not density:
         return []
-    return ["## Spectrum", "", "Two-sided density of the rate:", "", f"$$\n{density}\n$$", ""]
+    return ["## Spectrum", "", "Two-sided power spectral density of the rate:", "", f"$$\n{density}\n$$", ""]
 
 
 def _slope(value: float) -> str:
-    """A multiple of one half, as it is spoken."""
+    """A multiple of one half."""
     if np.isnan(value):
         return "none"
     halves = {-1: "−1", -0.5: "−1/2", 0: "0", 0.5: "+1/2", 1: "+1"}
@@ -64,23 +82,33 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         for signal in SIGNALS[:2]
     ]  # fmt: skip
     return [
-        f"# {symbol}: {row.title}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
+        f"# {symbol}: {_title(symbol)}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
         f"$$\n{row.formula}\n$$", "", *_line(symbol), "",
-        *figure(_term_figure(symbol, folder), f"A simulated record of {row.title}, and its Allan deviation"),
-        *sections(row, [("origin", "Where it comes from"), ("advice", "How it is read off and used")]),
+        *figure(_term_figure(symbol, folder), _caption(row.title)),
+        *sections(row, [("origin", "Where it comes from"), ("advice", "Reading and using it")]),
         *_spectrum(row.density),
         "## Units", "", *table(("sensor", "SI", "data sheet", "1 data-sheet unit in SI"), units),
         "```python", f'al.{symbol}({row.typical:g}, "{SIGNALS[0].sheet[row.power]}"{_arguments(symbol)})',
         "```", "",
-        "## Source", "", row.reference + ".",
+        "## Source", "", f"{_source(row.reference)}. [Theory](../../theory.md) has the derivation.",
     ]  # fmt: skip
+
+
+def _caption(title: str) -> str:
+    return f"Left: a simulated rate of {title}. Right: Allan deviation of 20 simulated records and its expectation"
+
+
+def _source(reference: str) -> str:
+    """Where the formula stands, editions and annex included."""
+    editions = "IEEE Std 952-1997 (R2008), Annex C, and IEEE Std 952-2020"
+    return typeset(reference.replace("IEEE Std 952", editions))
 
 
 def _line(symbol: str) -> list[str]:
     """The straight line that the term is, if it is one."""
     row, place = TERMS[symbol], _read_off(symbol)
     if np.isnan(row.slope):
-        return ["The Allan deviation is no straight line, but a hump."]
+        return ["The Allan deviation is not a straight line but a hump."]
     where = f"At {place} the line of this slope has the value of {symbol}." if "=" in place else f"The line {place}."
     return [f"The Allan deviation has slope {_slope(row.slope)} against τ. {where}"]
 
@@ -91,14 +119,16 @@ def _arguments(symbol: str) -> str:
 
 
 def _term_figure(symbol: str, folder: Path) -> Path:
-    """A stretch of simulated rate, and the deviation of all of it with the exact expectation."""
+    """A simulated rate, and the deviation of twenty such records with the exact expectation."""
     from allanite.reporting import style
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
     made = term(symbol, row.typical, unit, tuple(p.typical for p in row.parameters))
-    record = al.simulate(made, 20_000, 10.0, rng=np.random.default_rng(1))
-    curve = al.deviation(record, "oadev", taus="log").to("deg/h")
+    rng = np.random.default_rng(1)
+    records = [al.simulate(made, 20_000, 10.0, rng=rng) for _ in range(20)]
+    record = records[0]
+    curves = [al.deviation(each, "oadev", taus="log", noise=None).to("deg/h") for each in records]
     path = folder / f"{symbol}.svg"
     with style.look():
         drawn = style.new_figure(7.6, 2.9)
@@ -107,9 +137,12 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         left.plot(time, np.degrees(record.values) * 3600, color=style.DATA, lw=0.4, rasterized=True)
         left.set(xlabel="time (s)", ylabel="rate (deg/h)")
         right.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="Allan deviation (deg/h)")
-        right.plot(curve.tau, curve.deviation, "o", ms=2.5, mew=0, color=style.DATA, label="simulated")
-        expected = np.degrees(np.sqrt(al.expected(made, "oadev", curve.tau, rate=10.0))) * 3600
-        right.plot(curve.tau, expected, color=row.color, label="expected")
+        tau = curves[0].tau
+        for curve in curves:
+            label = "20 records" if curve is curves[0] else None
+            right.plot(tau, curve.deviation, color=style.DATA, alpha=0.3, lw=0.7, label=label)
+        expected = np.degrees(np.sqrt(al.expected(made, "oadev", tau, rate=10.0))) * 3600
+        right.plot(tau, expected, color=style.INK, lw=1.8, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)
         right.legend()

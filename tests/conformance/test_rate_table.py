@@ -52,7 +52,7 @@ def test_the_order_of_the_methods():
 def test_the_page_quotes_the_table():
     measured = {row["method"]: row for row in TABLE.rows("The paper's experiment")}
     names = {"Hamming": "hamming", "conditional lines": "conditional", "optimal, the Cramér-Rao bound": "optimal"}
-    for row in Page(PAGE).rows("The figures"):
+    for row in Page(PAGE).rows("Comparison"):
         found = measured[names.get(row["method"], row["method"])]
         assert row["paper"] == found["paper"]
         assert row["exact covariance"] == found["exact covariance"]
@@ -63,7 +63,7 @@ def test_the_page_quotes_the_table():
         if row["noise"] != "the paper":
             assert float(found["Cramer-Rao bound"]) > 0.0013
     searches = {row["noise, pulses"]: row for row in TABLE.rows("The search for the staircase")}
-    for row in Page(PAGE).rows("The search"):
+    for row in Page(PAGE).rows("Searching for the minimum"):
         found = searches[row["noise, pulses"]]
         assert row["default above the minimum, most"] == f"{found['default above, most']} of {found['least misfit']}"
         assert row["descent above it, mean"] == found["descent above, mean"]

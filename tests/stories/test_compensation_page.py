@@ -37,5 +37,5 @@ def test_the_numbers_move_with_the_input(page, tmp_path):
     assert ratio == pytest.approx(1.1, rel=0.01)
     changes = [float(numbers(lines, "N")[5].rstrip(" %")) for lines in (before, after)]
     assert changes[1] - changes[0] == pytest.approx(100 * (1 / 1.1 - 1) * 0.9365, abs=1.0)
-    printed = [re.findall(r"For K its own numbers make ([\d.]+) %", "\n".join(lines)) for lines in (before, after)]
+    printed = [re.findall(r"For K its own numbers give ([\d.]+) %", "\n".join(lines)) for lines in (before, after)]
     assert printed[0] != printed[1]

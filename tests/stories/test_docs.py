@@ -1,5 +1,8 @@
 """The documentation site: it is built without a warning, has a page for every row, and what it says is run."""
 
+from table import read
+
+import json
 import re
 import shlex
 import shutil
@@ -7,6 +10,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import urlencode
 
 import pytest
 from click.testing import CliRunner
@@ -34,15 +38,23 @@ def commands(text):
     return [line for block in fenced(text, "sh") for line in block.splitlines() if line.startswith("allanite ")]
 
 
+WITH_COMMANDS = (
+    "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "json.md", "compare.md", "how_long.md",
+    "why_absent.md", "choosing_statistic.md", "rate_and_angle.md",
+)  # fmt: skip
+WITH_PYTHON = (
+    "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
+    "ros.md", "command.md", "reference_data.md",
+)  # fmt: skip
+"""Pages whose commands, and whose Python, are run by the tests below."""
+
 IN_README = commands((ROOT / "README.md").read_text("utf-8"))
 """Commands that are run by the test of the README."""
 
 COMMANDS = [
     command
     for command in dict.fromkeys(
-        command
-        for page in ("tutorial.md", "command.md", "simulation.md")
-        for command in commands((DOCS / page).read_text("utf-8"))
+        command for page in WITH_COMMANDS for command in commands((DOCS / page).read_text("utf-8"))
     )
     if command not in IN_README
 ]
@@ -57,6 +69,7 @@ def site(tmp_path_factory):
     (place / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, place / SAMPLE)
     shutil.copytree(ROOT / RESULTS, place / RESULTS)
+    shutil.copy(ROOT / "CHANGELOG.md", place)
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
     done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -71,7 +84,7 @@ def test_every_row_has_its_page(site):
     for symbol, row in al.TERMS.items():
         page = text(site, f"generated/terms/{symbol}.html")
         assert row.title in page
-        assert row.reference.split(";")[0] in page
+        assert row.reference.split(";")[0] in page  # the generator adds editions behind the number of a standard
     for name, row in al.STATISTICS.items():
         page = text(site, f"generated/statistics/{name}.html")
         assert row.title in page
@@ -90,13 +103,29 @@ def test_every_term_is_put_into_words(symbol):
 
 
 def test_every_verb_and_public_name_is_there(site):
-    command, names = text(site, "command.html"), (site / "generated/api.html").read_text("utf-8")
+    command = text(site, "command.html")
+    names = "".join(page.read_text("utf-8") for page in (site / "generated/api").glob("*.html"))
     for name in VERBS:
         assert f"Usage: allanite {name} [OPTIONS]" in command
     for name in dir(al):
         thing = getattr(al, name)
         if not name.startswith("_") and callable(thing):
             assert f'id="allanite.{name}"' in names, name
+    for package in ("angle", "rate", "faults", "prepare", "statistics", "compensation"):
+        for name in public_names(package):
+            assert f'id="allanite.{package}.{name}"' in names, (package, name)
+
+
+def public_names(package):
+    """What the page of a package says that it offers."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        from generate.api import public_names as names
+    finally:
+        sys.path.pop(0)
+    found = names(package)
+    assert len(found) >= 3
+    return found
 
 
 def test_the_verdict_on_a_papers_before_and_after(site):
@@ -193,12 +222,74 @@ def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
             assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
 
 
-def test_the_page_of_simulation_prints_what_it_says(desk):
-    script = "".join(blocks("simulation.md", "python"))
+@pytest.mark.parametrize("page", WITH_PYTHON)
+def test_programs_of_a_page_print_what_they_say(desk, page):
+    script = "".join(blocks(page, "python"))
     done = subprocess.run([sys.executable, "-c", script], cwd=desk, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    said = re.findall(r"^print\(.*\)  # (.*)$", script, re.MULTILINE)
-    assert done.stdout.splitlines() == said
+    printed = done.stdout.splitlines()
+    for said in re.findall(r"^print\(.*\)  # (.*)$", script, re.MULTILINE):
+        assert any(line.startswith(said) for line in printed), said
+
+
+def test_accuracy_is_that_of_the_table():
+    page = (DOCS / "accuracy.md").read_text("utf-8")
+    rows = [row for row in read("coefficients.md").rows() if row["bound, %"] and float(row["bound, %"]) < 60]
+    for heading in ("95", "68"):
+        held = [float(row[heading]) for row in rows]
+        assert f"| {heading} % interval holds the truth | {min(held):g} to {max(held):g} % of records |" in page
+    tight = sorted(float(row["rms"]) for row in rows if row["rms"] and float(row["bound, %"]) < 12)
+    assert f"| {tight[0]:g} to {tight[-4]:g}, except for three terms" in page
+    assert f"at most {max(float(row['false, %']) for row in rows):g} % of records" in page
+    sure = [float(row["claimed, %"]) for row in rows if float(row["bound, %"]) < 12]
+    assert f"at least {min(sure):g} % of records" in page
+
+
+WORDS = (
+    "ARW", "VRW", "RRW", "ADEV", "OADEV", "MDEV", "TDEV", "HDEV", "OHDEV", "TOTDEV", "MTOTDEV", "TTOTDEV", "HTOTDEV",
+    "PDEV", "MTIE", "AVAR", "DAVAR", "EDF", "PSD", "ASD", "LSB", "GM", "BI", "TheoH", "flicker", "kalibr", "imu.yaml",
+    "in-run bias stability", "noise density", "citation", "confidence interval", "angle random walk", "allantools",
+    "quantization", "RMS", "fs",
+)  # fmt: skip
+
+
+def indexed(site):
+    """What the site's own search looks words up in: words of texts and of titles."""
+    text = (site / "searchindex.js").read_text("utf-8")
+    index = json.loads(text[text.index("(") + 1 : text.rindex(")")])
+    return set(index["terms"]) | set(index["titleterms"])
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_the_search_knows_the_fields_words(site, words):
+    snowballstemmer = pytest.importorskip("snowballstemmer")
+    stem, known = snowballstemmer.stemmer("porter").stemWord, indexed(site)
+    for word in re.findall(r"\w+", words.lower()):
+        assert word in STOP or stem(word) in known or word in known, word
+
+
+STOP = {"in"}
+"""Words that the search leaves out."""
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+@pytest.mark.parametrize("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
+def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
+    """The page of results as the browser has it after its scripts ran."""
+    address = f"{(site / 'search.html').as_uri()}?{urlencode({'q': words})}"
+    options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}",
+        "--virtual-time-budget=9000",
+    ]
+    done = subprocess.run([CHROMIUM, *options, "--dump-dom", address], capture_output=True, text=True, check=False)
+    if not done.stdout:
+        pytest.skip("Chromium does not start here")
+    assert re.search(r"found (one|\d+) page", done.stdout), done.stdout[-2000:]
 
 
 def test_the_plan_on_the_page_is_that_of_the_command():

@@ -146,7 +146,7 @@ def gimbals(
     latitude : float
         rad.
     q_law : {"exact", "linear"}
-        "linear" is ``q = pi/2 + W t``, as the literature states it [1]_; it is wrong except at the pole, and for
+        "linear" is ``q = pi/2 + W t``, as the literature states it [1]; it is wrong except at the pole, and for
         reproducing its results only.
     sway : (amplitude, period) or Sway, optional
         rad and s. It moves the polar gyro's gimbals too.

@@ -92,8 +92,8 @@ def north(
 
         rate - second = 2 H sin(d / 2) sin(psi + d / 2)
 
-    Half a turn (d = 180) is the most sensitive. The standard error is that of the rate over H |sin psi|: an axis that
-    points east or west determines the heading best, one that points north hardly at all.
+    Half a turn (d = 180) is the most sensitive. The standard error is that of the rate over abs(H sin psi): an axis
+    that points east or west determines the heading best, one that points north hardly at all.
 
     Parameters
     ----------

@@ -1,0 +1,123 @@
+"""The Python reference: every public name, by topic."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from types import ModuleType
+
+import allanite as al
+from allanite.terms import TERMS
+from generate.markdown import table
+
+TOPICS: dict[str, tuple[str, str]] = {
+    "reading": (
+        "Recordings: read, write, values",
+        "read write Record Recording Correction from_dict",
+    ),
+    "preparing": ("Preparing a record", "prepare"),
+    "identifying": (
+        "Identification of noise",
+        "identify residuals whitened shared Fit Estimate Residuals Shared",
+    ),
+    "curves": (
+        "Allan deviation and other statistics",
+        "deviation dynamic expected readings minimum averaging_stability statistics Curve Surface",
+    ),
+    "spectra": ("Power spectral density", "spectrum Welch Multitaper Spectrum"),
+    "models": ("Models of noise", f"{' '.join(TERMS)} Term Model parse_model sensor"),
+    "simulating": ("Simulation and faults", "simulate faults simulate_ring_laser RingLaser"),
+    "planning": (
+        "Planning, self-check, Kalman filter",
+        "plan bound selfcheck state_space RecordingPlan Bound SelfCheck StateSpace",
+    ),
+    "analyzing": ("Analysis, figures and reports", "analyze Recipe Study plot report"),
+    "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
+    "compensating": (
+        "Temperature compensation",
+        "compensate compensate_file compensation Regression CompensationSettings",
+    ),
+    "quantizing": (
+        "Quantization budget and torquer currents",
+        "budget budget_file rate_from_current Budget Stage TorqueScale PathSettings",
+    ),
+    "rate": ("A constant rate in a short time", "rate measure_rates"),
+    "angle": ("Angle sensors", "angle"),
+    "errors": ("Errors", "AllaniteError DataError UnitError UsageError LongJobWarning"),
+}
+"""A page: its title, and the names that it describes. The name of a package stands for its public names."""
+
+INNER = {"statistics": ("edf", "covariance", "integrated")}
+"""Packages of which only these names are for users; of the others, whatever is not a module."""
+
+WITHOUT = {"identification", "readers", "study"}
+"""Packages whose public names are all those of `allanite` itself."""
+
+
+def api_pages() -> Iterator[tuple[str, list[str]]]:
+    """Name and lines of every page, the index last."""
+    _demand_all()
+    for page, (title, names) in TOPICS.items():
+        yield page, _page(title, names.split())
+    yield "index", _index()
+
+
+def public_names(package: str) -> list[str]:
+    """What a package offers, its modules left out."""
+    module = getattr(al, package)
+    found = INNER.get(package) or [name for name in vars(module) if _is_public(module, name)]
+    return sorted(found, key=lambda name: (isinstance(getattr(module, name), type), name))
+
+
+def _is_public(module: ModuleType, name: str) -> bool:
+    thing = getattr(module, name)
+    own = getattr(thing, "__module__", "").startswith("allanite.") and getattr(al, name, None) is not thing
+    return not name.startswith("_") and own and callable(thing)
+
+
+def _demand_all() -> None:
+    """Make sure that every public name has its place."""
+    placed = [name for _, names in TOPICS.values() for name in names.split()]
+    tables = {name for name in dir(al) if isinstance(getattr(al, name), Mapping)}
+    values = {"GL1"}
+    wanted = {name for name in dir(al) if not name.startswith("_")} - tables - WITHOUT - values
+    if sorted(placed) != sorted(wanted):
+        raise ValueError(f"topics of the Python reference: {sorted(wanted ^ set(placed))} to be placed or taken out")
+
+
+def _page(title: str, names: Iterable[str]) -> list[str]:
+    lines = [f"# {title}", ""]
+    for name in names:
+        thing = getattr(al, name)
+        if isinstance(thing, ModuleType):
+            lines += [f"## `al.{name}`", "", (thing.__doc__ or "").split("\n\n")[0], ""]
+            lines += [line for inner in public_names(name) for line in _directive(f"{name}.{inner}", thing, inner)]
+        else:
+            lines += _directive(name, al, name)
+    return lines
+
+
+def _directive(path: str, module: ModuleType, name: str) -> list[str]:
+    thing = getattr(module, name)
+    error = isinstance(thing, type) and issubclass(thing, Exception)
+    kind = "autoclass" if isinstance(thing, type) else "autofunction"
+    option = "   :show-inheritance:" if error else "   :members:" if kind == "autoclass" else ""
+    return ["```{eval-rst}", f".. {kind}:: allanite.{path}", *([option] if option else []), "```", ""]
+
+
+def _index() -> list[str]:
+    rows = []
+    for page, (title, names) in TOPICS.items():
+        every = [
+            f"`{name}.{inner}`" if package else f"`{name}`"
+            for name in names.split()
+            for package in [isinstance(getattr(al, name), ModuleType)]
+            for inner in (public_names(name) if package else [""])
+        ]
+        rows.append((f"[{title}]({page}.md)", ", ".join(every)))
+    tables = sorted(name for name in dir(al) if isinstance(getattr(al, name), Mapping))
+    return [
+        "# Python", "",
+        "`import allanite as al`. Values are frozen and are passed through plain functions; everything inside is SI.",
+        "",
+        *table(("topic", "names"), rows),
+        f"Tables, by name: {', '.join(f'`al.{name}`' for name in tables)}. `al.GL1` is a ring laser gyroscope.", "",
+        "```{toctree}", ":hidden:", "", *TOPICS, "```",
+    ]  # fmt: skip

@@ -1,0 +1,104 @@
+"""What every command writes as JSON is what the published schema says."""
+
+import json
+import shlex
+
+import pytest
+from click.testing import CliRunner
+from tests import ROOT
+
+from allanite.cli import VERBS, main
+
+SCHEMA = json.loads((ROOT / "docs" / "static" / "results.schema.json").read_text("utf-8"))
+KNOWN = {"$ref", "type", "const", "enum", "anyOf", "required", "properties", "items", "description"}
+TYPES = {
+    "object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float),
+    "null": type(None),
+}  # fmt: skip
+
+SAMPLE = "examples/tactical_gyro.csv"
+RUNS = {
+    "info": f"info {SAMPLE}",
+    "analyze": f"analyze {SAMPLE}",
+    "deviation": f"deviation {SAMPLE} --channels gx --statistic adev,mtie",
+    "spectrum": f"spectrum {SAMPLE} --channels gx --fit",
+    "dynamic": f"dynamic {SAMPLE} --channels gx --window 600",
+    "compare": f"compare {SAMPLE} --channels gx,gy",
+    "rate": f"rate {SAMPLE} --channels gx --interval 60",
+    "angle": "angle plan --latitude 60 --duration 3600",
+    "simulate": "simulate out.csv --sensor fog --rate 100 --duration 10",
+    "plan": "plan --sensor fog --rate 100",
+    "selfcheck": "selfcheck --sensor rlg --rate 10 --duration 300 --records 2",
+    "statespace": "statespace --sensor fog --rate 100",
+    "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
+    "compensate": "compensate warm.csv --regressors temp",
+    "analyze, read off": f"analyze {SAMPLE} --channels gx --method slopes",
+    "analyze, a channel refused": "analyze still.csv",
+    "angle estimate": "angle estimate hour.csv --difference difference --latitude 60 --rho rho",
+}
+"""A run of every verb, and of what differs within one."""
+
+
+def faults(value, schema, where="$"):
+    """Where a value breaks a schema of the words in `KNOWN`, which are all that the schema uses."""
+    assert set(schema) <= KNOWN | {"$schema", "title", "$defs"}, schema
+    if "$ref" in schema:
+        return faults(value, SCHEMA["$defs"][schema["$ref"].removeprefix("#/$defs/")], where)
+    if "anyOf" in schema:
+        each = [faults(value, one, where) for one in schema["anyOf"]]
+        return [] if [] in each else min(each, key=len)
+    if "const" in schema and value != schema["const"]:
+        return [f"{where}: {value!r} is not {schema['const']!r}"]
+    if "enum" in schema and value not in schema["enum"]:
+        return [f"{where}: {value!r} is none of {schema['enum']}"]
+    kind = schema.get("type")
+    if kind and (not isinstance(value, TYPES[kind]) or (isinstance(value, bool) and kind != "boolean")):
+        return [f"{where}: a {type(value).__name__}, not of type {kind}"]
+    found = [f"{where}: no {name}" for name in schema.get("required", ()) if name not in value]
+    for name, part in schema.get("properties", {}).items():
+        if name in value:
+            found += faults(value[name], part, f"{where}.{name}")
+    if "items" in schema:
+        for i, item in enumerate(value):
+            found += faults(item, schema["items"], f"{where}[{i}]")
+    return found
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch):
+    """The sample, a file with a channel that never changes, one with a temperature, and an hour of a gimbal."""
+    (tmp_path / "examples").mkdir()
+    sample = (ROOT / SAMPLE).read_text("utf-8")
+    (tmp_path / SAMPLE).write_text(sample, "utf-8")
+    rows = [line.split(",") for line in sample.splitlines() if line and line[0].isdigit()][:6000]
+    still = "\n".join(f"{row[0]},{row[1]},1.0" for row in rows)
+    (tmp_path / "still.csv").write_text(f"time [s],gx [deg/h],gy [deg/h]\n{still}\n", "utf-8")
+    warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
+    (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    made = CliRunner().invoke(
+        main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")
+    )
+    assert made.exit_code == 0, made.output
+    return tmp_path
+
+
+def test_every_verb_is_tried():
+    assert set(VERBS) <= set(RUNS)
+
+
+@pytest.mark.parametrize("run", RUNS)
+def test_output_is_what_the_schema_says(desk, run):
+    done = CliRunner().invoke(main, [*shlex.split(RUNS[run]), "--json", "out.json"])
+    assert done.exit_code == 0, done.output
+    written = json.loads((desk / "out.json").read_text("utf-8"))
+    (root,) = [one for one in SCHEMA["anyOf"] if one["$ref"].endswith(f"/{written['type']}")]
+    assert faults(written, root) == []
+
+
+def test_what_breaks_the_schema_is_found():
+    curve = SCHEMA["$defs"]["Curve"]
+    assert "$: no tau" in faults({"allanite": 1, "type": "Curve"}, curve)
+    assert faults({"allanite": 2, "type": "Curve"}, {**curve, "required": []}) == ["$.allanite: 2 is not 1"]
+    assert faults("absent", SCHEMA["$defs"]["Estimate"]["properties"]["status"]) == []
+    assert faults("found", SCHEMA["$defs"]["Estimate"]["properties"]["status"])
