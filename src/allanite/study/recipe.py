@@ -79,6 +79,10 @@ class Recipe:
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
+        self._demand_showing()
+
+    def _demand_showing(self) -> None:
+        """Refuse a device, a unit or a fact that cannot be shown."""
         if self.device is not None:
             device(self.device)
         for unit in self.to or ():

@@ -53,7 +53,9 @@ def test_deviation_is_that_of_the_library(file):
 
 
 def test_limits_can_be_left_out_and_the_unit_chosen(file):
-    result = run("deviation", file, "--channels", "x", "--no-intervals", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-")
+    result = run(
+        "deviation", file, "--channels", "x", "--no-intervals", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-"
+    )
     found = rows(result.stdout)
     assert [row["tau_s"] for row in found] == ["0.1", "1.0"]
     assert found[0]["low"] == found[0]["edf"] == ""
@@ -126,7 +128,11 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
         (["deviation", "{file}", "--to", "m"], 2, "their dimensions differ"),
         (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
         (["spectrum", "{file}", "--estimator", "fft"], 2, "known methods: welch, multitaper"),
-        (["spectrum", "{file}", "--tapers", "5"], 2, "'tapers' is not a setting of 'welch'; its settings: segment, window"),
+        (
+            ["spectrum", "{file}", "--tapers", "5"],
+            2,
+            "'tapers' is not a setting of 'welch'; its settings: segment, window",
+        ),
         (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
         (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),
         (["deviation", "missing.csv"], 3, "missing.csv"),

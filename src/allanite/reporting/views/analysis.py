@@ -151,10 +151,11 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         yield Drawing(
             lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
         )
-    yield data_sheet_table(channel, level)
+    yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:
         table = readings_table(channel.readings, level)
-        yield replace(table, where="text")
+        # in the terminal only where there is no data sheet, most of which it repeats
+        yield from () if channel.explained else (replace(table, where="text"),)
         yield Fold("read off the curve", [table], shut=True)
     yield from _details(channel, level, panel)
 

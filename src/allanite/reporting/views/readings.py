@@ -29,7 +29,7 @@ def readings_table(readings: Readings, level: float) -> Table:
 def _cells(q: Quantity, readings: Readings) -> list[str]:
     if q.power is None:
         return [f"{q.value:.3f}", f"{q.low:.3f} .. {q.high:.3f}", ""]
-    unit = readings.signal.sheet[q.power]
+    unit = readings.shown_unit(q.power)
     factor = convert(1.0, readings.signal.si[q.power], unit)
     return [*digits(*(v * factor for v in (q.value, q.low, q.high))).plain(), unit]
 
