@@ -31,8 +31,8 @@ RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "sign
 }
 
 STATUS = {
-    "identified": "identified, relative standard error at most 25 %",
-    "weak": "identified, but with a relative standard error above 25 %: an order of magnitude, not a specification",
+    "identified": "relative standard error at most 25 %",
+    "weak": "relative standard error above 25 %: an order of magnitude, not a specification",
     "absent": "not identified; the limit is the one-sided 95 % upper limit",
     "not observable": "cannot be determined from the part of the record that was used, for the reason given",
     "not valid": "the model does not explain the record, or its measured curve contradicts the value: not a result",
