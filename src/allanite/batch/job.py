@@ -1,4 +1,4 @@
-"""The job: analyse every file, and go on where one cannot be read."""
+"""The job: analyze every file, and go on where one cannot be read."""
 
 import os
 from collections.abc import Iterable, Sequence
@@ -46,9 +46,9 @@ def analyze_files(
     Raises
     ------
     DataError
-        None of the files can be analyzed.
+        No file is found, or none of them can be analyzed.
     UsageError
-        No file is found, an option is wrong, or a limit of a channel does not fit its kind of sensor.
+        An option is wrong, or a limit of a channel does not fit its kind of sensor.
 
     Examples
     --------

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError
 from allanite.readers.sandbox.packing import PROSE
 from allanite.readers.sandbox.source import STDIN
 
@@ -33,7 +33,7 @@ def several(named: Sequence[PathLike]) -> bool:
 
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
-    """The files that names stand for.
+    """The files that are meant by these names.
 
     Parameters
     ----------
@@ -50,8 +50,8 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
 
     Raises
     ------
-    UsageError
-        A folder holds no recording, or no file matches a pattern.
+    DataError
+        A folder cannot be read or holds no recording, or no file matches a pattern.
     """
     left = {os.path.realpath(path) for path in besides if path is not None}
     found: dict[str, str] = {}
@@ -72,7 +72,7 @@ def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
     files = [file for file in sorted(glob.glob(name, recursive=True)) if os.path.isfile(file)]
     files = [file for file in files if os.path.realpath(file) not in left]
     if not files:
-        raise UsageError(f"no file matches {name!r}; check the folder, and the pattern")
+        raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
     return files
 
 
@@ -80,11 +80,11 @@ def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
     try:
         inside = sorted(str(path) for path in Path(folder).iterdir() if path.is_file() and path.name[0] != ".")
     except OSError as error:
-        raise UsageError(f"the folder {folder!r} cannot be read ({error.strerror or error})") from None
+        raise DataError(f"the directory {folder!r} cannot be read ({error.strerror or error})") from None
     files = list(_recordings(inside, left))
     other = [os.path.basename(file) for file in inside if file not in files]
     if not files:
-        raise UsageError(f"the folder {folder!r} holds no recording; name its files, or a pattern such as '**/*.csv'")
+        raise DataError(f"the directory {folder!r} holds no recording; name its files, or a pattern such as '**/*.csv'")
     if other:
         shown = ", ".join(other[:5]) + (" ..." if len(other) > 5 else "")
         notes.append(f"left out of {folder}, by their names not recordings: {shown}")

@@ -56,9 +56,9 @@ def test_files_folders_and_patterns_name_units(folder):
 
 
 def test_names_that_stand_for_nothing_are_refused(folder, tmp_path):
-    with pytest.raises(al.UsageError, match=r"no file matches '.*\*\.npz'"):
+    with pytest.raises(al.DataError, match=r"no file matches '.*\*\.npz'"):
         expand([f"{folder}/*.npz"])
-    with pytest.raises(al.UsageError, match="holds no recording"):
+    with pytest.raises(al.DataError, match="holds no recording"):
         expand([tmp_path])
 
 
