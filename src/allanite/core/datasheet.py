@@ -76,9 +76,10 @@ def _name(e: Estimate) -> str:
 
 
 def _white(e: Estimate, level: float) -> Iterator[Entry]:
-    yield _entry(e, _name(e), e.sheet_unit, level)
+    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS["N"].power])):
+        yield _entry(e, _name(e), unit, level)
     for sides, factor, symbol in (("two", 1.0, "N"), ("one", ONE_SIDED, "sqrt(2) N")):
-        for unit in (u for u in e.signal.density if u != e.sheet_unit or factor > 1):
+        for unit in e.signal.density:
             found = _entry(e, f"noise density, {sides}-sided", unit, level, factor)
             yield found if found.remark else found._replace(remark=symbol)
 

@@ -284,7 +284,7 @@ def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
     result = run("analyze", sample, "--channels", "gz", "--method", "gls", "--report", paths[0], "--plot", paths[1])
     assert re.search(r"\|R\| +rate ramp +57\.4 +49\.6 \.\. 64\.2 +deg/h\^2", result.stdout)
     assert "+57" not in result.stdout
-    assert 'style="color: ' in re.search(r"<td[^>]*>\|R\|", paths[0].read_text(encoding="utf-8"))[0]
+    assert 'style="color: ' in re.search(r"<th[^>]*>\|R\|", paths[0].read_text(encoding="utf-8"))[0]
     assert re.search(r" R +rate ramp +-58 ", run("analyze", sample, "--channels", "gz").stdout)
 
 
@@ -292,5 +292,5 @@ def test_a_negative_square_is_explained():
     sample = ROOT / "examples" / "tactical_gyro.csv"
     result = run("analyze", sample, "--channels", "gy", "--method", "ls")
     assert re.search(r" R +rate ramp +-46\.46 +deg/h\^2 +negative", result.stdout)
-    assert "negative: the square of the coefficient comes out negative" in result.stdout
+    assert "negative: the estimated square of the coefficient is negative" in result.stdout
     assert "negative:" not in run("analyze", sample, "--channels", "gy").stdout

@@ -291,7 +291,7 @@ def test_the_page_loads_nothing(text):
 
 def test_the_pictures_are_in_the_page_and_share_no_names(text):
     tags = Tags(text).tags
-    assert [tag for tag, _ in tags].count("svg") == 10
+    assert [tag for tag, _ in tags].count("svg") == 11
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))

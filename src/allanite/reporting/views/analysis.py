@@ -1,13 +1,12 @@
 """How a study is shown."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
 from allanite.core.record import Record
@@ -27,29 +26,20 @@ from allanite.reporting.sheet import (
     columns,
     header_of,
     printable,
-    printed_unit,
 )
-from allanite.statistics import STATISTICS
-from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
 
 from . import Rows, View
 from .datasheet import alternative, card_of, data_sheet_table
-from .fit import coefficients, definitions, goodness_parts, plot_curves
+from .details import details, over_time, overlay
+from .fit import coefficients, definitions, plot_curves
 from .jobs import channel_sheet, job_face, source_of
 from .meaning import meanings
 from .readings import readings_table
-from .values import numbers_table, rows_of
+from .values import rows_of
 
 BRAND = "noise coefficients of an inertial sensor"
-
-STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
-RECORD = "Range and mean of short segments of the record."
-SPECTRUM = (
-    "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
-    "of white noise is sqrt(2) N."
-)
 
 EXPLAINED = {
     "whittle": (
@@ -95,7 +85,7 @@ def _face(study: Study, level: float) -> Face:
     return replace(
         job,
         header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
-        parts=[*job.parts, *_overlay(list(panels.values()), level)],
+        parts=[*job.parts, *overlay(list(panels.values()), level)],
         close=[*meanings(study), *_shared(study), *_statuses(study)],
         how=list(_how(study)),
         device=study.recipe.labels,
@@ -115,16 +105,6 @@ def _facts(study: Study) -> list[str]:
     return [*found, f"sha256 {digest[:12]}…"] if digest else found
 
 
-def _overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
-    """The curves of all channels in one figure."""
-    if len(panels) < 2:
-        return
-    names = ", ".join(panel.name for panel in panels)
-    title = STATISTICS[panels[0].curve.statistic].title
-    label = f"{title} of {names} in one panel"
-    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", "all channels")
-
-
 def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
@@ -140,7 +120,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
         if isinstance(channel.record, Record):
-            yield _over_time(channel.record)
+            yield over_time(channel.record)
         return
     yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
@@ -157,49 +137,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         # in the terminal only where there is no data sheet, most of which it repeats
         yield from () if channel.explained else (replace(table, where="text"),)
         yield Fold("read off the curve", [table], shut=True)
-    yield from _details(channel, level, panel)
-
-
-def _details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
-    """Residuals, record and spectrum; on the page only."""
-    assert channel.fit is not None  # noqa: S101 - the caller has looked
-    checked = list(goodness_parts(channel.fit, channel.residuals))
-    if channel.curve is not None and channel.fit.valid is not None and panel is not None:
-        label = f"observed over expected deviation of {channel.record.name} by averaging time"
-        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
-        checked.insert(0, strip)
-    yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
-    record = channel.record
-    if isinstance(record, Record):
-        yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)
-    if panel is not None:
-        shown = panel.curve.to(panel.unit)
-        yield numbers_table(shown, level, "the curve in numbers", where="page")
-
-
-def _over_time(record: Record) -> Drawing:
-    """The record over time, with its mean and spread as the words for it."""
-    unit = record.signal.sheet[0]
-    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
-    spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
-    label = f"{record.name or 'the record'} over {words.duration(record.duration)}: {spread}"
-    return Drawing(lambda: figures.plot_record(record), label, RECORD)
-
-
-def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
-    yield _over_time(record)
-    unit = record.signal.sheet[0]
-    try:
-        density = spectrum(record, bins=10)
-    except DataError as error:
-        yield Note(f"no spectrum: {error}", "quiet", where="page")
-        return
-    fits = {} if channel.fit is None else {record.name: channel.fit}
-    found = density.to(unit)
-    ends = " and ".join(f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)} at {found.frequency[i]:.3g} Hz"
-                        for i in (0, -1))  # fmt: skip
-    label = f"one-sided amplitude spectral density of {record.name}: {ends}"
-    yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)
+    yield from details(channel, level, panel)
 
 
 def _shared(study: Study) -> Iterator[Part]:

@@ -7,7 +7,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry
 from allanite.core.estimate import Estimate
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
 from allanite.reporting.digits import digits
@@ -20,7 +20,10 @@ KEY = (
     "spectrum analysers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
 )
-BADGES = {EXPLAINED: "✓ explained", APPROXIMATE: "≈ explained in part", UNEXPLAINED: "✗ not explained"}
+SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
+VALUED = ("identified", "weak", "reported")
+"""Status of the coefficients that a card shows."""
+
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
@@ -54,16 +57,15 @@ def card_of(channel: Channel, level: float) -> Card | None:
     if channel.fit is None:
         return Card("✗ no result", "alert", note=channel.refusal) if channel.refusal else None
     grade = channel.noise.validity if channel.noise else ""
+    badge = f"{SIGNS[grade]} {graded(grade, channel.fit.scope)}" if grade else ""
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
-        return Card(
-            BADGES[grade], "alert", tuple(_minimum(channel)), "; ".join(("Coefficients not valid", *points[:1]))
-        )
-    rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.claimed and e.value is not None]
+        return Card(badge, "alert", tuple(_minimum(channel)), "; ".join(("Coefficients not valid", *points[:1])))
+    rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.status in VALUED]
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
     length = words.duration(channel.record.duration)
     note = f"Not identified in {length}: {', '.join(absent)}" if absent else ""
-    return Card(BADGES.get(grade, ""), LEVELS.get(grade, ""), (*rows, *_minimum(channel)), note)  # type: ignore[arg-type]
+    return Card(badge, LEVELS.get(grade, ""), (*rows, *_minimum(channel)), note)  # type: ignore[arg-type]
 
 
 def _short(e: Estimate) -> str:

@@ -1,0 +1,76 @@
+"""What a page shows beside the coefficients: all channels in one figure, residuals, record and spectrum."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.record import Record
+from allanite.core.units import convert
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import Drawing, Fold, Note, Part, printed_unit
+from allanite.statistics import STATISTICS
+from allanite.statistics.spectra.spectrum import spectrum
+from allanite.study.analysis import Channel
+
+from .fit import goodness_parts
+from .values import numbers_table
+
+STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
+RECORD = "Range and mean of short segments of the record."
+SPECTRUM = (
+    "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
+    "of white noise is sqrt(2) N."
+)
+
+
+def overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
+    """The curves of all channels in one figure."""
+    if len(panels) < 2:
+        return
+    names = ", ".join(panel.name for panel in panels)
+    title = STATISTICS[panels[0].curve.statistic].title
+    label = f"{title} of {names} in one panel"
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", "all channels")
+
+
+def details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+    """Residuals, record and spectrum; on the page only."""
+    assert channel.fit is not None  # noqa: S101 - the caller has looked
+    checked = list(goodness_parts(channel.fit, channel.residuals))
+    if channel.curve is not None and channel.fit.valid is not None and panel is not None:
+        label = f"observed over expected deviation of {channel.record.name} by averaging time"
+        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
+        checked.insert(0, strip)
+    yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
+    record = channel.record
+    if isinstance(record, Record):
+        yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)
+    if panel is not None:
+        shown = panel.curve.to(panel.unit)
+        yield numbers_table(shown, level, "the curve in numbers", where="page")
+
+
+def over_time(record: Record) -> Drawing:
+    """The record over time, with its mean and spread as the words for it."""
+    unit = record.signal.sheet[0]
+    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
+    spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
+    label = f"{record.name or 'the record'} over {words.duration(record.duration)}: {spread}"
+    return Drawing(lambda: figures.plot_record(record), label, RECORD)
+
+
+def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+    yield over_time(record)
+    unit = record.signal.sheet[0]
+    try:
+        density = spectrum(record, bins=10)
+    except DataError as error:
+        yield Note(f"no spectrum: {error}", "quiet", where="page")
+        return
+    fits = {} if channel.fit is None else {record.name: channel.fit}
+    found = density.to(unit)
+    ends = " and ".join(f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)} at {found.frequency[i]:.3g} Hz"
+                        for i in (0, -1))  # fmt: skip
+    label = f"one-sided amplitude spectral density of {record.name}: {ends}"
+    yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)
