@@ -9,7 +9,7 @@ from allanite import __version__
 
 project = "allanite"
 author = "The allanite authors"
-copyright = "The allanite authors, MIT licence"  # noqa: A001 - Sphinx wants this name
+copyright = "The allanite authors, MIT license"  # noqa: A001 - Sphinx wants this name
 version = release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml"]

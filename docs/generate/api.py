@@ -42,7 +42,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     "angle": ("Angle sensors", "angle"),
     "errors": ("Errors", "AllaniteError DataError UnitError UsageError LongJobWarning"),
 }
-"""A page: its title, and the names that it describes. The name of a package stands for its public names."""
+"""A page: its title, and the names that it describes. A package means all its public names."""
 
 INNER = {"statistics": ("edf", "covariance", "integrated")}
 """Packages of which only these names are for users; of the others, whatever is not a module."""

@@ -19,4 +19,4 @@ def accuracies() -> list[str]:
 
 
 def _percent(error: float) -> str:
-    return "over 100 %" if error > 1 else f"{100 * error:.2g} %"
+    return "over\N{NO-BREAK SPACE}100\N{NO-BREAK SPACE}%" if error > 1 else f"{100 * error:.2g}\N{NO-BREAK SPACE}%"

@@ -21,10 +21,7 @@ BLIND = {1: "a constant angle", 2: "a constant rate", 3: "a constant rate and a 
 
 def statistic_index() -> list[str]:
     """All statistics side by side."""
-    rows = [
-        (f"[{name}]({name}.md)", row.title, BLIND.get(row.order, ""), _reach(row), typeset(row.use))
-        for name, row in STATISTICS.items()
-    ]
+    rows = [(f"[{name}]({name}.md)", row.title, _reach(row), typeset(row.use)) for name, row in STATISTICS.items()]
     return [
         "# Statistics", "",
         "Each is `al.deviation(record, name)` and `allanite deviation FILE --statistic name`, for any averaging "
@@ -32,7 +29,7 @@ def statistic_index() -> list[str]:
         "$x_{i+1} = x_i + \\tau_0 y_i$. An averaging factor m means $\\tau = m \\tau_0$; T is the duration of "
         "the record. "
         "[Choosing a statistic](../../choosing_statistic.md) says which one to use.", "",
-        *table(("", "name", "insensitive to", "longest τ", "use it for"), rows),
+        *table(("", "name", "longest τ", "use it for"), rows),
         "```{toctree}", ":hidden:", "", *STATISTICS, "```",
     ]  # fmt: skip
 

@@ -82,7 +82,7 @@ def term_page(symbol: str, folder: Path) -> list[str]:
         for signal in SIGNALS[:2]
     ]  # fmt: skip
     return [
-        f"# {symbol}: {_title(symbol)}", "", row.meaning[0].upper() + row.meaning[1:] + ".", "",
+        f"# {symbol}: {_title(symbol)}", "", typeset(row.meaning[0].upper() + row.meaning[1:]) + ".", "",
         f"$$\n{row.formula}\n$$", "", *_line(symbol), "",
         *figure(_term_figure(symbol, folder), _caption(row.title)),
         *sections(row, [("origin", "Where it comes from"), ("advice", "Reading and using it")]),
