@@ -100,7 +100,7 @@ class PooledChannel(Value):
     p : array, shape (k,)
         Of the variances being the same at each averaging time (Bartlett's test with the degrees of freedom).
     apart : dict
-        Runs that lie apart and the adjusted p of that, in the order in which they were removed.
+        Outlying runs with the adjusted p, in the order in which they were removed.
     rest : float
         p of one common model for the runs that are left.
     fits : tuple of Fit

@@ -1,4 +1,4 @@
-"""The records of several runs become a pooled channel: the common coefficients, the runs' scatter, which lie apart."""
+"""The records of several runs become a pooled channel: the common coefficients, the runs' scatter, the outlying runs."""
 
 import math
 from collections.abc import Sequence

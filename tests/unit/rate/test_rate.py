@@ -293,7 +293,11 @@ BAD = {
     "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
     "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
     "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "known estimators: mean, hamming"),
-    "an unknown target": (lambda: (np.ones(9), "mean", {"target": "end"}), al.UsageError, "known targets: mean, constant"),
+    "an unknown target": (
+        lambda: (np.ones(9), "mean", {"target": "end"}),
+        al.UsageError,
+        "known targets: mean, constant",
+    ),
     "too many lines": (
         lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}),
         al.UsageError,
