@@ -114,7 +114,7 @@ def test_a_part_against_the_rest(folder):
         (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
         (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["never changes"]),
         (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
-        (("before.csv", "before.csv"), 3, ["same readings"]),
+        (("before.csv", "before.csv"), 3, ["identical samples"]),
         (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
         (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
         (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),

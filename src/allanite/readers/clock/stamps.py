@@ -133,7 +133,7 @@ def _in_ticks(stamps: Stamps) -> Grid:
     if changes.size < 3:
         what = f"the time stamps of {label} change {changes.size} times in {elapsed.size} rows"
         return Grid(
-            findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse to determine the rate"
+            findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse for the rate"
         )
     found = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
