@@ -14,9 +14,7 @@ from allanite.readers import read
 )
 def test_r_matrix_of_an_imu(recordings, name, mean, std):
     path = recordings / f"{name}.rda"
-    with pytest.raises(
-        UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is unknown; pass the unit "
-    ):
+    with pytest.raises(UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is unknown; pass the unit "):
         read(path)
     gyros = read(path, unit="deg/s")
     assert gyros.channels == ("Gyro. X", "Gyro. Y", "Gyro. Z")

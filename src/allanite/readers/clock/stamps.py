@@ -132,9 +132,7 @@ def _in_ticks(stamps: Stamps) -> Grid:
     changes = np.flatnonzero(stamps.steps > 0) + 1
     if changes.size < 3:
         what = f"the time stamps of {label} change {changes.size} times in {elapsed.size} rows"
-        return Grid(
-            findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse for the rate"
-        )
+        return Grid(findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse for the rate")
     found = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
     if stamps.resolution > 0.5 * found.interval and not found.bursts:
