@@ -68,6 +68,7 @@ BANNED = (
     r"\bwhat (the|a) models? leaves? of\b",
     r"\bas (was|is) asked\b",
     r"\bwhat is being done and the fraction\b",
+    r"^Of (the|a|an|all|this) ",
 )
 """Regular expressions; a new text that one of them finds is to be written otherwise."""
 

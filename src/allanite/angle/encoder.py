@@ -53,7 +53,7 @@ def calibrate(
     orders : sequence of int
         Harmonics of the angle; 1 is the eccentricity.
     unit : str
-        Of arrays; records carry their own.
+        Unit of arrays; records have their own.
     sigma : float, optional
         Standard deviation of a difference's white noise, in `unit` (rad for records); by default it is estimated.
     trend : int

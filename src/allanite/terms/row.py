@@ -41,7 +41,7 @@ class Block:
     Attributes
     ----------
     names : tuple of (str, float)
-        Of each state: what it is, and the power of time that its unit carries beyond the signal.
+        Description of each state, and the power of time that its unit carries beyond the signal.
     F, Qc : arrays, shape (s, s)
         Continuous time.
     Phi : array, shape (s, s)
@@ -119,7 +119,7 @@ class NoiseTerm:
     typical : float
         For the documentation: an example coefficient, in the data-sheet unit of gyros.
     color : str
-        Of its line in figures, ``#RRGGBB``.
+        Color of its line in figures, ``#RRGGBB``.
     alpha : int or None
         Exponent of the spectral density of the rate, where that is one power of the frequency.
     per_sample : bool

@@ -123,7 +123,7 @@ def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]
 
 
 def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
-    """Of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
+    """Weights of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
     kinds = [(subset.free.tobytes(), len(subset.constants)) for subset in fitted]
     score = np.array([subset.score(penalty) for subset in fitted])
     share = [subset.prior / kinds.count(kind) for subset, kind in zip(fitted, kinds, strict=True)]
