@@ -31,13 +31,13 @@ REACH = 16.0
 """Excess of 2 L at which a profile ends."""
 
 GROWTH = 1.2
-"""Of the steps along a profile, of which the first is half a standard error."""
+"""Ratio of successive steps along a profile; the first is half a standard error."""
 
 STEPS = 200
 """Along a profile to either side, at most."""
 
 POINTS = 1001
-"""Of the coefficient at which a law is tabulated."""
+"""Number of values of the coefficient at which a law is tabulated."""
 
 FAR = 9.0
 """Standard deviations: beyond the end of a profile."""

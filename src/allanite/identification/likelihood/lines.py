@@ -124,7 +124,7 @@ class Periodogram:
 
 
 def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram:
-    """Periodogram of samples without their mean, NaN if missing, with the level of noise in the bins of their spectrum."""
+    """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
     from scipy.fft import rfft
 
     n = y.size
