@@ -41,7 +41,7 @@ BANNED = (
     r"\b(general|diagonal|maxim|discret|standard|recogn|quant|normal|summar|optim|initial)is(e|es|ed|ing|ation)\b",
     r"(?<![.`_(])\bminimis(e|es|ed|ing)\b(?![(`])",
     # "not a", not "no", before a noun that is predicated
-    r"\bis no (noise|integer|multiple|unit|description|sinusoid|recording|number)\b(?! to)",
+    r"(?<!there )\bis no (noise|integer|multiple|unit|description|sinusoid|recording|number)\b(?! to)",
     r"(?<!there )\bare no (outliers|recordings|sinusoids|noise)\b",
     # phrases of another language
     r"\bhonest\b",

@@ -85,7 +85,7 @@ def test_several_files_are_pooled(folder, tmp_path):
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
     result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
     assert result.exit_code == 0, result.stderr
-    assert "apart from the others: after.csv" in result.stdout
+    assert "different from the others: after.csv" in result.stdout
     assert "run by run" in result.stdout
     assert "run by run" in paths[0].read_text("utf-8").lower()
     assert paths[1].read_bytes().startswith(b"\x89PNG")

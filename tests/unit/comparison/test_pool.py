@@ -50,7 +50,7 @@ def test_the_run_that_lies_apart_is_named():
     assert list(channel.apart) == ["run 3"]
     assert channel.rest > 0.05
     assert not channel.alike
-    assert "apart from the others: run 3" in found.verdict
+    assert "different from the others: run 3" in found.verdict
     assert channel["N"].adjusted < 1e-6
     assert channel["N"].between > 3 * channel["N"].within
     assert channel.p[0] < 1e-6
