@@ -102,23 +102,23 @@ def drift(stamps, values, rng):
 
 
 FAULTS = {
-    "lost": ("lost samples", lost),
-    "outage": ("lost samples", outage),
-    "half lost": ("lost samples", half_lost),
+    "lost": ("missing samples", lost),
+    "outage": ("missing samples", outage),
+    "half lost": ("missing samples", half_lost),
     "jitter": ("jitter", jitter),
-    "bursts": ("bursty stamps", bursts),
-    "whole seconds": ("coarse stamps", whole_seconds),
-    "repeated rows": ("duplicate stamps", repeated_rows),
-    "repeated stamps": ("duplicate stamps", repeated_stamps),
-    "swapped rows": ("reversed stamps", swapped_rows),
-    "set back": ("reversed stamps", set_back),
-    "constant": ("constant stamps", constant),
+    "bursts": ("bursty time stamps", bursts),
+    "whole seconds": ("coarse time stamps", whole_seconds),
+    "repeated rows": ("duplicate time stamps", repeated_rows),
+    "repeated stamps": ("duplicate time stamps", repeated_stamps),
+    "swapped rows": ("reversed time stamps", swapped_rows),
+    "set back": ("reversed time stamps", set_back),
+    "constant": ("constant time stamps", constant),
     "drift": ("clock drift", drift),
 }
 RATES = {"bursts": 2e-3, "drift": 2e-3, "jitter": 1e-4, "whole seconds": 1e-4}
 """How closely the rate is known, where a stamp may be off by an interval or more."""
 
-ALONG = {("400 Hz in ms", "jitter"): ("duplicate stamps",)}
+ALONG = {("400 Hz in ms", "jitter"): ("duplicate time stamps",)}
 """What a fault brings along: jitter of more than an interval in stamps that are rounded to a part of it."""
 
 NO_RATE = ("set back", "constant")

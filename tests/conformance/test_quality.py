@@ -85,7 +85,7 @@ FAULTS = {
     "lines": line,
     "moving": motion,
     "level": level,
-    "quantised": coarse,
+    "quantized": coarse,
     "no dither": undithered,
 }
 

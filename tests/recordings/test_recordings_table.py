@@ -44,19 +44,19 @@ TABLE = [
         r"cut from 600 s to 900 s", r"300 s long",
     ), "psins"),
     Row(MPU + "gyroscope.mat", "info", "--unit deg/s --time 1", 0, 99.317138, (
-        r"bursty stamps .*491\.3 Hz from the median step, 99\.3171 Hz from the mean",
+        r"bursty time stamps .*491\.3 Hz from the median step, 99\.3171 Hz from the mean",
     ), "hdf5"),
     Row(MPU + "gyroscope.mat", "analyze", "--unit deg/s --time 1 --channels 2", 0, 99.317138, (
-        r"bursty stamps",
+        r"bursty time stamps",
     ), "hdf5"),
-    Row(MPU + "accelerometer.mat", "info", "--unit g --time 1", 0, 99.317138, (r"bursty stamps",), "hdf5"),
+    Row(MPU + "accelerometer.mat", "info", "--unit g --time 1", 0, 99.317138, (r"bursty time stamps",), "hdf5"),
     Row("phone_gyro4.txt", "info", "", 2, None, (r"unit is unknown", r"--unit deg/s", r"'column 3'")),
     Row("phone_gyro4.txt", "info", "--unit rad/s", 0, 5.0, (
         r"columns 1 and 2 are used as date and time of day", r"rate 5\.0 Hz from date and time",
-        r"stamps of 1 s", r"quantized to 0\.001 rad/s",
+        r"resolution of 1 s", r"quantized to 0\.001 rad/s",
     )),
     Row("phone_gyro4.txt", "analyze", "--unit rad/s --channels 3", 0, 5.0, (
-        r"stamps of 1 s", r"quantized to 0\.001 rad/s",
+        r"resolution of 1 s", r"quantized to 0\.001 rad/s",
     )),
     Row("adis_16405_imu1.rda", "info", "", 2, None, (r"unit is unknown", r"--unit deg/s"), "r"),
     Row("adis_16405_imu1.rda", "info", ADIS, 0, 100.0, (r"fit for the job",), "r"),

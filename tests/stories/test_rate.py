@@ -165,7 +165,7 @@ def test_lost_readings_are_named_or_split(folder):
     how = ("--rate", "10", "--unit", "deg/h", "--kind", "rate", "--noise", "N 0.0053 deg/sqrt(h)", "--interval", "60")
     refused = run(path, *how)
     assert refused.exit_code == 3
-    assert "1 of 4000 samples of 'z' are not finite, the first is sample 1234" in refused.stderr
+    assert "1 of 4000 samples of 'z' are not finite, the first at sample 1234" in refused.stderr
     split = run(path, *how, "--split-gaps")
     assert split.exit_code == 0, split.stderr
     assert "1 sample missing" in split.stdout

@@ -36,7 +36,7 @@ def caveats(
     gimbals, harmonics
         What moves, and the orders estimated of each angle.
     names : tuple of str
-        Of the constants, amplitudes first.
+        Names of the constants, amplitudes first.
     known : SquareRoot
         After all samples.
     prior : array or None

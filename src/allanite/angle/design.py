@@ -20,7 +20,7 @@ EQUATORIAL = ("h", "q")
 
 
 class Nuisance(NamedTuple):
-    """A constant that is estimated along: what it is, its power of time beyond an angle, and its column."""
+    """A constant that is estimated jointly: its meaning, its power of time beyond an angle, and its column."""
 
     meaning: str
     per_time: int
@@ -58,7 +58,7 @@ NUISANCES: dict[str, Nuisance] = {
     "A3": Nuisance("linear growth of it", 1, lambda g: g.time),
     "A0": Nuisance("a constant", 0, lambda g: np.ones(g.time.size)),
 }
-"""What is estimated along with the harmonics; all but A0 unless others are named.
+"""Constants estimated jointly with the harmonics; by default all but A0.
 
 The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(rho)``, are an assumption: a small vector
 fixed in the turning frame, seen along the measured direction. The literature names the two constants only.

@@ -29,7 +29,7 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
     if bad.any():
         first = int(bad.argmax())
         raise DataError(
-            f"{int(bad.sum())} of {bad.size} samples of {name} are not finite, the first is sample {first}; omit "
+            f"{int(bad.sum())} of {bad.size} samples of {name} are not finite, the first at sample {first}; omit "
             "those rows: the samples need not be evenly spaced"
         )
     return np.ascontiguousarray(array, dtype=np.float64)

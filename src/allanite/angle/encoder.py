@@ -53,7 +53,7 @@ def calibrate(
     orders : sequence of int
         Harmonics of the angle; 1 is the eccentricity.
     unit : str
-        Of arrays; records carry their own.
+        Unit of arrays; records have their own.
     sigma : float, optional
         Standard deviation of a difference's white noise, in `unit` (rad for records); by default it is estimated.
     trend : int
@@ -153,7 +153,7 @@ def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> 
     sectors = min(SECTORS, 1 << max(3, (angle.size // 8).bit_length() - 1))
     place = np.floor(np.mod(angle, 2 * math.pi) * (sectors / (2 * math.pi))).astype(np.int64) % sectors
     count = np.bincount(place, minlength=sectors)
-    # a turn that is not evenly covered mixes orders: then nothing is said
+    # a turn that is not evenly covered mixes orders: then no finding is given
     if count.min() < 0.2 * count.mean():
         return
     means = np.bincount(place, weights=left, minlength=sectors) / count

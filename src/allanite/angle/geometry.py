@@ -51,9 +51,9 @@ class Gimbals(Value):
     time : array, shape (n,)
         s, increasing, counted from the equatorial gyro's passage of h = 0.
     h, q : arrays, shape (n,)
-        Of the equatorial gyro, rad.
+        Gimbal angles of the equatorial gyro, rad.
     h_polar, q_polar : arrays, shape (n,), or float
-        Of the polar gyro, rad; on a still base the latitude and 0.
+        Gimbal angles of the polar gyro, rad; on a still base the latitude and 0.
     rho : array, shape (n,), optional
         Angle of the auto-compensating rotation, rad; without it its errors cannot be estimated.
 

@@ -52,11 +52,11 @@ class Harmonics(Correction):
     sine, cosine : arrays, shape (len(orders),)
         S and C, rad.
     covariance : array, shape (2 len(orders), 2 len(orders))
-        Of S, C, S, C, ..., rad^2; zero where the amplitudes are known.
+        Covariance of S, C, S, C, ..., rad^2; zero where the amplitudes are known.
     freedom : float
         Degrees of freedom that intervals have.
     name : str
-        Of the angle.
+        Name of the angle.
     solution : Solution, optional
         How they were estimated, with what else was.
 

@@ -36,7 +36,7 @@ class AngleSettings(Value):
     latitude : float
         rad.
     duration, interval : float
-        Of the experiment and between samples, s.
+        Length of the experiment, and time between samples, s.
     sigma : float
         Standard deviation of a sample's white noise, in any unit; results are in the same.
     q_law, turn_period, sway
@@ -90,12 +90,12 @@ class AnglePlan(Value):
     Attributes
     ----------
     names : tuple of str
-        Of the constants; amplitudes first, `amplitudes` of them.
+        Names of the constants; amplitudes first, `amplitudes` of them.
     errors : array, shape (p,)
         Expected standard deviations, in the unit of sigma.
     correlation : array, shape (p, p)
     condition : float
-        Of the samples alone, columns scaled.
+        Condition number of the samples alone, columns scaled.
     start : float
         s after h = 0.
     h : (low, high)

@@ -39,7 +39,7 @@ class Solution(Value):
     freedom : float
         Degrees of freedom that intervals have: infinite where sigma was given.
     condition : float
-        Of the samples alone, columns scaled.
+        Condition number of the samples alone, columns scaled.
     prior : array, shape (p,), or None
         Standard deviations before the samples, where they were said.
     history, innovations, checks, findings

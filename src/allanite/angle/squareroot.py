@@ -74,7 +74,7 @@ class SquareRoot(Value):
 
     @property
     def covariance(self) -> FloatArray:
-        """Of the estimate, shape (p, p)."""
+        """Covariance of the estimate, shape (p, p)."""
         inverse = self._inverse
         return inverse @ inverse.T
 

@@ -21,7 +21,7 @@ class Sway(Value):
     period : float
         s.
     heading : float
-        Of the ship, from north to east, rad.
+        Heading of the ship, from north to east, rad.
     """
 
     roll: float

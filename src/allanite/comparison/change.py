@@ -68,11 +68,11 @@ class Change(Value):
     p, adjusted : float
         p-value of the difference; the same after Holm's correction for all terms.
     limits : level -> (low, high)
-        Of the ratio.
+        Interval of the ratio.
     alpha : float
         Adjusted p below which the change is significant.
     frequency : float or None
-        Of a sinusoid, Hz.
+        Frequency of a sinusoid, Hz.
     needed : float or None
         Length of each record, s, needed to detect a change by a factor of 2, if these records do not resolve it.
     """

@@ -35,8 +35,8 @@ class Ratios(Value):
     p : array, shape (k,)
         p-value of each ratio, separately for each averaging time.
     limits : level -> (low, high)
-        Of the ratio of the variances: the law of a ratio of two weighted sums of chi-squares, which is Fisher's F with
-        both equivalent degrees of freedom where these are many.
+        Interval of the ratio of the variances, from the distribution of a ratio of two weighted sums of chi-squares;
+        with many degrees of freedom it is Fisher's F.
     """
 
     _also = ("ratio",)
@@ -95,7 +95,7 @@ class Pair(Value):
     Attributes
     ----------
     name : str
-        Of the channel; of both if they differ.
+        Name of the channel; of both if they differ.
     test : Homogeneity or None
         The likelihood ratio of one common model against two; None where only fits were at hand.
     changes : tuple of Change
@@ -113,7 +113,7 @@ class Pair(Value):
     alerts : tuple of str
         What must stand beside the numbers.
     whole : Fit or None
-        Of the record of which both are parts, in a study of truncation.
+        Fit of the record of which both are parts, in a study of truncation.
     paired : bool
         Whether both hold the same noise, and are compared sample by sample.
     """
@@ -141,7 +141,7 @@ class Pair(Value):
 
     @property
     def p(self) -> float:
-        """Of the whole: by the likelihood ratio, or the least adjusted one of the coefficients."""
+        """p-value of the whole: by the likelihood ratio, or the least adjusted one of the coefficients."""
         if self.test is not None:
             return self.test.p
         return min((change.adjusted for change in self.changes), default=math.nan)

@@ -32,7 +32,7 @@ def homogeneity(joint: Joint, rng: "np.random.Generator", *, draws: int = DRAWS)
     joint : Joint
     rng : numpy.random.Generator
     draws : int
-        Of the bootstrap, which stops early where p is far from small.
+        Number of draws of the bootstrap, which stops early if p is far from small.
 
     References
     ----------
@@ -150,7 +150,7 @@ def _tangent(phi: float) -> float:
 
 
 def outlying(joint: Joint) -> list[float]:
-    """Of each record, the probability that it would differ as much from all others by chance; shape (records,)."""
+    """For each record the probability that it would differ as much from all others by chance; shape (records,)."""
     free = joint.chosen.free
     parts, theta = joint.only(free), joint.chosen.theta[free]
     whole = np.ones(theta.size, dtype=bool)

@@ -113,7 +113,7 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
 
 
 def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[Record], list[str]]:
-    """The records with their outliers lost, unless the recipe keeps them, and what is said of that."""
+    """The records with their outliers lost, unless the recipe keeps them, and notes about that."""
     if recipe.outliers is not None:
         return list(records), []
     found = [outliers(record) for record in records]

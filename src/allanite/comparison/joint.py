@@ -150,7 +150,7 @@ def common_band(
 ) -> tuple[float, float]:
     """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
 
-    Of a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
+    For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
 
     Raises
     ------

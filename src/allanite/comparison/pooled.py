@@ -30,9 +30,9 @@ class PooledTerm(Value):
     value : float
         The coefficient that all runs have in common, SI; 0 where they show none.
     limits : level -> (low, high)
-        Of the common coefficient, if there is one.
+        Interval of the common coefficient, if there is one.
     runs : tuple of Estimate
-        Of each run by itself.
+        Estimates of each run by itself.
     between : float
         Standard deviation of the runs' coefficients, over the common one; NaN where that is 0.
     within : float
@@ -91,16 +91,16 @@ class PooledChannel(Value):
     ----------
     name : str
     test : Homogeneity or None
-        Of one common model against one for each run.
+        Test of one common model against one for each run.
     terms : tuple of PooledTerm
     curve : Curve or None
         Variances averaged by their degrees of freedom, which add up.
     curves : tuple of Curve
-        Of each run, at the same averaging times.
+        Curves of each run, at the same averaging times.
     p : array, shape (k,)
-        Of the variances being the same at each averaging time (Bartlett's test with the degrees of freedom).
+        p-value of equal variances at each averaging time (Bartlett's test with the degrees of freedom).
     apart : dict
-        Runs that lie apart and the adjusted p of that, in the order in which they were removed.
+        Outlying runs with the adjusted p, in the order in which they were removed.
     rest : float
         p of one common model for the runs that are left.
     fits : tuple of Fit

@@ -1,4 +1,4 @@
-"""The records of several runs become a pooled channel: the common coefficients, the runs' scatter, which lie apart."""
+"""From the records of several runs to a pooled channel: common coefficients, scatter, outlying runs."""
 
 import math
 from collections.abc import Sequence

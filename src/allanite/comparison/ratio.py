@@ -31,10 +31,10 @@ ALIKE = 0.005
 """Relative difference up to which two averaging times count as the same."""
 
 HALVINGS, STEPS = 45, 40
-"""Of the search for a saddlepoint, and at most of that for a quantile."""
+"""Steps of the search for a saddlepoint, and maximum number of steps for a quantile."""
 
 CONVERGED = 1e-5
-"""Of a quantile, as a normal deviate."""
+"""Accuracy of a quantile, as a normal deviate."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,7 +122,7 @@ def _own_name(source: Source | Job[Any]) -> str:
 def pair_channels(
     recordings: Sequence[Recording], *, ordered: bool = False
 ) -> tuple[list[tuple[str, tuple[Record, ...]]], tuple[str, ...]]:
-    """The records of each channel, by name or in order, and what is said of that."""
+    """The records of each channel, by name or in order, and notes about that."""
     names = [recording.channels for recording in recordings]
     common = [name for name in names[0] if all(name in others for others in names)]
     if common and not ordered:

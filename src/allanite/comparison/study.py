@@ -191,7 +191,7 @@ def truncation(
     Returns
     -------
     Comparison
-        Of the part with the rest; each `Pair.whole` is the fit of the whole.
+        Comparison of the part with the rest; each `Pair.whole` is the fit of the whole.
 
     Examples
     --------

@@ -27,7 +27,7 @@ class Together(Job[Compared]):
     ----------
     channels : tuple
     names : tuple of str
-        Of the recordings.
+        Names of the recordings.
     recipe, findings, notes, provenance
         As for `Job`; ``source 2`` and so on are the other recordings.
     """

@@ -26,7 +26,7 @@ class Collinearity(NamedTuple):
 
 
 def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> Collinearity:
-    """Of the columns of a design under the noise theta."""
+    """Collinearity of the columns of a design under the noise theta."""
     A = information(likelihood, theta)
     size = np.sqrt(np.diag(A))
     values = np.linalg.eigvalsh(A / np.outer(size, size))

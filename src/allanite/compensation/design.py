@@ -66,7 +66,7 @@ class Design:
 
     @property
     def taken(self) -> list[int]:
-        """Columns that a correction takes off: all but a trend."""
+        """Columns that a correction subtracts: all but a trend."""
         return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
 
     @property

@@ -35,7 +35,7 @@ class Mixture(Value):
     centres, spreads : arrays, shape (k, p)
         Generalized least-squares estimates and their standard errors.
     covariance : array, shape (p, p)
-        Of all together.
+        Covariance of all coefficients.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     Parameters
     ----------
     likelihood : Likelihood
-        Of `restricted`; its flat directions are the coefficients.
+        Likelihood of `restricted`; its flat directions are the coefficients.
     symbols : str
         Its terms.
 

@@ -36,12 +36,12 @@ class Regression(Correction):
     Attributes
     ----------
     signal : Signal
-        Of the record that was fitted.
+        Signal of the record that was fitted.
     name : str
         Its name.
     regressors : tuple of Regressor
     mixture : Mixture
-        Of the coefficients, SI per unit of the regressor.
+        Distribution of the coefficients, SI per unit of the regressor.
     chosen : tuple of bool
         Columns that cross-validation chose, of `candidates` optional ones.
     inflation, condition
@@ -51,7 +51,7 @@ class Regression(Correction):
     effective : float
         Effective samples: degrees of freedom of the noise, as a whole or where the regressors vary.
     inside : Gain
-        Of the record that was fitted.
+        Gain on the record that was fitted.
     held : Gain or None
         Gain on its blocks, each compensated with a fit to the rest of the record.
     notes : tuple of str

@@ -117,7 +117,7 @@ class Effect(Value):
     regressor : Regressor
     value, standard_error : float
     unit : str
-        Of both.
+        Unit of both.
     p : float
         p-value of no dependence; for a column that was chosen among several, multiplied by their number.
     low, high : float

@@ -40,7 +40,7 @@ class Residuals(Value):
     Attributes
     ----------
     name, rate, size
-        Of the record.
+        Name, sampling rate and size of the record.
     goodness : Goodness or None
         Observed over expected power by cells of frequency, of the fit.
     checks : tuple of Check

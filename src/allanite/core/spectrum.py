@@ -43,7 +43,7 @@ class Spectrum(Value):
         Equivalent noise bandwidth of the estimator, Hz: a sine of amplitude A has a one-sided density of about
         ``A^2 / (2 resolution)`` at its peak, where values are not binned.
     rate, name, history
-        Of the record.
+        Sampling rate, name and history of the record.
     """
 
     frequency: FloatArray

@@ -35,7 +35,7 @@ class Surface(Value):
     unit : str
         Unit of the deviation.
     name, rate, history
-        Of the record.
+        Sampling rate, name and history of the record.
     noise : Model, optional
         The model assumed for the confidence intervals.
     law : optional

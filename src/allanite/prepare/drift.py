@@ -17,7 +17,7 @@ MISSING = 0.1
 """Share of blocks without a sample above which no comparison is made."""
 
 CLEAR = 16.0
-"""Twice the gain of the log-likelihood above which a channel is said to follow another; see `follows`."""
+"""Twice the gain of the log-likelihood above which a channel follows another; see `follows`."""
 
 MUCH = 0.25
 """Share of the variance of the detrended block means that must be explained by the other channel."""

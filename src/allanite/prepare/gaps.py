@@ -163,7 +163,7 @@ def refusal(record: Record) -> str:
     infinite = np.isinf(record.values)
     if infinite.any():
         return (
-            f"{infinite.sum()} of {infinite.size} samples are infinite, the first is sample "
+            f"{infinite.sum()} of {infinite.size} samples are infinite, the first at sample "
             f"{int(infinite.argmax())}; if they are missing, replace them by NaN"
         )
     gaps = joined(record)[1]

@@ -9,7 +9,7 @@ from allanite.core.record import SHORTEST, Record
 from allanite.core.wording import between, percent, plural
 
 from .gaps import refusal
-from .readings import clipped, outliers, quantised, stuck
+from .readings import clipped, outliers, quantized, stuck
 from .resampled import resampled
 from .stillness import level, lines, moving, slope
 from .view import View
@@ -109,7 +109,7 @@ CHECKS: tuple[Callable[[View], Finding | None], ...] = (
     _short,
     stuck,
     clipped,
-    quantised,
+    quantized,
     outliers,
     resampled,
     level,

@@ -64,7 +64,7 @@ def clipped(view: View) -> Finding | None:
     return None
 
 
-def quantised(view: View) -> Finding | None:
+def quantized(view: View) -> Finding | None:
     """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
     found = rounding(view.steps, view.fast)
     if not found.coarse:
@@ -79,7 +79,7 @@ def quantised(view: View) -> Finding | None:
             "use a finer output of the sensor, or add dither before rounding",
         )
     return Finding(
-        "quantised",
+        "quantized",
         what,
         "rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q",
         "use a finer output of the sensor if N matters",

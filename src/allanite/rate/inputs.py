@@ -46,7 +46,7 @@ def demand_whole(record: Record) -> None:
     bad = ~np.isfinite(record.values)
     if bad.any():
         raise DataError(
-            f"{int(bad.sum())} of {bad.size} samples of {record.name!r} are not finite, the first is sample "
+            f"{int(bad.sum())} of {bad.size} samples of {record.name!r} are not finite, the first at sample "
             f"{int(bad.argmax())}; measure between the gaps ({spelled('--split-gaps', 'gaps=split')}), or select a "
             f"window without them ({windowing()})"
         )

@@ -25,7 +25,7 @@ HIDDEN = 1.2
 """Ratio of standard errors from which noise that was not identified is mentioned."""
 
 
-FAST = ("quantised", "resampled", "lines", "slope")
+FAST = ("quantized", "resampled", "lines", "slope")
 """Findings about single samples: where the noise is that of blocks, its alert says so already."""
 
 

@@ -51,7 +51,7 @@ def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
 
 
 def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) -> float:
-    """Of an estimator with these weights, SI; NaN where it cannot be predicted."""
+    """Standard error of an estimator with these weights, SI; NaN if it cannot be predicted."""
     return math.sqrt(variance(through_dither(weights, setting), setting) + row.excess(setting))
 
 

@@ -56,7 +56,7 @@ class RateEstimator:
         Variance beyond that of the weights, SI; NaN where it is not known.
     needs_model, needs_quantum : bool
     color : str
-        Of its line in figures, ``#RRGGBB``.
+        Color of its line in figures, ``#RRGGBB``.
     """
 
     name: str

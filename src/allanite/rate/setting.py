@@ -19,17 +19,17 @@ class EstimatorSettings(Value):
     Attributes
     ----------
     window : str
-        Of "hamming": any window that `scipy.signal.get_window` knows, taken symmetric.
+        For "hamming": any window that `scipy.signal.get_window` knows, taken symmetric.
     lines : int, optional
-        Of "conditional": number of regression lines, each starting one sample later; a 160th of the samples if left
+        For "conditional": number of regression lines, each starting one sample later; a 160th of the samples if left
         out, the 300 of 48000 of the paper.
     allowed : float, optional
-        Of "conditional": a line whose slope is farther from the median of slopes is dropped, SI; twice the robust
+        For "conditional": a line whose slope is farther from the median of slopes is dropped, SI; twice the robust
         standard deviation of the slopes if omitted (the paper gives no value).
     quantum : float, optional
-        Of "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
+        For "staircase": size of a step of the angle, in the record's unit (for a rate: times s); counts need none.
     certified : bool
-        Of "staircase": search until no better staircase can exist, however long that takes.
+        For "staircase": search until no better staircase can exist, however long that takes.
     """
 
     window: str = "hamming"

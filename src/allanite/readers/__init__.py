@@ -49,7 +49,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     kind : {"rate", "increment", "angle", "count"}, optional
         What a sample represents, if the unit does not determine it.
     scale : float or str, optional
-        Scale factor per count in `unit`; ``"0.01deg/s"`` gives both.
+        Scale factor per count, in `unit`; ``"0.01deg/s"`` gives both.
     channels : sequence of str, optional
         Names of columns, or their positions in the file counted from 1; by default all inertial signals.
     along : sequence of str, optional

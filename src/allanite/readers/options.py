@@ -69,7 +69,7 @@ class Options:
 
     @property
     def worth(self) -> float | None:
-        """Scale factor per count in `unit`."""
+        """Scale factor per count, in `unit`."""
         return None if self.scale is None else float(self.scale)
 
 

@@ -68,7 +68,7 @@ class StageNoise(Value):
 
     @property
     def share(self) -> float | None:
-        """Of the square of what was measured; None where nothing was."""
+        """Share of the measured variance; None if there is none."""
         return None if self.measured is None else (self.coefficient / self.measured) ** 2
 
     @property

@@ -26,7 +26,7 @@ class PathSettings(Value):
     torquer : TorqueScale or float, optional
         Its scale, or rad/s per A.
     sense : float, optional
-        Of the sensor of its current, V per A.
+        Gain of the current sensor, V per A.
     """
 
     stages: tuple[Stage, ...]

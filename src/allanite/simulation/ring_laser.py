@@ -115,7 +115,7 @@ def simulate_ring_laser(
     Returns
     -------
     Record
-        Of kind "count".
+        Record of kind "count".
 
     Examples
     --------

@@ -118,7 +118,7 @@ class Statistic:
     parts : tuple of Statistic
         What a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf.
     kept : (slope, share) -> float
-        Of a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
+        For a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
         Allan deviation has this slope, where m is this share of the record.
     scheme : Scheme
         How long windows are reduced; for a row with a `window` that is no difference.

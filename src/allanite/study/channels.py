@@ -168,7 +168,7 @@ def each_channel(
     *,
     findings: Sequence[Finding] = (),
     look: Callable[[Record], Quality] = inspect,
-    doing: str = "analysing",
+    doing: str = "analyzing",
     progress: Progress | None = None,
 ) -> tuple[Result, ...]:
     """Inspect every channel, and process those that can support the job.
@@ -229,7 +229,7 @@ def run(
     work: Callable[[Inspected], Any],
     refused: Callable[[Inspected, str], Any],
     *,
-    doing: str = "analysing",
+    doing: str = "analyzing",
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:

@@ -43,7 +43,7 @@ class _Markov:
 
     @cached_property
     def variance(self) -> float:
-        """Of a mean over one interval."""
+        """Variance of a mean over one interval."""
         return 2 * self.T**2 * float(_rest(np.array(self.u), 2))
 
     @cached_property

@@ -41,7 +41,7 @@ class Block:
     Attributes
     ----------
     names : tuple of (str, float)
-        Of each state: what it is, and the power of time that its unit carries beyond the signal.
+        Description of each state, and the power of time that its unit carries beyond the signal.
     F, Qc : arrays, shape (s, s)
         Continuous time.
     Phi : array, shape (s, s)
@@ -119,7 +119,7 @@ class NoiseTerm:
     typical : float
         For the documentation: an example coefficient, in the data-sheet unit of gyros.
     color, dark : str
-        Of its line and name on a light and on a dark ground, ``#RRGGBB``.
+        Color of its line and name on a light and on a dark ground, ``#RRGGBB``.
     dash : tuple of float
         Lengths of the dashes and gaps of its line, in line widths.
     alpha : int or None

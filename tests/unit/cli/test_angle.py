@@ -175,7 +175,7 @@ def test_broken_files(tmp_path, gimbal):
     assert done.exit_code == 3
     assert "the difference of cosines are not finite, the first at sample 8" in done.stderr
     broken.write_text("\n".join([lines[0].replace("[rad]", ""), *lines[1:]]))
-    assert "the unit of column 'rho' is not known" in estimate(broken).stderr
+    assert "the unit of column 'rho' is unknown" in estimate(broken).stderr
     broken.write_text("no numbers here\n")
     assert estimate(broken).exit_code == 3
 

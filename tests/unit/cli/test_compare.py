@@ -85,7 +85,7 @@ def test_several_files_are_pooled(folder, tmp_path):
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
     result = run(*files, "--channels", "x", "--report", paths[0], "--plot", paths[1], "--csv", paths[2])
     assert result.exit_code == 0, result.stderr
-    assert "apart from the others: after.csv" in result.stdout
+    assert "different from the others: after.csv" in result.stdout
     assert "run by run" in result.stdout
     assert "run by run" in paths[0].read_text("utf-8").lower()
     assert paths[1].read_bytes().startswith(b"\x89PNG")
@@ -114,7 +114,7 @@ def test_a_part_against_the_rest(folder):
         (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
         (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["never changes"]),
         (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
-        (("before.csv", "before.csv"), 3, ["same readings"]),
+        (("before.csv", "before.csv"), 3, ["identical samples"]),
         (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
         (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
         (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),

@@ -216,7 +216,7 @@ REFUSED = [
     ((), 2, "name at least one regressor"),
     (("--regressors", "temp", "--degree", "9"), 2, "from 1 to 6"),
     (("--regressors", "temp", "--lags", "a"), 2, "expected seconds"),
-    (("--derivative-of", "temp", "--smooth", "5"), 2, "60 s or more"),
+    (("--derivative-of", "temp", "--smooth", "5"), 2, "at least 60 s"),
     (("--regressors", "temp", "--terms", "R"), 2, "noise terms"),
     (("--regressors", "temp", "--least", "1e6"), 3, "effective samples"),
     (("--regressors", "temp", "--corrected", "c.xyz"), 2, ".xyz"),

@@ -50,7 +50,7 @@ def test_all_faults_at_once(tmp_path):
     assert result.exit_code == 0, result.stderr
     truth = json.loads(result.stdout)
     steps = truth["channels"][0]["history"]
-    begins = ["simulated", "constant", "low-pass", "noise", "", "0 readings clipped", "angle rounded", ""]
+    begins = ["simulated", "constant", "low-pass", "noise", "", "0 samples clipped", "angle rounded", ""]
     assert all(step.startswith(begin) for step, begin in zip(steps, begins, strict=True))
     assert truth["model"]["terms"][1]["time_constant"] == 20.0
     assert (truth["seed"], truth["size"], truth["rate"]) == (1, 5000, 100.0)

@@ -278,11 +278,11 @@ def noisy(n=4000, rate=RATE, unit="deg/s", seed=1, name="z"):
 @pytest.mark.parametrize(
     ("other", "words"),
     [
-        (noisy(unit="m/s^2", name="ax", seed=2), ["gyro", "accelerometer (ax)", "one kind"]),
+        (noisy(unit="m/s^2", name="ax", seed=2), ["gyro", "accelerometer (ax)", "one type"]),
         (al.Record(np.full(4000, 2.5), RATE, "deg/s"), ["record 2", "never changes"]),
-        (noisy(n=150), ["150 readings", "at least 200"]),
-        (noisy(rate=0.001, seed=2), ["no band of frequencies in common", "record longer"]),
-        (noisy(), ["same readings"]),
+        (noisy(n=150), ["150 samples", "at least 200"]),
+        (noisy(rate=0.001, seed=2), ["no frequency band in common", "record longer"]),
+        (noisy(), ["identical samples"]),
     ],
     ids=["sensor", "constant", "short", "band", "same"],
 )

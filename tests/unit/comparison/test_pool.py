@@ -50,7 +50,7 @@ def test_the_run_that_lies_apart_is_named():
     assert list(channel.apart) == ["run 3"]
     assert channel.rest > 0.05
     assert not channel.alike
-    assert "apart from the others: run 3" in found.verdict
+    assert "different from the others: run 3" in found.verdict
     assert channel["N"].adjusted < 1e-6
     assert channel["N"].between > 3 * channel["N"].within
     assert channel.p[0] < 1e-6
@@ -90,10 +90,10 @@ def test_the_beginning_of_a_record_agrees_with_the_whole():
 def test_what_cannot_be_pooled():
     with pytest.raises(al.UsageError, match="at least three runs, not 2"):
         al.pool([run(1), run(2)])
-    with pytest.raises(al.DataError, match="same readings"):
+    with pytest.raises(al.DataError, match="identical samples"):
         al.pool([run(1), run(2), run(1)])
     other = al.Record(np.random.default_rng(1).standard_normal(4096), 100.0, "m/s^2", name="z")
-    with pytest.raises(al.DataError, match="one kind"):
+    with pytest.raises(al.DataError, match="one type"):
         al.pool([run(1), run(2), other])
     x, y = (replace(run(seed), name=name) for seed, name in ((1, "x"), (2, "y")))
     with pytest.raises(al.UsageError, match="no channel in common"):

@@ -192,7 +192,7 @@ def test_gaps_are_an_error_or_split_the_record():
     values = record.values.copy()
     values[1000:1010] = np.nan
     holed = al.Record(values, 1.0, "rad/s", name="z")
-    with pytest.raises(al.DataError, match=r"10 readings of 'z' .* lost; .*split"):
+    with pytest.raises(al.DataError, match=r"10 samples of 'z' .* missing; .*split"):
         compensate(holed, TEMP, ["temp"])
     found = compensate(holed, TEMP, ["temp"], settings=FitSettings(split_gaps=True))
     assert found["temp"].low < 1e-5 < found["temp"].high
@@ -236,12 +236,12 @@ SLOW = al.Record(cycles(360), 0.1, "degC", name="slow")
 HOLED = channel(np.where(HOUR == 7, np.nan, TEMP.values), name="holed")
 ALONG = al.Recording((TEMP, FLAT, DOUBLE, SLOW, HOLED))
 WRONG = [
-    ({"regressors": ["flat"]}, al.DataError, r"'flat' never changes \(always 21 degC\)"),
+    ({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
     ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
     (
         {"regressors": ["slow"]},
         al.DataError,
-        r"'slow' \(0.1 Hz, 360 readings\) does not have the sample times .*interpolate",
+        r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned",
     ),
     ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
     ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
@@ -253,8 +253,8 @@ WRONG = [
     ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
     ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
     ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
-    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*--least"),
-    ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "60 s or more"),
+    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
+    ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "at least 60 s"),
 ]
 
 
@@ -279,9 +279,9 @@ def test_settings_are_checked(options, words):
 def test_records_that_are_no_use_are_said_to_be():
     with pytest.raises(al.DataError, match="at least 200"):
         compensate(gyro(1, n=100), channel(cycles(100)), ["temp"])
-    with pytest.raises(al.DataError, match="never changes"):
+    with pytest.raises(al.DataError, match="is constant"):
         compensate(channel(np.zeros(3600), "deg/s", "z"), TEMP, ["temp"])
-    with pytest.raises(al.DataError, match="'z' explain 'z' wholly"):
+    with pytest.raises(al.DataError, match="'z' explain 'z' completely"):
         compensate(gyro(1), gyro(1), ["z"])
     with pytest.raises(al.UsageError, match="no channels were given"):
         compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))

@@ -242,7 +242,7 @@ REFUSED = {
         lambda y: np.put(y, np.arange(0, 5000, 2), np.nan),
         "of 2500 that remain, 0 are followed by the next one",
     ),
-    "infinite": (lambda y: y[7:9].fill(np.inf), "2 of 5000 samples are infinite, the first is sample 7"),
+    "infinite": (lambda y: y[7:9].fill(np.inf), "2 of 5000 samples are infinite, the first at sample 7"),
 }
 
 

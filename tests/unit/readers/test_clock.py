@@ -49,9 +49,9 @@ def test_a_gap_is_marked_with_place_size_and_remedy(stamped):
     assert (record.size, record.rate) == (1050, pytest.approx(100.0))
     assert np.flatnonzero(np.isnan(record.values)).tolist() == list(range(600, 650))
     assert record.history == ("50 missing samples marked as gaps",)
-    finding = only(recording, "lost samples")
+    finding = only(recording, "missing samples")
     assert finding.place == pytest.approx((6.0, 6.5))
-    for words in ("50 samples", "4.8 %", "1 gap", "of 0.5 s at 6 s", "--from", "--time none"):
+    for words in ("50 samples", "4.8 %", "1 gap", "of 0.5 s at 6 s", "time='none'"):
         assert words in str(finding)
     assert any("50 missing intervals" in note for note in recording.notes)
     closed = read(stamped(stamps), time="none", rate=100)
@@ -77,7 +77,7 @@ def test_of_bursts_only_the_mean_is_taken_and_never_the_median(stamped):
     bursts = (np.arange(100)[:, None] * 0.1 + np.arange(10) * 0.002).ravel()
     recording = read(stamped(bursts))
     assert recording["gx"].rate == pytest.approx(999 / bursts[-1])
-    finding = only(recording, "bursty stamps")
+    finding = only(recording, "bursty time stamps")
     assert "500 Hz from the median step" in finding.what
     assert read(stamped(bursts), rate=100)["gx"].rate == 100.0
 
@@ -89,8 +89,8 @@ def test_a_clock_that_is_set_back_is_refused(stamped):
         DataError, match=r"1 time stamp of column 'time \[s\]' is earlier than the previous one, the first in row 501"
     ) as caught:
         read(stamped(stamps))
-    assert "--rate" in str(caught.value)
-    finding = only(read(stamped(stamps), rate=100), "reversed stamps")
+    assert "rate=" in str(caught.value)
+    finding = only(read(stamped(stamps), rate=100), "reversed time stamps")
     assert "2.99 s" in finding.what
 
 
@@ -99,27 +99,27 @@ def test_a_clock_that_is_set_forward_is_refused(stamped):
     stamps[3:] += 1.7e9
     with pytest.raises(DataError, match=r"jump by 1\.7e\+09 s before row 4 of the data"):
         read(stamped(stamps))
-    assert "is ignored" in only(read(stamped(stamps), rate=100), "lost samples").consequence
+    assert "is ignored" in only(read(stamped(stamps), rate=100), "missing samples").consequence
 
 
 def test_stamps_of_whole_seconds(stamped):
     recording = read(stamped((np.arange(1002) + 2) // 5))
     assert recording["gx"].rate == 5.0
-    assert "stamps of 1 s" in only(recording, "coarse stamps").what
+    assert "resolution of 1 s" in only(recording, "coarse time stamps").what
 
 
 def test_a_second_that_is_missing_from_whole_seconds(stamped):
     stamps = np.delete(np.arange(1000) // 5, np.s_[500:510])
     recording = read(stamped(stamps))
     assert recording["gx"].rate == 5.0
-    assert [f.name for f in recording.findings] == ["lost samples", "coarse stamps"]
+    assert [f.name for f in recording.findings] == ["missing samples", "coarse time stamps"]
     assert np.flatnonzero(np.isnan(recording["gx"].values)).tolist() == list(range(500, 510))
 
 
 def test_constant_stamps_are_asked_around(stamped):
-    with pytest.raises(UsageError, match=r"all time stamps .* are equal .*--rate 100"):
+    with pytest.raises(UsageError, match=r"all time stamps .* are equal .*rate=100"):
         read(stamped(np.zeros(50)))
-    only(read(stamped(np.zeros(50)), rate=100), "constant stamps")
+    only(read(stamped(np.zeros(50)), rate=100), "constant time stamps")
 
 
 def test_missing_stamps(stamped):
@@ -141,7 +141,7 @@ def test_a_drifting_clock_is_no_gap(stamped):
 
 def test_one_lost_sample_of_many(stamped):
     recording = read(stamped(np.delete(np.arange(1001), 500) * 0.01))
-    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "lost samples").what
+    assert "1 sample (0.1 %) missing in 1 gap" in only(recording, "missing samples").what
     assert np.isnan(recording["gx"].values[500])
 
 
@@ -156,7 +156,7 @@ def test_rows_out_of_order(stamped):
     stamps = np.arange(200) * 0.01
     stamps[[50, 51]] = stamps[[51, 50]]
     recording = read(stamped(stamps))
-    assert "row 52 of the data by 10 ms" in only(recording, "reversed stamps").what
+    assert "row 52 of the data by 10 ms" in only(recording, "reversed time stamps").what
     plain = read(stamped(np.arange(200) * 0.01))["gx"].values
     assert recording["gx"].values[[50, 51]].tolist() == plain[[51, 50]].tolist()
 
@@ -206,7 +206,7 @@ def test_a_packet_counter_tells_the_losses_but_not_the_rate(tmp_path):
     recording = read(path, rate=100)
     assert recording.channels == ("gx",)
     assert recording["gx"].size == steps.sum() + 1
-    finding = only(recording, "lost samples")
+    finding = only(recording, "missing samples")
     assert "according to the counter column 'Packet number'" in finding.what
     assert np.isnan(recording["gx"].values[:8]).tolist() == [False, False, True, False, False, True, True, False]
 
@@ -243,13 +243,13 @@ def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(tmp_path):
 def test_integer_stamps_without_unit(stamped, step, unit, rate):
     recording = read(stamped(np.arange(200) * step, "stamp"))
     assert recording["gx"].rate == pytest.approx(rate)
-    assert any(f"taken as {unit}" in note for note in recording.notes)
+    assert any(f"assumed to be in {unit}" in note for note in recording.notes)
 
 
 @pytest.mark.parametrize("step", [1, 1000, 1_000_000, 100_000_000_000])
 def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
     path = stamped(np.arange(200) * step, "stamp")
-    with pytest.raises(UsageError, match=r"--time 'stamp\[ms\]'"):
+    with pytest.raises(UsageError, match=r"time='stamp\[ms\]'"):
         read(path)
     assert read(path, time="stamp[us]")["gx"].rate == pytest.approx(1e6 / step)
     assert read(path, rate=50)["gx"].rate == 50.0

@@ -33,7 +33,7 @@ def two_sensors(tmp_path):
 
 def test_several_sensors_are_listed_and_chosen(two_sensors):
     with pytest.raises(
-        UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*--channels"
+        UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*channels="
     ):
         al.read(two_sensors)
     gyro = al.read(two_sensors, channels=["imu0/gyro"])
@@ -130,7 +130,7 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
 def test_cut_and_foreign_files_of_every_suffix(tmp_path, two_sensors):
     whole = two_sensors.read_bytes()
     two_sensors.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(DataError, match="damaged or was cut off"):
+    with pytest.raises(DataError, match="damaged or incomplete"):
         al.read(two_sensors)
     for suffix in (".h5", ".parquet", ".rda", ".mat", ".npz", ".zip", ".gz"):
         (tmp_path / f"b{suffix}").write_bytes(RNG.bytes(3000))
@@ -144,7 +144,7 @@ def test_a_missing_library_is_named_with_its_extra(two_sensors, tmp_path, monkey
         al.read(two_sensors)
     with pytest.raises(UsageError, match=r"pip install 'allanite\[hdf5\]'"):
         al.write(al.Record([1.5, 2.5], 1.0, "deg/s"), tmp_path / "b.h5")
-    with pytest.raises(UsageError, match=r"read by rdata, .*pip install 'allanite\[r\]'"):
+    with pytest.raises(UsageError, match=r"needs rdata, .*pip install 'allanite\[r\]'"):
         al.read(r_file(tmp_path / "a.rds", b""))
 
 
@@ -188,7 +188,7 @@ def test_structures_and_what_is_no_number(tmp_path, compress):
 
 def test_an_ascii_mat_is_text(tmp_path):
     np.savetxt(tmp_path / "a.mat", np.column_stack((np.arange(60) * 0.01 + 3, GYRO)))
-    with pytest.raises(UsageError, match=r"--rate 100.*'column 2'.*--unit deg/s.*time='1'"):
+    with pytest.raises(UsageError, match=r"rate=100.*'column 2'.*unit="):
         al.read(tmp_path / "a.mat")
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
@@ -243,7 +243,7 @@ def test_a_time_series_of_r(tmp_path):
     [
         ("0000000e 7fffffff", "claimed"),  # numbers
         ("0000000e ffffffff 00000001 00000000", "claimed"),  # of a long vector
-        ("00000013 0fffffff", "too short"),  # a list
+        ("00000013 0fffffff", "more than the file can hold"),  # a list
         ("00000009 7fffffff", "claimed"),  # a text
         ("00000015", "claimed"),  # byte code
         ("000000ff", "rdata failed"),  # a reference
@@ -269,7 +269,7 @@ def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
 
     whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
     assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
-    with pytest.raises(DataError, match="800 bytes are claimed, 480 are there"):
+    with pytest.raises(DataError, match="800 bytes are claimed, but only 480 are left"):
         al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s")
 
 
@@ -288,7 +288,7 @@ def test_a_million_empty_entries_do_not_take_long(tmp_path):
 
     path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
     start = time.process_time()
-    with pytest.raises(DataError, match="over 100000 lists"):
+    with pytest.raises(DataError, match="more than 100000 lists"):
         al.read(path, rate=1, unit="deg/s")
     assert time.process_time() - start < 2
 
@@ -358,7 +358,7 @@ def test_an_archive_with_several_asks(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for name in ("run/a.csv", "run/b.csv"):
             archive.writestr(name, "gx [deg/s]\n" + "1.5\n2.5\n" * 9)
-    with pytest.raises(UsageError, match=r"2 files.*run/a\.csv, run/b\.csv.*::run/a\.csv"):
+    with pytest.raises(UsageError, match=r"2 readable files.*run/a\.csv, run/b\.csv.*::run/a\.csv"):
         al.read(tmp_path / "a.zip", rate=1)
     with pytest.raises(UsageError, match=r"no member 'c\.csv'; it contains run/a\.csv"):
         al.read(f"{tmp_path / 'a.zip'}::c.csv", rate=1)
@@ -421,7 +421,7 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
         al.read(tmp_path / "a.zip")
     whole = (tmp_path / "a.zip").read_bytes()
     (tmp_path / "a.zip").write_bytes(whole[:-30])
-    with pytest.raises(DataError, match="cut off"):
+    with pytest.raises(DataError, match="is incomplete"):
         al.read(tmp_path / "a.zip")
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         for i in range(30_000):
@@ -442,14 +442,14 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
         ({"dtype": "O"}, "unknown number type 'O'"),
         ({"dtype": "i3"}, "unknown number type"),
         ({"dtype": "S4"}, "unknown number type"),
-        ({"dtype": "i2", "columns": 0}, "whole number from 1"),
-        ({"dtype": "i2", "columns": True}, "whole number from 1"),
-        ({"dtype": "i2", "offset": -1}, "whole number from 0"),
+        ({"dtype": "i2", "columns": 0}, "whole number of at least 1"),
+        ({"dtype": "i2", "columns": True}, "whole number of at least 1"),
+        ({"dtype": "i2", "offset": -1}, "whole number of at least 0"),
         ({"dtype": "u4,i2", "columns": 2}, "whole row"),
         ({"dtype": "i2", "columns": 10**30}, "more than a row"),
         ({"columns": 3}, "raw binary"),
         ({"dtype": 2}, "text such as 'i2'"),
-        ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "another unit"),
+        ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "contradicts"),
         ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
     ],
 )

@@ -153,7 +153,7 @@ def test_unknown_channel_lists_channels(write):
 def test_missing_rate_and_unit_are_asked_for_together(write):
     with pytest.raises(UsageError) as caught:
         read(write("gx,gy\n" + "1.5,2.5\n" * 20))
-    for words in ("rate=100", "--rate 100", "unit='deg/s'", "--unit deg/s", "'gx', 'gy'"):
+    for words in ("rate=100", "unit=...", "'gx', 'gy'"):
         assert words in str(caught.value)
 
 
@@ -162,13 +162,13 @@ def test_an_ambiguous_kind_is_asked_for_with_the_difference(write, unit):
     path = write("x\n" + "1\n2\n" * 20)
     with pytest.raises(UsageError) as caught:
         read(path, rate=100, unit=unit, scale=0.1)
-    assert "--kind" in str(caught.value)
+    assert "kind=" in str(caught.value)
     assert all(repr(kind) in str(caught.value) for kind in KINDS)
     assert read(path, rate=100, unit=unit, kind="count", scale=0.1)["x"].values.dtype == np.int64
 
 
 def test_a_kind_that_the_unit_contradicts(write):
-    with pytest.raises(UsageError, match="does not fit kind 'increment'"):
+    with pytest.raises(UsageError, match="does not match kind 'increment'"):
         read(write(GOOD), kind="increment")
 
 

@@ -244,7 +244,7 @@ def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
     with pytest.raises(UsageError, match="png, svg, pdf"):
         plot(study, path=tmp_path / "a.jpg")
     (tmp_path / "a.png").touch()
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="force=True"):
         plot(study, path=tmp_path / "a.png")
     plot(study, path=tmp_path / "a.png", force=True)
 
@@ -319,7 +319,7 @@ def test_warnings_stand_above_the_numbers_of_the_page(text):
 
 def test_the_page_is_not_overwritten(study, tmp_path):
     report(study, tmp_path / "page.html")
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="force=True"):
         report(study, tmp_path / "page.html")
     report(study, tmp_path / "page.html", force=True)
 

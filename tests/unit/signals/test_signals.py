@@ -179,7 +179,7 @@ def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale,
     values = np.clip(values * full_scale / limit, -full_scale, full_scale - stage.step)
     record = al.Record(values, 1000.0, "deg/s", name="x")
     if count > 50:
-        with pytest.raises(al.DataError, match=r"readings of 'x' \(0.\d+ %\) are clipped at the ends of ADC, 12 bits"):
+        with pytest.raises(al.DataError, match=r"samples of 'x' \(0.\d+ %\) are clipped at the ends of ADC, 12 bits"):
             al.budget(record, [stage])
         return
     found = al.budget(record, [stage])
@@ -190,7 +190,7 @@ def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale,
 def test_both_ends_of_a_converter_count_as_clipped():
     stage = al.Stage("ADC", 3, 4.0, "V")
     ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, "V")
-    with pytest.raises(al.DataError, match="4 of 16 readings"):
+    with pytest.raises(al.DataError, match="4 of 16 samples"):
         rate_from_current(ends, 1.0, sense=1.0, stage=stage)
     inner = al.Record([-3, -2, -1, 0, 1, 2] * 2, 1.0, "V")
     assert rate_from_current(inner, 1.0, sense=1.0, stage=stage).size == 12

@@ -212,7 +212,7 @@ def test_what_is_refused():
     lost[3] = np.nan
     for call, error, words in [
         (lambda: al.spectrum(record, "periodogram"), al.UsageError, "known methods: welch, multitaper"),
-        (lambda: al.spectrum(record, sides="both"), al.UsageError, "'one' or 'two'-sided"),
+        (lambda: al.spectrum(record, sides="both"), al.UsageError, "'one' or 'two'"),
         (lambda: al.spectrum(record, bins=0), al.UsageError, "per decade"),
         (lambda: al.spectrum(record, bins=2.5), al.UsageError, "per decade"),
         (lambda: al.spectrum(record).interval(95), al.UsageError, "between 0 and 1"),

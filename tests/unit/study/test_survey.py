@@ -131,7 +131,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
         (
             ["spectrum", "{file}", "--tapers", "5"],
             2,
-            "'tapers' is not a setting of 'welch'; its settings: segment, window",
+            "not a setting of 'welch'; its settings: segment, window",
         ),
         (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
         (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),

@@ -31,7 +31,7 @@ CLAIM = 4.0
 
 @dataclass(frozen=True)
 class Moments:
-    """Of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
+    """Moments of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
 
     `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
     """
@@ -197,7 +197,7 @@ def _estimates(
 
 
 def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Of the squares, every term being free, shape (t,); infinite for a term that is not seen."""
+    """Standard errors of the squares, with every term free, shape (t,); infinite for a term that is not observed."""
     A, _ = whitened(X, variance, covariance)
     size = np.sqrt((A**2).sum(axis=0))
     seen = size > 0

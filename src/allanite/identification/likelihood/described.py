@@ -70,7 +70,7 @@ def _filter(found: Found) -> LowPass | None:
 
 
 def expected_power(found: Found) -> FloatArray:
-    """Of the terms in every bin, without a filter, shape (bins,)."""
+    """Power of the terms in every bin, without a filter, shape (bins,)."""
     m = found.chosen.likelihood.expectation(found.chosen.theta) / found.part.gain[found.used]
     if found.used.all():
         return m

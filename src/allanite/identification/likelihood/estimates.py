@@ -53,11 +53,11 @@ class Scale:
         return tuple(found)
 
     def coefficient(self, symbol: str, theta: float) -> float:
-        """Of a theta."""
+        """Coefficient of a theta."""
         return self.coefficient_of(symbol, math.sqrt(max(theta, 0.0)))
 
     def coefficient_of(self, symbol: str, eta: float) -> float:
-        """Of the root of a theta, with its sign."""
+        """Coefficient of the root of a theta, with its sign."""
         return eta * self.factor * math.pow(self.rate, -TERMS[symbol].power)
 
 
@@ -80,7 +80,7 @@ class LawLimits:
 
 
 def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
-    """Of a term of noise, absent unless no other term could take its place."""
+    """Estimate of a noise term, absent unless no other term could take its place."""
     limited, valued = found.laws(which) or (None, None)
     law = LawLimits(symbol, limited, scale)
     limits, upper = Remembered(law), Remembered(law.upper)

@@ -102,7 +102,7 @@ class Found(Portable):
         return self.fitted[-1]
 
     def profile(self, which: int) -> Profile:
-        """Of the likelihood of one theta, nothing omitted that could take its place."""
+        """Profile of the likelihood of one theta, nothing omitted that could take its place."""
         return Profile(self.everything, which)
 
     @property
@@ -145,7 +145,7 @@ class Found(Portable):
         return found
 
     def laws(self, which: int) -> tuple[Law, Law] | None:
-        """Of a coefficient: the law of its limits and that of its value; None where no model has the term.
+        """Laws of a coefficient: the law of its limits and that of its value; None where no model has the term.
 
         Whether the limits hold zero is a matter of evidence, as the value is.
         """

@@ -31,13 +31,13 @@ REACH = 16.0
 """Excess of 2 L at which a profile ends."""
 
 GROWTH = 1.2
-"""Of the steps along a profile, of which the first is half a standard error."""
+"""Ratio of successive steps along a profile; the first is half a standard error."""
 
 STEPS = 200
 """Along a profile to either side, at most."""
 
 POINTS = 1001
-"""Of the coefficient at which a law is tabulated."""
+"""Number of values of the coefficient at which a law is tabulated."""
 
 FAR = 9.0
 """Standard deviations: beyond the end of a profile."""
@@ -123,7 +123,7 @@ def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]
 
 
 def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
-    """Of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
+    """Weights of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
     kinds = [(subset.free.tobytes(), len(subset.constants)) for subset in fitted]
     score = np.array([subset.score(penalty) for subset in fitted])
     share = [subset.prior / kinds.count(kind) for subset, kind in zip(fitted, kinds, strict=True)]

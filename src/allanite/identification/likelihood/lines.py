@@ -79,7 +79,7 @@ def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Periodogram:
-    """Of the samples under a Hann window, over the noise's power (`level`); missing samples are zero.
+    """Periodogram of the samples under a Hann window, over the noise's power (`level`); missing samples are zero.
 
     `power`, at k / n periods a sample, shape (n // 2 + 1,), is of noise alone exponentially distributed with mean 1.
     `weighted` are the samples times the window, `total` and `square` sums of it and its square over those there.
@@ -124,7 +124,7 @@ class Periodogram:
 
 
 def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram:
-    """Of samples without their mean, NaN where they are lost, and the level of noise in the bins of their spectrum."""
+    """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
     from scipy.fft import rfft
 
     n = y.size

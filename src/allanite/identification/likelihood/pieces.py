@@ -102,7 +102,7 @@ class Pieces(Portable):
 
     @cached_property
     def weight(self) -> list[FloatArray]:
-        """Of each coefficient in its bin, for each length: one over its variance under the ratio, except for c."""
+        """Weight of each coefficient in its bin, by length: one over its variance under the ratio, except for c."""
         return [1 / (1 + self.ratio * angle_power(int(L))) for L in self.length]
 
     def mean(self, each: list[FloatArray], nothing: FloatArray) -> FloatArray:
@@ -153,7 +153,7 @@ class Pieces(Portable):
         return replace(self, length=middle, times=np.add.reduceat(readings, first) / middle)
 
     def _variances(self, term: NoiseTerm, L: int) -> FloatArray:
-        """Of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
+        """Variances of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
         w, _ = rate_weights(L, self.ratio)
         u = sine(np.ones(L))
         if term.edge or term.slope == WHITE:  # C is T or 1: S'CS is diagonal

@@ -85,7 +85,7 @@ class Portion(Portable):
 
     @cached_property
     def gain(self) -> FloatArray:
-        """Of the filter in each bin, 1 without one, shape (bins,)."""
+        """Gain of the filter in each bin, 1 without one, shape (bins,)."""
         return np.ones(self.used.size) if self.filter is None else self.filter.gain(self.seen)
 
     @cached_property

@@ -38,7 +38,7 @@ class Subset:
 
     @cached_property
     def variances(self) -> FloatArray:
-        """Of the free thetas, shape (free terms,)."""
+        """Variances of the free thetas, shape (free terms,)."""
         return _variances(self.likelihood, self.theta, self.free)
 
     def score(self, penalty: float | FloatArray) -> float:
@@ -159,7 +159,7 @@ class Profile(Portable):
 
 
 def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) -> float:
-    """Of theta[which], from the expected information of the subset's terms.
+    """Standard error of theta[which], from the expected information of the subset's terms.
 
     `slope` is how the expected power of the bins changes with something else that is unknown too, shape (bins,).
     """

@@ -14,7 +14,7 @@ from .grid import Places, resolution
 _CLOCK = ("--time", "time=...")
 
 FAULTS: dict[str, tuple[str, str, tuple[str, str]]] = {
-    "lost samples": (
+    "missing samples": (
         "they are marked as gaps, nothing is put in their place",
         "choose a window without them, or ignore the time stamps: {}",
         ("--time none --rate HZ", "time='none', rate=..."),
@@ -25,29 +25,29 @@ FAULTS: dict[str, tuple[str, str, tuple[str, str]]] = {
         "use the clock of the sensor ({}) if the file has it",
         _CLOCK,
     ),
-    "bursty stamps": (
+    "bursty time stamps": (
         "they tell when samples arrived, not when they were taken: only their mean rate is used, and missing samples "
         "remain undetected",
         "use the clock of the sensor ({}) if the file has it",
         _CLOCK,
     ),
-    "coarse stamps": (
+    "coarse time stamps": (
         "the rate is counted from the first change of the time stamp to the last, and single missing samples remain "
         "undetected",
         "log finer time stamps, or the counter of the sensor",
         _CLOCK,
     ),
-    "duplicate stamps": (
+    "duplicate time stamps": (
         "the rows are used one after the other, in the order of the file",
         "check the logger: samples that are written twice make the noise look smaller",
         _CLOCK,
     ),
-    "reversed stamps": (
+    "reversed time stamps": (
         "the rows are used in the order of the file",
         "check the logger; if the rows are out of order, sort the file by time stamp",
         _CLOCK,
     ),
-    "constant stamps": (
+    "constant time stamps": (
         "the clock gives no information, and missing samples remain undetected",
         "use another clock ({})",
         _CLOCK,
@@ -126,7 +126,7 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
     most = (
         f", the longest of {longest.size * interval:.4g} s at {longest.at:.6g} s" if longest.size > first.size else ""
     )
-    return finding("lost samples", count + where + most, (first.at, float(places[holes[-1] + 1]) * interval))
+    return finding("missing samples", count + where + most, (first.at, float(places[holes[-1] + 1]) * interval))
 
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
@@ -136,7 +136,7 @@ def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
         return ()
     count = counted(int(equal.sum()), "stamp", f" of {stamps.label}")
     which = f"{count} equal to the previous one, although the samples differ"
-    return (finding("duplicate stamps", f"{which}; the first is in row {int(np.argmax(equal)) + 2} of the data"),)
+    return (finding("duplicate time stamps", f"{which}; the first is in row {int(np.argmax(equal)) + 2} of the data"),)
 
 
 def bursty(stamps: Stamps, mean: float) -> Finding:
@@ -144,7 +144,7 @@ def bursty(stamps: Stamps, mean: float) -> Finding:
     steps = stamps.steps
     spread = f"steps from {duration(float(steps.min()))} to {duration(float(steps.max()))}"
     rates = f"{1 / float(np.median(steps)):.4g} Hz from the median step, {1 / mean:.6g} Hz from the mean"
-    return finding("bursty stamps", f"bursty time stamps in {stamps.label}: {rates}; {spread}")
+    return finding("bursty time stamps", f"bursty time stamps in {stamps.label}: {rates}; {spread}")
 
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:

@@ -49,7 +49,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
         what = f"all time stamps of {label} are equal"
-        return Grid(findings=(finding("constant stamps", what),), trouble=what)
+        return Grid(findings=(finding("constant time stamps", what),), trouble=what)
     equal = stamps.steps == 0
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
         return _once(stamps, np.flatnonzero(np.concatenate(([True], ~equal))))
@@ -64,7 +64,7 @@ def _once(stamps: Stamps, rows: Places) -> Grid:
         f"{counted(count, 'row')} identical to the previous one, time stamp and samples, the first in row "
         f"{first + 1} of the data"
     )
-    found = finding("duplicate stamps", what, consequence="each is used once")
+    found = finding("duplicate time stamps", what, consequence="each is used once")
     return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
 
 
@@ -80,12 +80,12 @@ def _reversed(stamps: Stamps) -> Grid:
     grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
     if grid is not None:
         said = "sorted, they are evenly spaced: the rows were out of order and have been sorted by time"
-        found = finding("reversed stamps", what, consequence=said, remedy="check the logger")
+        found = finding("reversed time stamps", what, consequence=said, remedy="check the logger")
         return replace(grid, rows=order, findings=(found, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
-        return Grid(stamps.mean, findings=(finding("reversed stamps", what),))
+        return Grid(stamps.mean, findings=(finding("reversed time stamps", what),))
     cause = "a clock that was set, two recordings in one file, or rows out of order"
-    return Grid(findings=(finding("reversed stamps", f"{what}: {cause}"),), trouble=f"{what}: {cause}")
+    return Grid(findings=(finding("reversed time stamps", f"{what}: {cause}"),), trouble=f"{what}: {cause}")
 
 
 def _in_order(stamps: Stamps) -> Grid | None:
@@ -93,7 +93,7 @@ def _in_order(stamps: Stamps) -> Grid | None:
     if stamps.steps.min() < 0.3 * float(np.median(stamps.steps)):
         return None
     grid = _forward(stamps)
-    doubtful = {"jitter", "bursty stamps", "coarse stamps"} & {found.name for found in grid.findings}
+    doubtful = {"jitter", "bursty time stamps", "coarse time stamps"} & {found.name for found in grid.findings}
     return None if grid.trouble or doubtful else grid
 
 
@@ -132,16 +132,16 @@ def _in_ticks(stamps: Stamps) -> Grid:
     changes = np.flatnonzero(stamps.steps > 0) + 1
     if changes.size < 3:
         what = f"the time stamps of {label} change {changes.size} times in {elapsed.size} rows"
-        return Grid(findings=(finding("coarse stamps", what),), trouble=f"{what}: too coarse to determine the rate")
+        return Grid(findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse for the rate")
     found = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
     if stamps.resolution > 0.5 * found.interval and not found.bursts:
         coarse = finding(
-            "coarse stamps",
+            "coarse time stamps",
             f"time stamps with a resolution of {duration(stamps.resolution)} in {label}, {each} rows per step",
         )
     else:
-        coarse = finding("bursty stamps", f"bursty time stamps in {label}: groups of {each} equal ones")
+        coarse = finding("bursty time stamps", f"bursty time stamps in {label}: groups of {each} equal ones")
     if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return Grid(span / int(changes[-1] - changes[0]), findings=(coarse,))
@@ -160,7 +160,7 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
             f"up to row {int(np.argmin(gaps)) + 2} of the data there are more rows than the time stamps of "
             f"{stamps.label} allow"
         )
-        return Grid(findings=(*found, finding("duplicate stamps", what)), trouble=what)
+        return Grid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
         what = (
@@ -169,7 +169,7 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
             "logger was stopped"
         )
         closed = finding(
-            "lost samples", what, consequence="the rows are assumed to be evenly spaced, the jump is ignored"
+            "missing samples", what, consequence="the rows are assumed to be evenly spaced, the jump is ignored"
         )
         return Grid(findings=(*found, closed), trouble=what)
     holes = (lost_samples(places, interval, f"according to the time stamps of {stamps.label}"),) if lost else ()

@@ -77,7 +77,7 @@ def choose(
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
     reasons = _grouped((f"{item.why}:", item.column) for item in left)
     if (signals and chosen is None) or not left:
-        return Choice(signals, notes, tuple(f"not used, {reason}" for reason in reasons), ())
+        return Choice(signals, notes, tuple(f"left out, {reason}" for reason in reasons), ())
     asked = [
         f"{names}: {why}; {ask}" for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
     ]
@@ -169,7 +169,7 @@ def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Le
     said = _said(column) if column.kind or headers.signal_of(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
-        return Left(column, "unknown unit", _ask_unit())
+        return Left(column, "the unit is unknown", _ask_unit())
     kept = unit == column.unit
     kind = (options.kind if applies else None) or (column.kind if kept else "")
     fits = [name for name, (power, _, _) in KINDS.items() if signal_with(unit_of(unit).dimension, power)]

@@ -119,7 +119,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
-    notes = [*notes, *([f"not used, of different length, clock or shape: {', '.join(left[:20])}"] if left else [])]
+    notes = [*notes, *([f"left out, of different length, clock or shape: {', '.join(left[:20])}"] if left else [])]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
     columns = list[Column]()
     for dataset in family:

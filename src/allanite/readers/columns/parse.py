@@ -82,7 +82,7 @@ def _whole_rows(body: bytes | memoryview, layout: Layout) -> tuple[bytes | memor
     if start == 0 or len(last) >= layout.width:
         return body, ()
     end = len(body) - min(len(body), 65536) + start
-    note = f"the last line ({decoded(tail[start:])[:40]!r}) has {len(last)} of {layout.width} columns and was ignored"
+    note = f"the last line ({decoded(tail[start:])[:40]!r}) has {len(last)} of {layout.width} columns and was left out"
     return body[:end], (note,)
 
 

@@ -23,7 +23,7 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
         said = process.said
         with worded():
             found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
-        notes = [f"not used, not numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
+        notes = [f"left out, not numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
         return recording(rated(found, said["numbers"]), options, notes, said["description"])
 
 

@@ -44,7 +44,7 @@ def read(path: str, options: Options) -> Recording:
                 left.append(field.name)
             else:
                 columns.append(_column(file, field, place, names[: place - 1].count(field.name)))
-    notes = (f"not used, lists or structures: {', '.join(left)}",) if left else ()
+    notes = (f"left out, lists or structures: {', '.join(left)}",) if left else ()
     table = Table(tuple(c for c in columns if c.name not in index), rate, "the metadata of the file", notes)
     return restored(table, text).recording(options)
 

@@ -76,10 +76,10 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
     share : float
         Probability of an outlier per sample, 0 to 1.
     size : float
-        Of the spikes, in `unit`; without a unit in standard deviations of the fast noise, which are those of the first
+        Size of the outliers, in `unit`; without a unit in standard deviations of the fast noise: those of the first
         differences over the square root of 2.
     unit : str
-        Of rates, or of the samples.
+        Unit of rates, or of the samples.
     rng : numpy.random.Generator
 
     Examples

@@ -23,7 +23,7 @@ class Dither:
     amplitude : float
         In steps of the quantizer: the half width of a uniform random dither, or the amplitude of a sinusoid.
     frequency : float, optional
-        Of the sinusoid, Hz; None for random dither.
+        Frequency of the sinusoid, Hz; None for random dither.
     stripped : bool
         Taken off again after rounding, as it is known to the readout.
     """
@@ -65,11 +65,11 @@ def quantize_rate(
     Parameters
     ----------
     record : Record
-        Of kind "rate".
+        Record of kind "rate".
     lsb : float
         The step, in `unit`.
     unit : str
-        Of a rate.
+        Unit of a rate.
     dither : Dither, optional
     rng : numpy.random.Generator
         For random dither.
@@ -106,11 +106,11 @@ def quantize_angle(
     Parameters
     ----------
     record : Record
-        Of kind "rate" or "increment".
+        Record of kind "rate" or "increment".
     lsb : float
         The step, in `unit`.
     unit : str
-        Of an angle (of a velocity for accelerometers).
+        Unit of an angle (of a velocity for accelerometers).
     dither : Dither, optional
         Added to the angle.
     rng : numpy.random.Generator
@@ -119,7 +119,7 @@ def quantize_angle(
     Returns
     -------
     Record
-        Of kind "count", each worth `lsb`; of kind "increment" where a dither was stripped.
+        Record of kind "count", each of size `lsb`; of kind "increment" if a dither was subtracted.
 
     Examples
     --------

@@ -28,7 +28,7 @@ STEPS = 5
 
 
 class Spectrum(NamedTuple):
-    """Of a form with the sum 1: its `leading` eigenvalues, descending, and the sum of `squares` of all."""
+    """A form with the sum 1: its `leading` eigenvalues, descending, and the sum of `squares` of all."""
 
     leading: FloatArray
     squares: float

@@ -90,8 +90,8 @@ class Local:
     """What the law of a point takes from the terms of a model, whatever their sizes.
 
     `E` are their expectations, shape (t,), `r` their relative covariances, shape (t, t), `kept` what the scatter of a
-    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is there where windows with lost
-    samples count.
+    hybrid's own bias ratio leaves of the degrees of freedom, shape (t,); `means` is given if incomplete
+    windows count.
     """
 
     row: Statistic

@@ -103,7 +103,7 @@ class Windows:
 
     @property
     def weight(self) -> FloatArray:
-        """Of each delta^2 in the variance, shape (w,)."""
+        """Weight of each delta^2 in the variance, shape (w,)."""
         norm = float(self.row.norm(np.array([self.m]))[0]) / float((self.signs**2).sum())
         return np.asarray(self.h**2 / (self.m * self.h.sum() * norm))
 
@@ -127,7 +127,7 @@ class Windows:
         return time.astype(np.float64), -np.diff(np.pad(rate, ((0, 0), (1, 1))), axis=1)
 
     def variances(self, term: NoiseTerm) -> FloatArray:
-        """Of the delta under a term of coefficient 1, unit sample interval, shape (w,)."""
+        """Variance of the delta under a term of coefficient 1, unit sample interval, shape (w,)."""
         if term.edge:
             step = self.signs / self.count
             own = np.einsum("wp,wp->w", step**2, 2.0 * (self.count - self._inner))
@@ -151,7 +151,7 @@ class Windows:
         return self.there.steps(border - 1, border)
 
     def covariances(self, term: NoiseTerm, near: "Windows") -> FloatArray:
-        """Of each delta with those of its own row of `near`, windows w x l, shape (w, l)."""
+        """Covariance of each delta with those of its own row of `near`, windows w x l, shape (w, l)."""
         w, one = self.start.size, near.signs / near.count
         other = one.reshape(w, -1, self.signs.size)
         if not term.edge and term.slope != WHITE:

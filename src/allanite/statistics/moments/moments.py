@@ -124,7 +124,7 @@ def relative(row: Statistic, terms: Sequence[NoiseTerm], m: int, runs: Runs) -> 
 def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
     """The runs that hold a window of m, by their number of windows, each as the shortest run with as many.
 
-    Of very many different numbers, neighbours within a few per cent share the one nearest to their mean.
+    With very many different numbers, neighbours within a few per cent share the one nearest to their mean.
     """
     lengths = Counter[int]()
     for size, times in runs:

@@ -23,7 +23,7 @@ EXACT = (32, 48, 64)
 def response(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Expected variance of each term for a sample interval of 1, shape (t,), without the factor tau^(2 power).
 
-    Of the total deviation, or a row with a `window` that is no difference; `size` matters to the former alone.
+    For the total deviation, or a row with a `window` that is no difference; `size` matters to the former alone.
     """
     if row.window is None:
         return folded.response(row, terms, m, size)
