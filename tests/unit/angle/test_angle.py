@@ -205,7 +205,7 @@ def test_large_known_noise_and_drift_are_noticed(seed):
     assert any("correlated" in w for w in found.warnings)
     assert {row[-1] for row in al.angle.estimate(drifting, gimbals).rows()[1]} <= {"weak", "absent"}
     z[100] += 1e-5
-    assert any("reading 100 " in w for w in al.angle.estimate(z, gimbals).solution.warnings)
+    assert any("sample 100 " in w for w in al.angle.estimate(z, gimbals).solution.warnings)
 
 
 def test_checks_are_right_as_often_as_they_say():

@@ -123,4 +123,4 @@ def test_the_still_stretch_of_a_part_is_in_times_of_the_recording():
     (part,) = trim(whole, 400.0, 1000.0)
     motion = moving(View(part))
     assert motion.what.startswith("moves from 699.2 s")
-    assert motion.remedy == "the longest static stretch: --from 400 --until 699"
+    assert motion.remedy == "the longest static stretch: prepare.trim(recording, 400, 699)"
