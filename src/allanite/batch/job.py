@@ -36,7 +36,7 @@ def analyze_files(
     besides : iterable of path
         Files in the folders that are not recordings.
     progress : callable, optional
-        Called with what is being done and the fraction that is finished.
+        Called with the current step and the completed fraction.
 
     Returns
     -------

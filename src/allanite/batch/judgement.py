@@ -120,7 +120,7 @@ def _seen(channel: Channel, symbol: str, level: float) -> Seen:
 def _minimum(channel: Channel, level: float) -> Seen:
     found = channel.readings.minimum if channel.readings else None
     if channel.readings is None or found is None:
-        return Seen(reason="the curve has no minimum that can be read (it is read of oadev with --taus log)")
+        return Seen(reason="the curve has no minimum; it is determined for oadev at averaging times 'log' only")
     if not channel.readings.inside:
         return Seen(upper=found.interval(level)[1], reason="not reached in this record")
     return Seen(found.deviation, *found.interval(level))

@@ -21,7 +21,7 @@ MEMS = Device(
         ),
         "B": Cause(
             "bias instability",
-            ("flicker of the electronics and of other parts",),
+            ("flicker noise of the electronics and of other parts",),
             ("estimate the bias in the navigation filter", "averaging longer than the minimum of the curve is no use"),
             "Woodman 2007, section 3.2.3; allanite",
         ),
@@ -35,7 +35,7 @@ MEMS = Device(
         "R": Cause(
             "rate ramp",
             ("self-heating after it is switched on", "temperature that rises or falls during the record"),
-            ("leave out the warm-up (--from)", "calibrate the bias over temperature"),
+            ("exclude the warm-up", "calibrate the bias over temperature"),
             "Woodman 2007, section 3.2.4; Shiau; allanite",
         ),
         "GM": Cause(
@@ -55,7 +55,8 @@ ACCELEROMETER = Device(
         "Q": Cause(
             "velocity quantization noise",
             ("an output of velocity increments in whole steps",),
-            ("finer steps of the output", "it does not add up: for navigation beyond seconds it can be ignored"),
+            ("finer steps of the output",
+             "it does not accumulate: beyond a few seconds of navigation it can be ignored"),
             "IEEE 952, Annex C (of the same output of a gyro); allanite",
         ),
         "N": Cause(
@@ -66,20 +67,21 @@ ACCELEROMETER = Device(
         ),
         "B": Cause(
             "bias instability",
-            ("flicker of the electronics and of other parts",),
+            ("flicker noise of the electronics and of other parts",),
             ("estimate the bias in the navigation filter",),
             "Woodman 2007, section 4.2.3; allanite",
         ),
         "K": Cause(
             "acceleration random walk",
-            ("temperature that wanders", "a support whose tilt wanders: 1 arcsec changes a horizontal axis by 4.8 ug"),
+            ("slowly varying temperature",
+             "a support whose tilt wanders: 1 arcsec changes a horizontal axis by 4.8 ug"),
             ("calibrate the bias over temperature", "a massive pier; measure its tilt beside the sensor"),
             "Woodman 2007, section 4.2.4 (temperature); allanite",
         ),
         "R": Cause(
             "acceleration ramp",
             ("self-heating after it is switched on", "a support that tilts steadily"),
-            ("leave out the warm-up (--from)", "calibrate the bias over temperature"),
+            ("exclude the warm-up", "calibrate the bias over temperature"),
             "Woodman 2007, section 4.2.4 (temperature); allanite",
         ),
     },

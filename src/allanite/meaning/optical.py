@@ -1,4 +1,4 @@
-"""Optical gyroscopes: ring laser and fibre optic."""
+"""Optical gyroscopes: ring laser and fiber optic."""
 
 from .device import Cause, Device
 
@@ -9,8 +9,8 @@ RLG = Device(
     {
         "Q": Cause(
             "quantization noise",
-            ("the output is counted in whole pulses of the interference fringes",),
-            ("it does not add up: for navigation beyond seconds it can be ignored",),
+            ("the output counts whole interference fringes",),
+            ("it does not accumulate: beyond a few seconds of navigation it can be ignored",),
             "IEEE 647, Annex C; allanite",
         ),
         "N": Cause(
@@ -23,22 +23,22 @@ RLG = Device(
         ),
         "B": Cause(
             "bias instability",
-            ("flicker of the electronics", "flicker of the plasma discharge"),
-            ("record the currents of the discharge beside the rate; see whether 'allanite compensate' takes it off",),
+            ("flicker noise of the electronics", "flicker noise of the plasma discharge"),
+            ("record the discharge currents together with the rate; check whether 'allanite compensate' removes it",),
             "IEEE 647, Annex C (sources); allanite",
         ),
         "K": Cause(
             "rate random walk",
-            ("uncertain; perhaps the beginning of an exponentially correlated process of long correlation time",
-             "temperature that wanders"),
-            ("record longer, and with the temperature; see whether 'allanite compensate' takes it off",),
+            ("uncertain; possibly an exponentially correlated process with a long correlation time",
+             "slowly varying temperature"),
+            ("record longer, and with the temperature; check whether 'allanite compensate' removes it",),
             "IEEE 647, Annex C (sources); allanite",
         ),
         "R": Cause(
             "rate ramp",
-            ("slow monotonic change of the intensity of the laser", "warming up after it is switched on",
+            ("slow monotonic change of the intensity of the laser", "warm-up after switch-on",
              "a platform that accelerates slowly"),
-            ("leave out the warm-up (--from)", "control the intensity", "compensate by temperature"),
+            ("exclude the warm-up", "control the intensity", "compensate by temperature"),
             "IEEE 647, Annex C (sources); allanite",
         ),
     },
@@ -46,42 +46,44 @@ RLG = Device(
 
 FOG = Device(
     "fog",
-    "fibre-optic gyroscope",
+    "fiber-optic gyroscope",
     ("gyro",),
     {
         "Q": Cause(
             "quantization noise",
             ("the digital nature of the output",),
-            ("finer steps of the output", "it does not add up: for navigation beyond seconds it can be ignored"),
+            ("finer steps of the output",
+             "it does not accumulate: beyond a few seconds of navigation it can be ignored"),
             "IEEE 952, Annex C; allanite",
         ),
         "N": Cause(
             "angle random walk",
             ("noise of the light with a correlation time much shorter than a sample: shot noise and relative intensity "
-             "noise of the source", "thermal phase noise of the fibre, in long coils"),
+             "noise of the source", "thermal phase noise of the fiber, in long coils"),
             ("suppress the intensity noise of the source by feedback", "a higher modulation frequency, against thermal "
              "phase noise"),
             "IEEE 952, Annex C (correlation time); arXiv:2208.11213 (intensity and phase noise, both remedies)",
         ),
         "B": Cause(
             "bias instability",
-            ("electronics and other parts that flicker",),
-            ("record supply and temperature beside the rate; see whether 'allanite compensate' takes it off",),
+            ("flicker noise of electronics and other components",),
+            ("record supply voltage and temperature together with the rate; check whether 'allanite compensate' "
+             "removes it",),
             "IEEE 952, Annex C (source); allanite",
         ),
         "K": Cause(
             "rate random walk",
-            ("uncertain; perhaps the beginning of an exponentially correlated process of long correlation time",
-             "gradients of temperature that wander along the coil (Shupe effect)"),
-            ("quadrupolar winding", "no heat source near the ends of the fibre",
-             "record the temperature; see whether 'allanite compensate' takes it off"),
+            ("uncertain; possibly an exponentially correlated process with a long correlation time",
+             "varying temperature gradients along the coil (Shupe effect)"),
+            ("quadrupolar winding", "no heat source near the ends of the fiber",
+             "record the temperature; check whether 'allanite compensate' removes it"),
             "IEEE 952, Annex C; Shupe 1980; Zhuo (winding, heat sources); allanite",
         ),
         "R": Cause(
             "rate ramp",
             ("slow monotonic change of the intensity of the light source", "a coil that warms up (Shupe effect)",
              "a platform that accelerates slowly"),
-            ("leave out the warm-up (--from)", "control the intensity of the source",
+            ("exclude the warm-up", "control the intensity of the source",
              "compensate by the rate of change of the temperature"),
             "IEEE 952, Annex C (source, platform); Shupe 1980; allanite",
         ),

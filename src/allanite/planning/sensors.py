@@ -9,7 +9,7 @@ SENSORS: dict[str, str] = {
     "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
     "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h",
 }
-"""Models of typical gyros: MEMS, fibre-optic, ring laser. Orders of magnitude; not of any specific product."""
+"""Models of typical gyros: MEMS, fiber-optic, ring laser. Orders of magnitude; not of any specific product."""
 
 
 def sensor(name: str) -> Model:

@@ -13,7 +13,7 @@ class Plain(Protocol):
 
 
 def to_json(value: Plain) -> str:
-    """Strictly valid JSON: what is no number is null."""
+    """Strictly valid JSON; NaN and infinity become null."""
     return json.dumps(_strict(value.to_dict()), allow_nan=False, ensure_ascii=False) + "\n"
 
 

@@ -12,7 +12,7 @@ PATIENCE = 1.0
 
 @contextmanager
 def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
-    """Give a function that is told what is being done and the fraction that is finished."""
+    """Give a function to be called with the current step and the completed fraction."""
     if not shown:
         yield lambda what, fraction: None
         return

@@ -120,12 +120,12 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
 
 
 def about(record: Record | Header) -> str:
-    """The record of a channel: ``gyroscope, rate in deg/h, 100 Hz, 360000 readings, 1 h``."""
+    """The record of a channel: ``gyroscope, rate in deg/h, 100 Hz, 360000 samples, 1 h``."""
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
     length = duration(record.duration)
     kind = RATES[record.signal.name] if record.kind == "rate" and not record.signal.inertial else record.kind
-    return f"{sensor}, {kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} readings, {length}"
+    return f"{sensor}, {kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} samples, {length}"
 
 
 def percent(share: float, figures: int = 6) -> str:

@@ -59,7 +59,7 @@ def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
 
 
 def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Figure:
-    """Every amplitude after so many readings, with its confidence band."""
+    """Convergence of every amplitude, with its confidence band."""
     found = parts_of(result)
     half = quantile(level, math.inf)
     with style.look():
@@ -71,7 +71,7 @@ def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Fig
             _draw_history(ax, solution, range(first, first + count), half)
             style.title(ax, harmonics.name or "angle")
             first += count
-        axes[-1].set_xlabel("readings" if _numbered(solution) else "time (min)")
+        axes[-1].set_xlabel("samples" if _numbered(solution) else "time (min)")
     return figure
 
 
@@ -97,7 +97,7 @@ def _draw_history(ax: Axes, solution: Solution, which: range, half: float) -> No
 
 
 def plot_innovations(solution: Solution) -> Figure:
-    """What each reading added, in standard deviations, and how neighbours correlate."""
+    """Innovations in standard deviations, and their autocorrelation."""
     left = solution.innovations
     keep = np.linspace(0, left.size - 1, min(left.size, MOST)).astype(np.int64)
     lags = min(LAGS, left.size // 4)
@@ -110,14 +110,14 @@ def plot_innovations(solution: Solution) -> Figure:
         style.grid(one)
         one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
         one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
-        one.set(xlabel="reading", ylabel="innovation (standard deviations)", xlim=(1, left.size))
+        one.set(xlabel="sample", ylabel="innovation (standard deviations)", xlim=(1, left.size))
         style.grid(two)
         limit = 2.58 / math.sqrt(left.size)
         two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
         two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
         two.axhline(0, color=style.INK, lw=0.8)
         reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
-        two.set(xlabel="lag (readings)", ylabel="autocorrelation", ylim=(-reach, reach))
+        two.set(xlabel="lag (samples)", ylabel="autocorrelation", ylim=(-reach, reach))
         two.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 

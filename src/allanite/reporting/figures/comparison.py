@@ -23,7 +23,7 @@ from .labels import FloatArray
 BoolArray = NDArray[np.bool_]
 
 COLORS = (0, 3)
-"""Of the series, before and after: neither is the red of what has changed."""
+"""Colors of the series before and after; neither is the red that marks a change."""
 
 FEW = 2.0
 """Ratio within which the axis of ratios always reaches."""

@@ -1,4 +1,4 @@
-"""Figures of a compensation: deviations before and after, and what was taken off, over time."""
+"""Figures of a compensation: deviations before and after, and the correction over time."""
 
 from collections.abc import Sequence
 
@@ -64,7 +64,7 @@ def _draw_rates(ax: Axes, channel: Compensated) -> None:
     style.grid(ax)
     ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label="before")
     ax.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label="after")
-    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label="what is taken off")
+    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label="correction")
     means = f", means of {m / channel.record.rate:.3g} s" if m > 1 else ""
     ax.set(xlabel="time (min)", ylabel=f"rate less the bias ({printed_unit(unit)}){means}")
     ax.legend(loc="best")

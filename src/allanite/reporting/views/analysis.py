@@ -208,7 +208,7 @@ def _channel_face(channel: Channel, level: float) -> Face:
 
 
 def fitness(channel: Channel) -> str:
-    """Mean and spread of a channel, and that it may be analysed if it may."""
+    """Mean and spread of a channel, and whether it can be analyzed."""
     record = channel.record
     if isinstance(record, Header):
         return ""

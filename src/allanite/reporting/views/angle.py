@@ -33,45 +33,44 @@ ENCODER = {
     "drift": "its linear growth over half the record",
     "bend": "its quadratic growth over half the record",
 }
-"""What is estimated along with the harmonics of an encoder."""
+"""Parameters estimated together with the harmonics of an encoder."""
 
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 KEY = (
-    "S and C with one standard error, arcsec. Found: an amplitude as large has a probability below 1 % if there is "
-    "none; otherwise the 95 % upper limit. Doubtful: found, but what is left over is not the noise that the errors and "
-    "limits suppose."
+    "S and C with one standard error, arcsec. Identified: without the harmonic, an amplitude as large would have a "
+    "probability below 1 %. Absent: not identified; the limit is the 95 % upper limit. Weak: identified, but the "
+    "residuals are not the noise that the errors and intervals assume."
 )
 ERRORS = (
     "Error of each sensor over one common period of its harmonics, with its {} confidence band. Subtract it from the "
-    "readings to correct them."
+    "measured angles to correct them."
 )
 HISTORY = (
-    "The estimates after so many readings, with their {} bands. Bands that no longer narrow say that more of the same "
-    "range tells no more."
+    "Convergence of the estimates, with their {} bands. Once a band stops narrowing, more samples from the same range "
+    "add no information."
 )
 INNOVATIONS = (
-    "Each reading less what was expected of it from the readings before, in standard deviations; and the correlation "
-    "of neighbours, 99 of 100 of which lie in the shaded band if it is noise."
+    "Innovations: each sample minus its prediction from the samples before it, in standard deviations, and their "
+    "autocorrelation. For white noise 99 of 100 values lie in the shaded band."
 )
 GIMBAL = (
-    "The measured cosine of the angle between the two gyros' momentum vectors, less the computed one, is a sum of the "
-    "sensors' errors, each times the partial derivative of the cosine by its angle, of the errors of the "
-    "auto-compensating turn, of a daily and a steady drift, and of white noise. The columns of ax and az are an "
-    "assumption: a small vector fixed in the turning frame."
+    "The measured cosine of the angle between the two gyros' momentum vectors minus the computed one is modeled as the "
+    "sum of the sensors' errors, each multiplied by the partial derivative of the cosine with respect to its angle, "
+    "the errors of the auto-compensating rotation, a daily and a steady drift, and white noise. The columns of ax and "
+    "az are an assumption: a small vector fixed in the rotating frame."
 )
 AGAINST = (
-    "The measured angle less the reference, wrapped into half a turn, is a sum of sines and cosines of multiples of "
-    "the measured angle, of a constant, and of white noise."
+    "The measured angle minus the reference, wrapped to half a turn, is modeled as a sum of sines and cosines of "
+    "multiples of the measured angle, a constant, and white noise."
 )
 RECURSIVE = (
-    "The constants are estimated reading by reading in square-root form: each row is rotated into the triangular "
-    "factor of the information, which gives the least-squares estimate{}, its covariance, and the innovation of each "
-    "reading."
+    "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
+    "the information matrix, which gives the least-squares estimate{}, its covariance, and the innovation of each "
+    "sample."
 )
 PLANNED = (
-    "No data and no random numbers: the rows by which the measured cosine depends on the constants follow from "
-    "latitude, time and sway; their information, with what is known before, gives the covariance that the estimate "
-    "will have."
+    "No data and no random numbers are involved: the design matrix follows from latitude, time and sway; its "
+    "information, together with the prior, gives the covariance of the estimate."
 )
 SCANNED = (
     "Sum of the expected standard deviations of the amplitudes, and condition of the problem, by the start of the "
@@ -105,8 +104,8 @@ def _result_face(result: Result, level: float) -> Face:
 
 def _about(result: Result, solution: Solution) -> tuple[str, ...]:
     given = "given" if solution.given else "estimated from what is left over"
-    noise = f"noise of one reading {solution.sigma / ARCSEC:.4g} arcsec, {given}; condition {solution.condition:.4g}"
-    first = f"{solution.innovations.size} readings"
+    noise = f"noise of one sample {solution.sigma / ARCSEC:.4g} arcsec, {given}; condition {solution.condition:.4g}"
+    first = f"{solution.innovations.size} samples"
     if not isinstance(result, Calibration):
         return first, noise
     angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
@@ -136,7 +135,7 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     share = words.percent(level)
     yield Drawing(lambda: figures.plot_errors(result, level), "error over the angle", ERRORS.format(share))
     if len(solution.history.count) > 1:
-        label, caption = "amplitudes after so many readings", HISTORY.format(share)
+        label, caption = "convergence of the amplitudes", HISTORY.format(share)
         yield Drawing(lambda: figures.plot_history(result, solution, level), label, caption)
     label, title = "innovations and their autocorrelation", "is what is left over noise?"
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
@@ -177,7 +176,7 @@ def _constant(value: float, error: float) -> tuple[str, str]:
 
 
 def _others(solution: Solution) -> Table:
-    """What was estimated along with the harmonics."""
+    """Parameters estimated together with the harmonics."""
     heads = (
         Column("constant", "symbol"), Column("value"), Column("error"), Column("unit", "unit"),
         Column("meaning", "text", aside=True),
@@ -190,7 +189,7 @@ def _others(solution: Solution) -> Table:
         si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
         factor = convert(1.0, si, unit)
         rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    return Table(heads, rows, "estimated along with the harmonics")
+    return Table(heads, rows, "other estimated parameters")
 
 
 def _result_rows(result: Result, level: float) -> Rows:
@@ -211,7 +210,7 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
     about = (
         f"from {words.duration(plan.start)} after h = 0 for {words.duration(chosen.duration)}, every "
         f"{chosen.interval:g} s: h from {low:.2f} to {high:.2f} deg",
-        f"latitude {math.degrees(chosen.latitude):.6g} deg, q by the {chosen.q_law} law, noise of one reading "
+        f"latitude {math.degrees(chosen.latitude):.6g} deg, q by the {chosen.q_law} law, noise of one sample "
         f"{chosen.sigma:g}; {prior}; condition {plan.condition:.4g}{_sway(chosen.sway)}",
     )
     rows = [[name, f"{error:.4g}"] for name, error in plan.standard_deviations.items()]

@@ -20,7 +20,7 @@ HOW = (
     "interval: slope −1/2 on the Allan curve. Only errors of an angle are quantization noise, Q = s/√12: slope −1. "
     "This holds where the noise before the rounding is above 0.3 steps.",
     "Bits enough: the fewest with which the share of the measured variance is below 1 %. Codes: how many different "
-    "ones occur. Missing: those that never occur between frequent ones. Both are left out where the readings lie on no "
+    "ones occur. Missing: those that never occur between frequent ones. Both are omitted where the samples lie on no "
     "grid of this step, because they were filtered, averaged or rounded again behind it.",
 )
 CAPTION = (

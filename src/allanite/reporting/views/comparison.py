@@ -26,8 +26,8 @@ MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable"
 """Mark of a row by the outcome of its coefficient."""
 
 COMPARED = (
-    "The two records are assumed to be independent, unless they hold the same noise, as raw and corrected readings do: "
-    "those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan).",
+    "The two records are assumed to be independent, unless they contain the same noise, as raw and corrected samples "
+    "do: those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan).",
     "The verdict is the likelihood ratio of one common noise model "
     "against a separate model for each record, with the terms that the common model holds (binned powers of the cosine "
     "transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, the "
@@ -48,17 +48,17 @@ POOLED = (
     "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
     "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
     "homogeneity, adjusted by Holm's method.",
-    "A run lies apart if it differs from all others together (likelihood ratio, adjusted by Holm's method); the worst "
-    "one is removed and the others are tested again. Variances are averaged with their degrees of freedom as weights; "
+    "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
+    "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees of freedom as weights; "
     "that they are equal is tested at each averaging time by Bartlett's test.",
 )
 CAPTION = (
-    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with {level} limits at "
-    "each averaging time."
+    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} interval "
+    "at each averaging time."
 )
 PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_percent", "low_percent", "high_percent",
         "p", "p_holm", "outcome", "edf_before", "edf_after")  # fmt: skip
-"""Of a deviation the change and its limits are those of the deviation, whose square is the ratio of the variances."""
+"""The change of a deviation and its interval refer to the deviation; its square is the ratio of the variances."""
 
 RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
         "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip

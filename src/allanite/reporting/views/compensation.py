@@ -39,17 +39,16 @@ KEY = (
     "inflation factor, by which the other regressors widen the variance. "
 )
 HOW = (
-    "The rate is modelled as a constant, a sum of coefficients times regressors (each less its mean), and noise. The "
+    "The rate is modeled as a constant, a sum of coefficients times regressors (each minus its mean), and noise. The "
     "noise is identified from the same record by the restricted likelihood of its cosine transform, in which the "
-    "coefficients are integrated out. The coefficients are generalised least squares estimates, averaged over what "
+    "coefficients are integrated out. The coefficients are generalized least squares estimates, averaged over what "
     "bias instability and rate random walk may be. Ordinary least squares would report an effect where there is none "
     "in half of all records or more.",
-    "Regressors that were named are kept. Powers and lags enter only where the gain in blocks that are held back "
+    "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
     "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A steady drift "
-    "that is estimated along with the coefficients is not taken off.",
-    "A regressor that is itself noisy makes its coefficient too small, by the share of noise in its variance. The "
-    "deviations before and after come from the same readings: that one lies in the band of the other does not show "
-    "that they agree.",
+    "that is estimated together with the coefficients is not removed.",
+    "Noise in a regressor makes its coefficient too small, by the share of noise in its variance. The "
+    "deviations before and after come from the same samples: overlapping bands do not show that they agree.",
 )
 HEADINGS = (
     "channel", "of", "tau_s", "m", "before", "before_low", "before_high", "after", "after_low", "after_high", "unit",
@@ -83,7 +82,7 @@ def _cells(e: Effect, unit: str) -> list[str]:
 
 def _status(effect: Effect) -> str:
     parts = ("identified" if effect.significant else "absent", "chosen" * effect.chosen)
-    return ", ".join(filter(None, (*parts, "not taken off" * (not effect.taken_off))))
+    return ", ".join(filter(None, (*parts, "not removed" * (not effect.taken_off))))
 
 
 def _beside(regression: Regression) -> str:
@@ -105,7 +104,7 @@ def _found(name: str, regression: Regression) -> str:
     own = [e for e in regression if e.taken_off]
     if not regression.significant:
         labels = ", ".join(e.label for e in own)
-        return f"{name} shows no dependence on {labels}: the correction would take off noise only."
+        return f"{name} shows no dependence on {labels}: the correction would only remove noise."
     gain, held = regression.inside, regression.held
     # by chance the sum of squares falls a little even where nothing is found
     also = f"{_share(gain.expected, gain)} expected by chance"

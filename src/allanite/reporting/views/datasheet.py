@@ -92,7 +92,7 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
-    """A figure in words: the ends of the curve, its minimum, the coefficients."""
+    """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
     title = STATISTICS[curve.statistic].title
     unit = printed_unit(shown.unit)

@@ -63,7 +63,7 @@ def _parts(channel: Modelled, form: Form) -> Iterator[Part]:
     yield from jobs.warnings(channel)
     yield from (Note(note) for note in (channel.fit.advice if channel.fit else ()))
     if channel.missing:
-        yield Note(f"of this record, and not reckoned with: {channel.missing}")
+        yield Note(f"not taken into account: {channel.missing}")
     if channel.result is not None:
         yield from form.parts(channel.result, channel)
 

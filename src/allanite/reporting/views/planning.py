@@ -93,7 +93,7 @@ def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPl
 def _check_about(check: SelfCheck) -> str:
     length = words.duration(check.size / check.rate)
     return (
-        f"{check.records} records of {check.size} readings at {check.rate:.8g} Hz ({length}), "
+        f"{check.records} records of {check.size} samples at {check.rate:.8g} Hz ({length}), "
         f"intervals at {words.percent(check.level)}"
     )
 
@@ -122,7 +122,7 @@ def _with_error(measured: tuple[float, float]) -> str:
 def _bound_face(bound: Bound, _: float) -> Face:
     values = expected_values(bound.model)
     rows = [[name, *values.get(name, ("", "")), percent(bound[name])] for name in bound.names]
-    about = f"{bound.size} readings at {bound.rate:.8g} Hz ({words.duration(bound.size / bound.rate)})"
+    about = f"{bound.size} samples at {bound.rate:.8g} Hz ({words.duration(bound.size / bound.rate)})"
     parts: list[Part] = [Table(_heads("value", "unit", "error"), rows)]
     if bound.ramp is not None:
         unit = bound.model.signal.si[1]

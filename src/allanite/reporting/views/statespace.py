@@ -19,7 +19,7 @@ from .modelled import Form, job_face, job_rows, one_face
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-EQUATIONS = "matrices in SI units: x' = Phi x + w, reading = H x + v"
+EQUATIONS = "matrices in SI units: x' = Phi x + w, sample = H x + v"
 KEY = (
     "Phi is the transition over one interval, Qd the covariance of w, R the variance of v, P0 the covariance of the "
     "states at the start. The table shows the diagonals."
@@ -41,8 +41,8 @@ def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None
     if scope is not None and scope.filter is not None:
         yield Note(
-            "the filter before the readings is not among the states: readings less than "
-            f"{1 / scope.filter.cutoff:.2g} s apart are correlated"
+            "the low-pass filter is not among the states: samples closer together than "
+            f"{1 / scope.filter.cutoff:.2g} s are correlated"
         )
     headings, rows = space.rows()
     heads = (Column(""), Column(headings[0], "name"), Column("unit", "unit"), *map(Column, headings[2:]))
