@@ -49,12 +49,13 @@ POOLED = (
     "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
     "homogeneity, adjusted by Holm's method.",
     "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
-    "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees of freedom as weights; "
+    "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees of "
+    "freedom as weights; "
     "that they are equal is tested at each averaging time by Bartlett's test.",
 )
 CAPTION = (
-    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} interval "
-    "at each averaging time."
+    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} "
+    "interval at each averaging time."
 )
 PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_percent", "low_percent", "high_percent",
         "p", "p_holm", "outcome", "edf_before", "edf_after")  # fmt: skip
