@@ -19,7 +19,8 @@ class Entry(NamedTuple):
     """One line of a data sheet.
 
     `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
-    limit. `tau` is the averaging time in s, where the quantity has one.
+    limit. `tau` is the averaging time in s, where the quantity has one. `coefficient`: whether it is a coefficient of
+    the model in its usual unit, as tables of coefficients have it, too.
     """
 
     quantity: str
@@ -29,6 +30,7 @@ class Entry(NamedTuple):
     unit: str
     tau: float | None = None
     remark: str = ""
+    coefficient: bool = False
 
 
 def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[Entry]:
@@ -77,7 +79,7 @@ def _name(e: Estimate) -> str:
 
 def _white(e: Estimate, level: float) -> Iterator[Entry]:
     for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS["N"].power])):
-        yield _entry(e, _name(e), unit, level)
+        yield _entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit)
     for sides, factor, symbol in (("two", 1.0, "N"), ("one", ONE_SIDED, "sqrt(2) N")):
         for unit in e.signal.density:
             found = _entry(e, f"noise density, {sides}-sided", unit, level, factor)
@@ -85,12 +87,10 @@ def _white(e: Estimate, level: float) -> Iterator[Entry]:
 
 
 def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
+    yield _entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True)
     if e.symbol == "B":
         floor = math.sqrt(TERMS["B"].level)
-        yield _entry(e, _name(e), e.sheet_unit, level)
         yield _entry(e, f"flicker floor, {floor:.3f} B", e.sheet_unit, level, floor)
-    else:
-        yield _entry(e, _name(e), e.sheet_unit, level)
 
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
@@ -109,7 +109,7 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
-    remark = "minimum of the curve" if readings.inside else "upper limit: still falling"
+    remark = "minimum of the Allan deviation" if readings.inside else "upper limit: still falling"
     yield Entry("in-run bias stability", point.deviation * factor, low * factor, high * factor, unit, point.tau, remark)
 
 

@@ -230,7 +230,7 @@ def test_readings_too_coarse_are_told_without_a_p_value():
     noise = noise_of(record, Recipe(terms="N"))
     assert noise.validity == "unexplained"
     assert "p =" not in noise.statement.head
-    assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("SI value")[0]
+    assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("read off")[0]
 
 
 @pytest.mark.parametrize(

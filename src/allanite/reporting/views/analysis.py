@@ -131,7 +131,9 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         yield Drawing(
             lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
         )
-    yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
+    yield replace(data_sheet_table(channel, level), where="page")
+    if channel.explained:
+        yield replace(data_sheet_table(channel, level, whole=False), where="text")
     if channel.readings is not None:
         table = readings_table(channel.readings, level)
         # in the terminal only where there is no data sheet, most of which it repeats

@@ -17,7 +17,7 @@ from allanite.study.analysis import Channel
 
 KEY = (
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
-    "spectrum analysers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
+    "spectrum analyzers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
 )
 SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
@@ -27,13 +27,13 @@ VALUED = ("identified", "weak", "reported")
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
-def data_sheet_table(channel: Channel, level: float) -> Table:
-    """The quantities and units that data sheets quote, with limits."""
+def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> Table:
+    """The quantities and units that data sheets quote, with intervals; else those that no table of coefficients has."""
     heads = (
         Column("quantity", "name"), Column("value"), Column(words.interval(level), "interval"), Column("unit", "unit"),
         Column("at", "name", aside=True), Column("remark", "text", aside=True),
     )  # fmt: skip
-    rows = [_row(entry) for entry in channel.data_sheet(level)]
+    rows = [_row(entry) for entry in channel.data_sheet(level) if whole or not entry.coefficient]
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
     return Table(heads, rows, "data sheet", marks=marks, key=KEY)
 
@@ -88,7 +88,7 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     unit = readings.shown_unit(0)
     number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
     most = "" if readings.inside else "≤ "
-    yield "Minimum of the curve", f"{most}{number} {printed_unit(unit)} at {readings.minimum.tau:.3g} s"
+    yield "In-run bias stability", f"{most}{number} {printed_unit(unit)} at {readings.minimum.tau:.3g} s"
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:

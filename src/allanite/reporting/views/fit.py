@@ -1,6 +1,7 @@
 """How coefficients and residuals are shown."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -103,7 +104,12 @@ def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
 
 def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     """The coefficients, and why some of them cannot be known."""
-    yield terms_table(fit, level)
+    table = terms_table(fit, level)
+    yield replace(table, where="page")
+    # the terminal shows one system of units
+    shown = [i for i, column in enumerate(table.columns) if not column.aside]
+    rows = [[row[i] for i in shown] for row in table.rows]
+    yield replace(table, columns=[table.columns[i] for i in shown], rows=rows, where="text")
     unseen: dict[str, list[str]] = {}
     for e in fit:
         if e.status == "not observable":
