@@ -34,7 +34,7 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
     >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
     >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS
-    'White noise (angle random walk) dominates up to 4.66 s: means over longer times gain less than the root of ...'
+    'White noise (angle random walk) dominates up to 4.66 s: averaging longer reduces the error more slowly ...'
     """
     if fit.valid is None or not fit.validity:
         return ()
@@ -78,9 +78,10 @@ def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) 
     start = f"from {duration(span.start)} " if span.start > limits[0] else ""
     if span.end >= limits[1]:
         where = f"{start}up to half the length of the record" if start else "at all averaging times"
-        return f"{title} {where}: means over longer times still gain with the root of the time"
+        return f"{title} {where}: averaging reduces the error with the square root of time"
     to = "to" if start else "up to"
-    return f"{title} {start}{to} {duration(span.end)}: means over longer times gain less than the root of the time"
+    slower = "averaging longer reduces the error more slowly than with the square root of time"
+    return f"{title} {start}{to} {duration(span.end)}: {slower}"
 
 
 def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) -> Iterator[str]:
@@ -91,10 +92,13 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     if flicker is None:
         return
     tau, level = readings.minimum.tau, readings.minimum.deviation
-    said = f"the minimum of the Allan deviation is {_size(level, flicker, 0)} at {duration(tau)}, as B it would be "
-    said += f"{_size(level * FLICKER, flicker, 0)}"
+    said = (
+        f"the minimum of the Allan deviation is {_size(level, flicker, 0)} at {duration(tau)}; divided by 0.664 it "
+        f"would be a B of {_size(level * FLICKER, flicker, 0)}"
+    )
     if flicker.claimed and flicker.value:
-        yield f"{said}; the fitted B is {_size(flicker.value, flicker, 0)}: the minimum contains the other terms too."
+        own = _size(flicker.value, flicker, 0)
+        yield f"{said}; the identified B is {own}, because the minimum contains the other terms too."
     elif flicker.upper is not None:
         made = _made(fit, rate, length)
         yield f"{said}; flicker was not identified, B is below {_size(flicker.upper, flicker, 0)}{made}."
@@ -145,14 +149,14 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
     process = found.get("GM")
     if process is not None and process.shape:
         yield (
-            f"a process with the time constant {duration(process.shape[0])} was found (Gauss-Markov): look for a "
+            f"a Gauss-Markov process with a time constant of {duration(process.shape[0])} was identified: look for a "
             "control loop, a temperature or a filter with this time constant."
         )
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff
         time = f"{1000 / (2 * math.pi * cutoff):.3g} ms"
         yield (
-            f"a low-pass filter of {cutoff:.3g} Hz was found (time constant {time} if it is of first order): the "
+            f"a low-pass filter of {cutoff:.3g} Hz was identified (time constant {time} if it is of first order): the "
             "bandwidth of the sensor, or a filter before the output."
         )
 

@@ -135,7 +135,7 @@ def test_white_and_drift():
     assert f"White noise (angle random walk) dominates up to {at:.3g} s" in text
     assert f"Drift (rate random walk) dominates from {at:.3g} s on." in text
     alone = said(N)
-    assert "dominates at all averaging times: means over longer times still gain" in alone
+    assert "dominates at all averaging times: averaging reduces the error" in alone
     assert "rift" not in alone
     between = said(N, estimate("Q", 1.0, "arcsec"))
     assert "dominates from 0.0833 s up to half the length" in between
@@ -157,7 +157,8 @@ def test_systematic_and_random_drift():
 
 def test_the_minimum_stands_beside_flicker():
     text = said(N, estimate("B", 1.5, "deg/h"), readings=read(1.5, 50.0))
-    assert "minimum of the Allan deviation is 1.5 deg/h at 50 s, as B it would be 2.26 deg/h; the fitted B is" in text
+    said_of = "minimum of the Allan deviation is 1.5 deg/h at 50 s; divided by 0.664 it would be a B of 2.26 deg/h;"
+    assert f"{said_of} the identified B is" in text
     absent = estimate("B", upper=0.8, unit="deg/h")
     level = math.sqrt(2 * 0.1 * 20 / math.sqrt(3))
     text = said(N, K, absent, readings=read(1.5, 31.2))
@@ -168,10 +169,11 @@ def test_the_minimum_stands_beside_flicker():
 
 def test_time_constants():
     process = estimate("GM", 60.0, "deg/h", shape=(2.0,))
-    assert "A process with the time constant 2 s was found (Gauss-Markov): look for a control loop" in said(N, process)
+    looked = "A Gauss-Markov process with a time constant of 2 s was identified: look for a control loop"
+    assert looked in said(N, process)
     low = LowPass("first order", "1st-order low-pass", 20.0, 19.0, 21.0, 100.0)
     scope = Scope("auto", (0.0, 50.0), (), low, 0.0, 0.0, np.array([1.0, 50.0]), np.ones(2))
-    assert "A low-pass filter of 20 Hz was found (time constant 7.96 ms if it is of first order)" in said(
+    assert "A low-pass filter of 20 Hz was identified (time constant 7.96 ms if it is of first order)" in said(
         N, scope=scope
     )
 
@@ -217,10 +219,10 @@ def test_the_command_says_it(recorded, tmp_path):
     text = " ".join(result.stdout.split())
     assert "what it means: gz - White noise (angle random walk) dominates up to 4" in text
     assert "The drift is systematic" in text
-    assert "R in a fibre-optic gyroscope: rate ramp (gz) - sources: slow monotonic change" in text
-    assert "K in a fibre-optic" not in text
+    assert "R in a fiber-optic gyroscope: rate ramp (gz) - sources: slow monotonic change" in text
+    assert "K in a fiber-optic" not in text
     html = page.read_text("utf-8")
-    assert "Likely causes in a fibre-optic gyroscope" in html
+    assert "Likely causes in a fiber-optic gyroscope" in html
     assert "IEEE 952: IEEE Std 952-1997" in html
 
 
