@@ -140,7 +140,13 @@ class Constructor(Protocol):
 
 
 def constructor(symbol: str) -> Constructor:
-    """The function that makes a term of this symbol, from the term's row of `TERMS`."""
+    """The function that makes a term of this symbol, from the term's row of `TERMS`.
+
+    Examples
+    --------
+    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
+    GM = 0.1 deg/h with time constant 20 s
+    """
     row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
     named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
     named += [
@@ -261,7 +267,13 @@ ModelLike = Model | Term | Modelled
 
 
 def model_of(value: ModelLike) -> Model:
-    """The model that a term, a model or a fit represents; anything else is refused."""
+    """The model that a term, a model or a fit represents; anything else is refused.
+
+    Examples
+    --------
+    >>> print(model_of(N(0.01, "deg/sqrt(h)")))
+    N = 0.01 deg/sqrt(h)
+    """
     if isinstance(value, Model | Term):
         return value if isinstance(value, Model) else Model((value,))
     inner = getattr(value, "model", None)

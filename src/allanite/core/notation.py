@@ -86,7 +86,14 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
 
 
 def written(model: Model) -> str:
-    """The text from which `parse_model` makes exactly the same model."""
+    """The text from which `parse_model` makes exactly the same model.
+
+    Examples
+    --------
+    >>> model = parse_model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
+    >>> parse_model(written(model)) == model
+    True
+    """
     return ", ".join(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *_shape(t)]) for t in model)
 
 

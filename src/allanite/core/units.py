@@ -286,6 +286,12 @@ def _carried(unit: str, power: float) -> str:
 
 
 def readable_unit(unit: str) -> str:
-    """The data-sheet unit for an SI unit; any other unit is unchanged."""
+    """The data-sheet unit for an SI unit; any other unit is unchanged.
+
+    Examples
+    --------
+    >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
+    ('deg/h', 'ug', 'deg/s')
+    """
     sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
     return next(sheets, unit)

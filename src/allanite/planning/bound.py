@@ -83,10 +83,12 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     UsageError
         The model has no noise, or the record is too short.
 
-    Notes ----- The standard errors of the coefficients, not of their squares. They are accurate if they are small; a
-    term whose bound is above about 40 % can hardly be detected. A time constant of Gauss-Markov noise is unknown as
-    well, and a sinusoid has unknown amplitude, phase and frequency. The size of an absent term is not known to be zero
-    if it is looked for: `terms` accounts for this, as if the size could also be negative, which gives an upper bound.
+    Notes
+    -----
+    The standard errors of the coefficients, not of their squares. They are accurate if they are small; a term whose
+    bound is above about 40 % can hardly be detected. A time constant of Gauss-Markov noise is unknown as well, and
+    a sinusoid has unknown amplitude, phase and frequency. The size of an absent term is not known to be zero if it
+    is looked for: `terms` accounts for this, as if the size could also be negative, which gives an upper bound.
 
     Examples
     --------

@@ -62,7 +62,17 @@ class Rounding:
 
 
 def rounding(y: NDArray[Any], fast: float) -> Rounding:
-    """The rounding of a series whose fast noise has the standard deviation `fast`."""
+    """The rounding of a series whose fast noise has the standard deviation `fast`.
+
+    Examples
+    --------
+    >>> found = rounding(np.rint(np.random.default_rng(1).standard_normal(1000) * 0.1 + 2.0), 0.1)
+    >>> found.step, found.undithered
+    (0.0, False)
+    >>> found = rounding(np.rint(np.arange(1000) % 7 / 7.0), 0.1)
+    >>> found.codes, found.step, found.undithered
+    (2, 1.0, True)
+    """
     codes, step = grid(y)
     if not step:
         return Rounding(codes, 0.0, 0.0, float("inf"))

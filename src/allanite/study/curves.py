@@ -89,9 +89,11 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     UsageError
         The statistic or grid is unknown; an averaging time is too long or not a multiple of what the statistic needs.
 
-    Notes ----- With gaps and means the variance is sum h^2 d^2 / (m sum h), where d is the difference of a window's
-    means and 1/h the sum of b^2 / count over its parts, b = (-1, 1) or (1, -2, 1); without missing samples it is that
-    of complete windows. Its degrees of freedom are those of the same windows, with the remaining samples.
+    Notes
+    -----
+    With gaps and means the variance is sum h^2 d^2 / (m sum h), where d is the difference of a window's means and
+    1/h the sum of b^2 / count over its parts, b = (-1, 1) or (1, -2, 1); without missing samples it is that of
+    complete windows. Its degrees of freedom are those of the same windows, with the remaining samples.
 
     For many averaging times the confidence intervals (and bias factors) are computed at a few dozen, more densely where
     few windows remain, and interpolated to within 1 %; in a record with gaps, and if windows do not overlap, at 130 of
