@@ -122,7 +122,8 @@ class Fit(Value):
     terms for the bias drift (flicker, Gauss-Markov, both, two of these), the best first, computed on first use.
     ``fit["N"]`` is the `Estimate` of a term; absent terms are included. `model` is the single best model. Its
     coefficients differ slightly from the estimates, which are averaged over several models, and a term of it may be
-    called absent if other terms could take its place (`notes` then say so). `scope` states which frequencies were used,
+    called absent if other terms could take its place (`notes` then say so). `correlation` of the estimates of its noise
+    terms has shape (terms, terms), NaN for terms that it lacks. `scope` states which frequencies were used,
     and any low-pass filter in the model. `findings` name slow behaviour that the terms do not describe: a warm-up, or a
     power law other than that of flicker. `checked` is the grade from the residuals, if they were computed.
     """

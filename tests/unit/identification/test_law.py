@@ -69,3 +69,18 @@ def test_a_term_that_cannot_be_seen_has_no_median():
     fit = al.identify(record, band=(0, 5))
     assert fit["Q"].status == "not observable"
     assert fit["Q"].median is None
+
+
+def test_estimates_are_correlated_as_the_fit_says():
+    """Against the scatter over simulated records; the standard error of a correlation of 200 is 0.07."""
+    model = al.N(1, "deg/sqrt(h)") + al.B(20, "deg/h")
+    fits = [
+        al.identify(al.simulate(model, 4096, 1.0, rng=np.random.default_rng((7, i))), terms="NB") for i in range(200)
+    ]
+    sizes = [[fit["N"].median, fit["B"].median] for fit in fits if fit["B"].status != "not valid"]
+    assert len(sizes) > 190
+    found = np.corrcoef(sizes, rowvar=False)[0, 1]
+    said = np.mean([fit.correlation[0, 1] for fit in fits])
+    assert said == pytest.approx(found, abs=0.2)
+    assert said < -0.3
+    assert np.isnan(al.identify(al.simulate(model, 4096, 1.0, rng=np.random.default_rng(8))).correlation).any()

@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from functools import partial
 
+import numpy as np
+
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Alternative, Fit, Line
@@ -21,6 +24,7 @@ from .families import DISTINGUISHABLE, Found, look
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
+from .selection import correlation
 
 
 def whittle(
@@ -81,6 +85,7 @@ def whittle(
         name=record.name,
         model=model if not taken else Model((*model, *(line.term for line in taken))),
         goodness=good,
+        correlation=_correlation(shown, found),
         notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
@@ -95,6 +100,17 @@ def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
     return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
+
+
+def _correlation(shown: Sequence[str], found: Found) -> FloatArray:
+    """Correlation of the estimates of the selected noise terms, shape (terms, terms); NaN for the others."""
+    there = [s for s, free in zip(found.noise, found.chosen.free, strict=True) if free]
+    known = [(i, there.index(s)) for i, s in enumerate(shown) if s in there]
+    matrix = np.full((len(shown), len(shown)), np.nan)
+    if known:
+        at, which = map(list, zip(*known, strict=True))
+        matrix[np.ix_(at, at)] = correlation(found.chosen)[np.ix_(which, which)]
+    return matrix
 
 
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:

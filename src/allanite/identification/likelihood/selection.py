@@ -170,8 +170,19 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
     return float(np.sqrt(_variances(more, np.append(subset.theta, 0.0), np.append(subset.free, True))[at]))
 
 
+def correlation(subset: Subset) -> FloatArray:
+    """Correlation of the estimates of the free terms, shape (f, f): that of theta, and of its root."""
+    C = _covariance(subset.likelihood, subset.theta, subset.free)
+    size = np.sqrt(np.diag(C))
+    return np.asarray(C / np.outer(size, size))
+
+
 def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
+    return np.diag(_covariance(likelihood, theta, free))
+
+
+def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
     """From the expected information of the free terms; what it does not distinguish shares it."""
     information = likelihood.information(theta)[np.ix_(free, free)]
-    size = np.sqrt(np.diag(information))
-    return np.asarray(np.diag(np.linalg.pinv(information / np.outer(size, size), hermitian=True)) / size**2)
+    size = np.outer(*[np.sqrt(np.diag(information))] * 2)
+    return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)

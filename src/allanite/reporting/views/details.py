@@ -5,10 +5,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.fit import Fit
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Drawing, Fold, Note, Part, printed_unit
+from allanite.reporting.sheet import Drawing, Fold, Note, Part, Table, columns, printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel
@@ -17,6 +18,10 @@ from .fit import goodness_parts
 from .values import numbers_table
 
 STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
+CORRELATION = (
+    "Correlation of the estimated coefficients under the best model. Estimates that are correlated by nearly -1 can "
+    "hardly be told apart: only a longer record, or a higher sampling rate, separates them."
+)
 RECORD = "Range and mean of short segments of the record."
 SPECTRUM = (
     "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
@@ -42,6 +47,7 @@ def details(channel: Channel, level: float, panel: "figures.Panel | None") -> It
         label = f"observed over expected deviation of {channel.record.name} by averaging time"
         strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
         checked.insert(0, strip)
+    checked += _correlations(channel.fit)
     yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):
@@ -49,6 +55,20 @@ def details(channel: Channel, level: float, panel: "figures.Panel | None") -> It
     if panel is not None:
         shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, "the curve in numbers", where="page")
+
+
+def _correlations(fit: Fit) -> Iterator[Table]:
+    """How the estimates of the model's terms are correlated, where it has several."""
+    if fit.correlation is None or fit.valid is None:
+        return
+    shown = [i for i, own in enumerate(np.diag(fit.correlation)) if not np.isnan(own)]
+    if len(shown) < 2:
+        return
+    symbols = [fit.estimates[i].symbol for i in shown]
+    rows = [
+        [symbol, *(f"{fit.correlation[i, j]:+.2f}" for j in shown)] for symbol, i in zip(symbols, shown, strict=True)
+    ]
+    yield Table(columns("", *symbols), rows, "correlation of the estimates", key=CORRELATION)
 
 
 def over_time(record: Record) -> Drawing:
