@@ -56,7 +56,7 @@ def _kind_of(part: Part) -> str:
 
 
 def _color_of(symbol: str) -> str:
-    """The colour of a term: that of the page's ground, or of white paper in a notebook."""
+    """The color of a term: that of the page's ground, or of white paper in a notebook."""
     name = symbol.strip("|")
     return f"var({variable(TERMS[name].color)}, {TERMS[name].color})" if name in TERMS else ""
 

@@ -1,4 +1,4 @@
-"""Figures for the middle of a page: small, with names of their own, in colours that follow the ground of the page."""
+"""Figures for the middle of a page: small, with names of their own, in colors that follow the ground of the page."""
 
 import re
 from collections.abc import Callable
@@ -17,7 +17,7 @@ FONT = "'DejaVu Sans',Verdana,sans-serif"
 
 
 def variable(color: str) -> str:
-    """The name of a colour in the style sheet of a page."""
+    """The name of a color in the style sheet of a page."""
     return f"--{color.lower().lstrip('#')}"
 
 

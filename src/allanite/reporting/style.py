@@ -24,10 +24,10 @@ from .sheet import printable
 PathLike = str | os.PathLike[str]
 
 SERIES = ("#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54")
-"""Colours of curves in one panel, in this order; their order of brightness differs too."""
+"""Colors of curves in one panel, in this order; their order of brightness differs too."""
 
 MARKERS = "osD^vP"
-"""One a colour."""
+"""One a color."""
 
 OTHER, SOFT = "#6B6B6B", "#5B6570"
 INK, DATA, GRID, FAIR, ALARM = "#1A1A1A", "#3C444D", "#D9DDE2", "#8A5A00", "#B00020"
@@ -39,7 +39,7 @@ DARK: dict[str, str] = {
     "#2e5c94": "#79b0ff", "#c1272d": "#ff7b72", "#008f6b": "#3fc9a0", "#b97700": "#e3b341", "#aa4499": "#dc8fd0",
     "#444b54": "#b0b8c1",
 } | {row.color.lower(): row.dark for row in TERMS.values()}  # fmt: skip
-"""Colours of figures on a page: on a light ground and on a dark one."""
+"""Colors of figures on a page: on a light ground and on a dark one."""
 
 _LOOK: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib

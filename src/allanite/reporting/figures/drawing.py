@@ -1,4 +1,4 @@
-"""What figures share: colours and labels of terms, places in a panel, the legend."""
+"""What figures share: colors and labels of terms, places in a panel, the legend."""
 
 from collections.abc import Iterable, Sequence
 
@@ -32,7 +32,7 @@ def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
 
 
 def color_of(symbol: str) -> str:
-    """The colour of a term; that of the text where there is none."""
+    """The color of a term; that of the text where there is none."""
     return TERMS[symbol].color if symbol else style.INK
 
 

@@ -1,4 +1,4 @@
-"""The curves of many units in one figure: a panel for each channel, with what exceeds a limit in colour."""
+"""The curves of many units in one figure: a panel for each channel, with what exceeds a limit in color."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -17,11 +17,11 @@ from .drawing import draw_legend, stacked
 from .panels import Panel, span, thinned
 
 MOST_NAMED = len(style.SERIES) - 1
-"""Units of a panel that have a colour of their own; the first colour is that of all others."""
+"""Units of a panel that have a color of their own; the first color is that of all others."""
 
 
 class UnitCurve(NamedTuple):
-    """The curve of one unit: `marked` are drawn in colour, with their names."""
+    """The curve of one unit: `marked` are drawn in color, with their names."""
 
     name: str
     marked: bool

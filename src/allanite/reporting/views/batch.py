@@ -30,15 +30,15 @@ MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
 
 RULE = (
     "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
-    "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. What neither "
-    "passes nor fails is not shown: nothing says that the unit is bad, and nothing that it is good."
+    "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
+    "the record cannot decide whether the limit is kept."
 )
 MAIN = "'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result."
 SPREAD = (
-    "Mean and standard deviation of the values of those units in which the term was identified, so that of a term that "
-    "few units show the mean is too large. The standard deviation contains the error of each value."
+    "Mean and standard deviation of the values of those units in which the term was identified: for a term that few "
+    "units show, the mean is too large. The standard deviation includes the errors of the values."
 )
-CAPTION = "The Allan deviation of all units; those that exceed a limit are in colour."
+CAPTION = "The Allan deviation of all units; those that exceed a limit are in color."
 
 
 def _face(batch: Batch, level: float) -> Face:
