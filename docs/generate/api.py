@@ -28,7 +28,10 @@ TOPICS: dict[str, tuple[str, str]] = {
         "Planning, self-check, Kalman filter",
         "plan bound selfcheck state_space RecordingPlan Bound SelfCheck StateSpace",
     ),
-    "analyzing": ("Analysis, figures and reports", "analyze Recipe Study plot report"),
+    "analyzing": (
+        "Analysis, figures and reports",
+        "analyze analyze_files Recipe Specification Study Batch Meaning plot report",
+    ),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
     "compensating": (
         "Temperature compensation",
@@ -47,7 +50,7 @@ TOPICS: dict[str, tuple[str, str]] = {
 INNER = {"statistics": ("edf", "covariance", "integrated")}
 """Packages of which only these names are for users; of the others, whatever is not a module."""
 
-WITHOUT = {"identification", "readers", "study"}
+WITHOUT = {"identification", "readers", "study", "batch", "meaning"}
 """Packages whose public names are all those of `allanite` itself."""
 
 

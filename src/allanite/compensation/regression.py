@@ -116,8 +116,8 @@ class Regression(Correction):
         """Error of the rate in each interval, SI, shape (record.size,); NaN where a regressor has no value."""
         if record.signal is not self.signal:
             raise UsageError(
-                f"this regression belongs to a {self.signal.name} ({self.signal.unit}), but {record.name!r} is of a "
-                f"{record.signal.name} ({record.signal.unit})"
+                f"this regression belongs to a {self.signal.name} ({self.signal.unit}), but {record.name!r} was "
+                f"measured by another type of sensor, {record.signal.name} ({record.signal.unit})"
             )
         columns = (self.mixture.values[i] * self.regressors[i].column(record, along) for i in self.taken)
         return np.asarray(sum(columns))

@@ -73,7 +73,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
     [
         ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; limits are set for Q, N, B"),
         ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
-        ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is no unit of N (angle random walk)"),
+        ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
         ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
         ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
         ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
@@ -160,7 +160,7 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
     text = '[limits]\nK = { max = "1 deg/h/sqrt(h)" }\n[channels.gx]\nN = { max = "0.15 deg/sqrt(h)" }\n'
     batch = al.analyze_files(folder / "u0.csv", al.Recipe(terms="N"), limits=spec(tmp_path, text))
     assert [(j.outcome, j.reason) for j in batch[0].judgements] == [
-        ("not shown", "'K' was not asked for; there are N"),
+        ("not shown", "'K' is not a term of this fit; its terms: N"),
         ("not shown", "there is no channel 'gx'"),
     ]
     assert batch[0].outcome == "not shown"

@@ -285,7 +285,7 @@ def test_records_that_are_no_use_are_said_to_be():
         compensate(gyro(1), gyro(1), ["z"])
     with pytest.raises(al.UsageError, match="no channels were given"):
         compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))
-    with pytest.raises(al.UsageError, match="of a gyro"):
+    with pytest.raises(al.UsageError, match="belongs to a gyro"):
         compensate(gyro(1), TEMP, ["temp"]).apply(channel(np.zeros(3600), "m/s^2", "a"), al.Recording((TEMP,)))
 
 

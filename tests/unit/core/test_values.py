@@ -238,7 +238,7 @@ def test_recipes_are_plain_data(tmp_path):
         ("level = 95", "between 0 and 1"),
         ("unit = 3", "unit must be a word"),
         ("band = [1.0]", "two frequencies"),
-        ("rate = true", "rate is a number"),
+        ("rate = true", "rate must be a number"),
     ]:
         path.write_text(line + "\n")
         with pytest.raises(al.UsageError, match=words):

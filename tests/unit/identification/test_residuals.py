@@ -112,7 +112,7 @@ def test_too_little_between_gaps_is_not_asked():
     left = al.residuals(record, al.identify(record))
     assert left.checks == ()
     assert left.verdict
-    with pytest.raises(al.UsageError, match="too little is left"):
+    with pytest.raises(al.UsageError, match="too few samples"):
         plot(left)
 
 
@@ -171,8 +171,8 @@ def test_the_study_says_it_in_words_and_pictures():
     assert shown.count("the noise level changes") == 2
     assert "y, on the same body: the noise level changes" in shown
     html = page(study)
-    assert html.count("What the model leaves") == 2
-    assert "What the channels share" in html
+    assert html.count("Residuals: does the model explain the record?") == 2
+    assert "Correlation of the channels" in html
     data = study.to_dict()
     assert data["channels"][2]["residuals"] is None
     assert data["channels"][1]["residuals"]["findings"][0]["name"] == "level"

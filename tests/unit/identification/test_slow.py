@@ -160,7 +160,7 @@ def test_another_power_law_is_named(a):
     found, low, high = map(float, re.search(r"f\^-(\S+) \((\S+) to (\S+)\)", finding.what).groups())
     assert low < a < high
     assert low < found < high
-    value, error = map(float, re.search(r"N is (\S+) ± (\S+) deg/sqrt", finding.consequence).groups())
+    value, error = map(float, re.search(r"N = (\S+) ± (\S+) deg/sqrt", finding.consequence).groups())
     assert abs(value - 0.3) < 3 * error
     assert fit["N"].to("deg/sqrt(h)") == pytest.approx(value, rel=1e-3)
     assert {fit[s].status for s in "BK"} == {"not valid"}

@@ -168,7 +168,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert channel["name"] == "gz"
     assert channel["model"] == fitted.to_dict()
     np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])
-    assert "of this record, and not reckoned with: " in run(tmp_path / "first.npz").stdout
+    assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 
 @pytest.mark.parametrize(

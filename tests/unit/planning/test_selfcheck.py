@@ -103,7 +103,7 @@ FEW = ("--model", "N 0.1 deg/sqrt(h)", "--rate", 10, "--samples", 1000, "--recor
 def test_the_verb_prints_the_table_and_ends_well():
     result = run(*FEW, "--min-coverage", 50, "--max-missed", 1, "--max-bias", 20)
     assert result.exit_code == 0, result.stderr
-    assert "check  10 records of 1000 readings at 10 Hz (100 s), intervals at 95 %" in result.stdout
+    assert "check  10 records of 1000 samples at 10 Hz (100 s), intervals at 95 %" in result.stdout
     assert re.search(r"^  Q +absent ", result.stdout, re.MULTILINE)
 
 

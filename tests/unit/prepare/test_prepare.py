@@ -33,7 +33,7 @@ def test_block_means_keep_the_curve(m, kind):
     found = al.deviation(blocks, "adev", m=[1, 2, 5]).variance
     np.testing.assert_allclose(found, al.deviation(same, "adev", m=[m, 2 * m, 5 * m]).variance, rtol=1e-9)
     assert f"blocks of {m} samples" in blocks.history[-1]
-    assert ("left out" in blocks.history[-1]) == (10_003 % m > 0)
+    assert ("omitted" in blocks.history[-1]) == (10_003 % m > 0)
 
 
 def test_block_means_refuse_what_is_no_block():

@@ -133,7 +133,7 @@ def test_the_data_sheet_is_on_the_page_in_the_terminal_and_in_json(text, study):
     assert "4.24" in words
     assert "noise density, one-sided" in table(study)
     entries = study.to_dict()["channels"][0]["data_sheet"]
-    assert {"quantity", "value", "low", "high", "unit", "tau", "remark"} == set(entries[0])
+    assert {"quantity", "value", "low", "high", "unit", "tau", "remark", "coefficient"} == set(entries[0])
 
 
 def test_a_page_of_three_channels_is_small():
@@ -157,7 +157,7 @@ def test_a_unit_of_nothing_is_refused(wrong):
 def test_what_is_said_of_a_device_needs_a_key():
     with pytest.raises(UsageError, match="KEY=VALUE"):
         Recipe(about=("SN 12",))
-    assert Recipe(about=("serial=SN=12",)).device == {"serial": "SN=12"}
+    assert Recipe(about=("serial=SN=12",)).labels == {"serial": "SN=12"}
 
 
 def test_the_command_line_takes_units_and_facts(tmp_path):

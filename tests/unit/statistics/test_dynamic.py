@@ -148,5 +148,5 @@ def test_threads_give_the_same_numbers():
     record = record_of(noise(3000))
     one = al.dynamic(record, "mdev", window=50.0)
     np.testing.assert_array_equal(al.dynamic(record, "mdev", window=50.0, threads=2).variance, one.variance)
-    with pytest.raises(al.UsageError, match="number of threads must be 1 or more"):
+    with pytest.raises(al.UsageError, match="number of threads must be at least 1"):
         al.dynamic(record, "mdev", window=50.0, threads=0)

@@ -102,7 +102,7 @@ def test_threads_give_the_same_numbers(name):
     one = al.deviation(record, name, taus="all")
     two = al.deviation(record, name, taus="all", threads=2)
     np.testing.assert_allclose(two.variance, one.variance, rtol=1e-13)
-    with pytest.raises(al.UsageError, match="number of threads must be 1 or more"):
+    with pytest.raises(al.UsageError, match="number of threads must be at least 1"):
         al.deviation(record, name, threads=0)
 
 

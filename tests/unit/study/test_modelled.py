@@ -64,7 +64,7 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
     shown = page(job)
     for text in (table(job, width=80), table(job, width=120)):
         assert all(f"\n{name}  gyroscope" in text for name in ("gx", "gy", "gz"))
-        assert "of this record, and not reckoned with: " in text
+        assert "not taken into account: " in text
         assert "  ! " in text
     assert "no model of these terms explains the record" in " ".join(table(job, width=80).split())
     assert 'class="alert"' in shown
@@ -154,7 +154,7 @@ def test_single_results_have_their_forms(recording):
         assert len(page(value)) > 5000
         assert len(to_csv(value).splitlines()) > 5
     check = al.selfcheck(model, 1000, 10.0, records=2, rng=rng)
-    assert "2 records of 1000 readings" in page(check)
+    assert "2 records of 1000 samples" in page(check)
 
 
 def test_the_truth_of_a_simulation_is_read_again(recording):

@@ -172,7 +172,7 @@ def test_refusals_are_named_and_others_go_on():
     pair = al.Recording(tuple(al.Record(v, 10.0, "deg/h", name=n) for n, v in (("good", y), ("bad", lost))))
     found = survey(pair, Densities("multitaper"))
     assert [value.name for value in found.values] == ["good"]
-    assert "lost" in found["bad"].refusal
+    assert "missing" in found["bad"].refusal
     assert "no result: 1000 of 2000 samples are missing" in table(found)
     with pytest.raises(al.DataError, match="bad: 1000"):
         survey(pair["bad"], Densities("multitaper"))

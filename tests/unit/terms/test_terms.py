@@ -161,7 +161,7 @@ def test_models_with_shapes():
     assert "GM = 1 deg/h with time constant 10 s" in str(two)
     again = al.Model.from_dict(two.to_dict())
     assert [t.shape for t in again] == [(10.0,), (100.0,)]
-    with pytest.raises(al.UsageError, match="stands 2 times"):
+    with pytest.raises(al.UsageError, match="occurs 2 times"):
         _ = two["GM"]
     with pytest.raises(al.UsageError, match="each term may occur once"):
         _ = two + al.GM(3.0, "deg/h", time_constant=10.0)

@@ -161,7 +161,7 @@ def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
     if law.corner:
         unit = signal.sheet[TERMS["N"].power]
         value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
-        harm += f", with N = {value:.4g} ± {error:.2g} {unit}"
+        harm += f"; N = {value:.4g} ± {error:.2g} {unit}"
         begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
     return Finding(
         "flicker exponent",
