@@ -113,8 +113,10 @@ def _label(panel: Panel, e: Estimate, line: FloatArray, how: tuple[tuple[float, 
     text, unit = label_of(e, level), printed_unit(panel.unit)
     flat = TERMS[e.symbol].slope == 0 and not e.shape
     if flat and unit_of(e.sheet_unit).dimension == unit_of(panel.unit).dimension:
-        factor = math.sqrt(TERMS[e.symbol].level)
-        return f"{factor:.3g} {e.symbol} = {line[0]:.3g} {unit}\n{text}"
+        # 0.664 in the Allan deviation; other statistics have other levels
+        flat_at = float(np.nanmedian(line))
+        factor = flat_at / abs(e.to(panel.unit))
+        return f"{factor:.3g} {e.symbol} = {flat_at:.3g} {unit}\n{text}"
     if mark is None:
         return text
     return f"{text}\nat τ = {words.duration(mark[0])}: {mark[1]:.3g} {unit}"
