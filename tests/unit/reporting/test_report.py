@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+import allanite as al
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
