@@ -59,11 +59,11 @@ TABLE = [
         r"resolution of 1 s", r"quantized to 0\.001 rad/s",
     )),
     Row("adis_16405_imu1.rda", "info", "", 2, None, (r"unit is unknown", r"--unit deg/s"), "r"),
-    Row("adis_16405_imu1.rda", "info", ADIS, 0, 100.0, (r"fit for the job",), "r"),
+    Row("adis_16405_imu1.rda", "info", ADIS, 0, 100.0, (r"fit for analysis",), "r"),
     Row("adis_16405_imu1.rda", "analyze", ADIS, 0, 100.0, (
         r"explained \(goodness of fit", r"low-pass filtered: ", r"Q not observable: the filter hides",
     ), "r"),
-    Row("adis_16405_imu2.rda", "info", ADIS, 0, 100.0, (r"fit for the job",), "r"),
+    Row("adis_16405_imu2.rda", "info", ADIS, 0, 100.0, (r"fit for analysis",), "r"),
     Row("imu_tk_xsens_gyro.mat", "info", "", 2, None, (*ASKED, r"--time 1")),
     Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --rate 100", 3, 100.0, (r"moves from 52 s .* --until 52 ",)),
     Row("imu_tk_xsens_gyro.mat", "info", "--unit deg/s --time 1", 3, 100.01013, (
@@ -97,7 +97,7 @@ def test_what_is_said_of_a_recording(recordings, row):
         assert re.search(pattern, said), (pattern, said)
     if row.rate is not None:
         rates = [
-            float(rate) for rate in re.findall(r"(?:gyroscope|accelerometer), .*?, ([\d.]+) Hz, \d+ readings", said)
+            float(rate) for rate in re.findall(r"(?:gyroscope|accelerometer), .*?, ([\d.]+) Hz, \d+ samples", said)
         ]
         assert rates
         assert rates == pytest.approx([row.rate] * len(rates), rel=1e-6)

@@ -39,7 +39,7 @@ def test_a_stretch_without_a_gap_is_offered_in_times_of_the_file(tmp_path):
     assert offered
     again = run("info", file, *shlex.split(offered[1]))
     assert "are lost" not in again
-    assert "fit for the job" in again
+    assert "fit for analysis" in again
 
 
 @pytest.fixture(scope="module")

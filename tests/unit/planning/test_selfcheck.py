@@ -134,7 +134,7 @@ def test_the_verb_takes_the_length_of_a_recording(tmp_path):
     al.write(record, tmp_path / "one.npz")
     result = run(tmp_path / "one.npz", "--records", 3)
     assert result.exit_code == 0, result.stderr
-    assert "  3 records of 3000 readings at 10 Hz (5 min)" in result.stdout
+    assert "  3 records of 3000 samples at 10 Hz (5 min)" in result.stdout
 
 
 def test_the_verb_needs_a_length():

@@ -217,9 +217,8 @@ def fitness(channel: Channel) -> str:
     unit = record.signal.sheet[0]
     values = record.rate_values / convert(1.0, unit, record.signal.unit)
     facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"
-    return (
-        facts if channel.refusal else f"{facts}; fit for the job" + (", with care" if channel.quality.warnings else "")
-    )
+    caution = ", with caution" if channel.quality.warnings else ""
+    return facts if channel.refusal else f"{facts}; fit for analysis{caution}"
 
 
 def verdict(channel: Channel, level: float) -> str:
