@@ -8,11 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from allanite.core.plain import Value
+from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
 from allanite.study.analysis import Channel
 from allanite.terms import TERMS
-
-from .specification import MINIMUM
 
 
 @dataclass(frozen=True, repr=False)
@@ -103,7 +102,7 @@ def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Acros
 
 def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
     for e in channel.fit or ():
-        if e.status in ("identified", "weak", "reported"):
+        if e.valued:
             yield e.symbol, e.value, None
         elif e.status == "absent":
             yield e.symbol, None, e.upper

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.version import __version__
-from allanite.study.analysis import Study, analyze
+from allanite.study.analysis import Study, analyzed, demand_shown
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe
 
@@ -77,13 +77,14 @@ def analyze_files(
     units, errors = [], []
     for i, file in enumerate(sources.files):
         try:
-            study = analyze(file, recipe, progress=_part(tell, i, sources.files))
+            study = analyzed(file, recipe, progress=_part(tell, i, sources.files))
         except AllaniteError as error:
             errors.append(error)
             units.append(BatchUnit(file, error=str(error).removeprefix(f"{file}: "), judged=wanted is not None))
         else:
             units.append(_unit(file, study, wanted))
     _demand_one(units, errors)
+    demand_shown(recipe, (channel for unit in units for channel in unit.channels))
     return Batch(tuple(units), recipe.to_dict(), recipe.level, wanted, sources.notes, {"allanite": __version__})
 
 

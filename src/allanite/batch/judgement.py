@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 from allanite.core.errors import UsageError
 from allanite.core.plain import Value
+from allanite.core.readings import MINIMUM
 from allanite.study.analysis import Channel, Study
 
-from .specification import MINIMUM, Limit, Specification
+from .specification import Limit, Specification
 
 PASS, FAIL, NOT_SHOWN = "pass", "fail", "not shown"
 OUTCOMES = (FAIL, NOT_SHOWN, PASS)
@@ -135,7 +136,7 @@ def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
         return Seen(reason="nothing was fitted")
     if e.status == "absent" and e.upper is not None:
         return Seen(upper=e.upper)
-    if e.value is None or e.status not in ("identified", "weak", "reported"):
+    if e.value is None or not e.valued:
         return Seen(reason=": ".join(filter(None, (e.status, e.reason))))
     low, high = e.interval(level)
     low, high = (low, high) if low >= 0 or not math.isfinite(low) else _sizes(low, high)

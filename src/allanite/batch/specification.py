@@ -9,12 +9,10 @@ from allanite.core.errors import UsageError
 from allanite.core.model import coefficient_factor
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
+from allanite.core.readings import MINIMUM
 from allanite.core.units import SIGNALS, Signal, signal_with, unit_of
 from allanite.study.recipe import load_toml
 from allanite.terms import TERMS
-
-MINIMUM = "minimum"
-"""The minimum of the Allan deviation, which data sheets call in-run bias stability; it takes limits as the terms do."""
 
 JUDGES = ("value", "upper")
 """What is held against a limit: the value, or the upper end of its interval."""
@@ -152,7 +150,7 @@ class Specification(Value):
 def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
     for key in table:
         if key not in known:
-            raise UsageError(f"unknown key {key!r} in {where}; known are {', '.join(known)}")
+            raise UsageError(f"unknown key {key!r} in {where}; known keys: {', '.join(known)}")
 
 
 def _table(found: Any, name: str) -> dict[str, Any]:

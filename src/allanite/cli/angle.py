@@ -57,7 +57,7 @@ def angle() -> None:
     "reference angle",
     "orders",
     "angle unit",
-    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a difference.  [default: estimated]"),
+    "estimated sigma",
     "angle trend",
     "corrected angles",
     "level",
@@ -109,7 +109,7 @@ def calibrate(file: str, **choices: Any) -> None:
         help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]",
     ),
     "angle unit",
-    click.option("--sigma", type=float, metavar="ARCSEC", help="Noise of a sample.  [default: estimated]"),
+    "estimated sigma",
     click.option(
         "--prior",
         type=PRIOR,
@@ -173,9 +173,7 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
     click.option(
         "--start", type=float, metavar="S", help="Start, in seconds after h = 0.  [default: all starts are compared]"
     ),
-    click.option(
-        "--sigma", type=float, default=1.0, show_default=True, help="Noise of a sample; results are in its unit."
-    ),
+    "given sigma",
     click.option(
         "--prior",
         type=PRIOR,
@@ -218,7 +216,7 @@ def plan(**choices: Any) -> None:
         metavar="ANGLE:ORDER=S,C",
         help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable.",
     ),
-    click.option("--sigma", type=float, default=1.0, show_default=True, metavar="ARCSEC", help="Noise of a sample."),
+    "given sigma",
     click.option(
         "--walk",
         type=float,

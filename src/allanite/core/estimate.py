@@ -88,6 +88,11 @@ class Estimate(Value):
         """Whether the term was detected."""
         return self.status in ("identified", "weak")
 
+    @property
+    def valued(self) -> bool:
+        """Whether `value` is a result of the method: that of a term that was detected, or reported without evidence."""
+        return self.value is not None and (self.claimed or self.status == "reported")
+
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""
         demand_level(level)

@@ -78,6 +78,12 @@ class Quantity(NamedTuple):
     remark: str = ""
 
 
+MINIMUM = "minimum"
+"""Stands for the minimum of the Allan deviation where a coefficient has its symbol."""
+
+MINIMUM_TITLE = "minimum (in-run bias stability)"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Value):
     """Values conventionally read off the overlapping Allan deviation, without a noise model.
@@ -150,7 +156,7 @@ class Readings(Value):
         ]
         if self.minimum is not None:
             at = f"at {self.minimum.tau:.4g} s" + ("" if self.inside else ", the last point: an upper limit")
-            found.append(_quantity("minimum (in-run bias stability)", self.minimum, level, 1.0, at))
+            found.append(_quantity(MINIMUM_TITLE, self.minimum, level, 1.0, at))
             found.append(_quantity("minimum / 0.664", self.minimum, level, FLICKER, "bias instability at most"))
         found += [
             Quantity(f"{m.seconds:.4g} s stability", m.seconds, m.value, math.nan, math.nan, 0, f"of {m.count} means")

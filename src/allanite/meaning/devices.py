@@ -25,5 +25,5 @@ def device(name: str) -> Device:
     'slow monotonic change of the intensity of the light source'
     """
     if name not in DEVICES:
-        raise UsageError(f"unknown device {name!r}; known are {', '.join(DEVICES)}")
+        raise UsageError(f"unknown device {name!r}; known devices: {', '.join(DEVICES)}")
     return DEVICES[name]

@@ -1,14 +1,18 @@
 """The main analysis: noise coefficients of every channel with intervals, and its curve."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry, data_sheet
+from allanite.core.errors import UsageError
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
+from allanite.core.units import signal_with, unit_of
+from allanite.core.wording import spelled
 from allanite.identification.checks.shared import shared
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings
@@ -148,6 +152,24 @@ def analyze(
         An option is wrong, or a required one is missing.
     """
     recipe = recipe or Recipe()
+    study = analyzed(source, recipe, progress)
+    demand_shown(recipe, study.channels)
+    return study
+
+
+def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
+    """Refuse a unit of the recipe in which no coefficient of any channel can be shown."""
+    signals = {channel.record.signal.name: channel.record.signal for channel in channels}
+    for unit in recipe.to or ():
+        dimension = unit_of(unit).dimension
+        if not any(signal_with(dimension, power) is signal for signal in signals.values() for power in signal.si):
+            units = ", ".join(signal.sheet[0] for signal in signals.values())
+            wanted = spelled("--to", "to=")
+            raise UsageError(f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}")
+
+
+def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -> Study:
+    """The study of a recording, as `analyze` returns it; not every unit of the recipe need fit it."""
 
     def work(seen: Inspected) -> Channel:
         noise = noise_of(seen.record, recipe)

@@ -16,6 +16,7 @@ from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import page, table
 from allanite.reporting.views.datasheet import alternative
+from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
 
 
@@ -167,3 +168,15 @@ def test_the_command_line_takes_units_and_facts(tmp_path):
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 2
     assert "no noise coefficient has the unit 'deg/s^3'" in result.output
+
+
+@pytest.mark.parametrize("unit", ["V", "m/s^2"])
+def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
+    rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
+    file = tmp_path / "x.csv"
+    file.write_text(f"gx [deg/s]\n{rows}\n", encoding="utf-8")
+    result = CliRunner().invoke(main, ["analyze", str(file), "--rate", "10", "--to", unit])
+    assert result.exit_code == 2
+    assert f"no channel has a coefficient in '{unit}' (--to); the channels are in deg/h" in result.output
+    with pytest.raises(UsageError, match=r"\(to=\); the channels are in deg/h"):
+        analyze(str(file), Recipe(rate=10.0, to=(unit,)))

@@ -65,7 +65,8 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
     low, high = gammainc(nu / 2, total / 2), gammaincc(nu / 2, total / 2)
     with np.errstate(divide="ignore"):
         z = np.where(low < high, ndtri(low), -ndtri(high))
-    cube = ((total / nu) ** (1 / 3) - (1 - 2 / (9 * nu))) / np.sqrt(2 / (9 * nu))
+    # under a model far from the record a total can come out negative: its cube root says so
+    cube = (np.cbrt(total / nu) - (1 - 2 / (9 * nu))) / np.sqrt(2 / (9 * nu))
     return np.where(np.isfinite(z), z, cube)
 
 

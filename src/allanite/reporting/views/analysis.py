@@ -9,6 +9,7 @@ import numpy as np
 
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
+from allanite.core.readings import MINIMUM, MINIMUM_TITLE
 from allanite.core.record import Record
 from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit
@@ -68,7 +69,7 @@ EXPLAINED = {
 CURVE_ALONE = "The curve is estimated independently and shown for comparison: no coefficient was read off it."
 READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
 LIMITS = (
-    "The limits of the curve come from the exact distribution of the statistic, averaged over the noise models that "
+    "The intervals of the curve come from the exact distribution of the statistic, averaged over the noise models that "
     "the record leaves open: a random walk that was not identified may still be present."
 )
 SHARED = (
@@ -198,8 +199,9 @@ def _coefficients(study: Study, level: float) -> Rows:
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
-            rows.append([name, "", title, *size, "reading", tau, si, si_unit, remark])
-        for entry in channel.data_sheet(level):
+            term = MINIMUM if title == MINIMUM_TITLE else ""
+            rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])
+        for entry in (entry for entry in channel.data_sheet(level) if not entry.coefficient):
             size = [entry.value, entry.low, entry.high, entry.unit]
             rows.append([name, "", entry.quantity, *size, "data sheet", entry.tau, None, "", entry.remark])
     return heads, rows

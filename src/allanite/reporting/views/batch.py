@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 from allanite.batch.across import Across, power_of
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, Judgement, worst_of
-from allanite.batch.specification import MINIMUM
 from allanite.core.fit import Fit
+from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
@@ -240,8 +240,7 @@ def _coefficients(batch: Batch, level: float) -> Rows:
             continue
         heads, found = STUDY.coefficients(unit.study, level)
         for row in found:
-            symbol = row[1] or (MINIMUM if row[2].startswith(MINIMUM) and "/" not in row[2] else "")
-            judgement = judged.get((row[0], symbol))
+            judgement = judged.get((row[0], row[1]))
             limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
             rows.append([unit.file, *row, *limit])
     for unit in (unit for unit in batch if unit.error):

@@ -21,9 +21,6 @@ KEY = (
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
 )
 SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
-VALUED = ("identified", "weak", "reported")
-"""Status of the coefficients that a card shows."""
-
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
@@ -61,7 +58,7 @@ def card_of(channel: Channel, level: float) -> Card | None:
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
         return Card(badge, "alert", tuple(_minimum(channel)), "; ".join(("Coefficients not valid", *points[:1])))
-    rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.status in VALUED]
+    rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.valued]
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
     length = words.duration(channel.record.duration)
     note = f"Not identified in {length}: {', '.join(absent)}" if absent else ""

@@ -29,8 +29,8 @@ def meanings(study: Study) -> Iterator[Part]:
 
 def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
     """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
-    found = [meaning_of(channel, device) for channel in channels]
     if device is not None:
+        found = [meaning_of(channel, device) for channel in channels]
         yield from _causes([replace(one, name="") for one in found if one is not None])
 
 

@@ -1,0 +1,86 @@
+"""Phrases: English text that keeps how it was made, so that a report can say it in another language.
+
+The values that hold a phrase (findings, notes, statements) stay in English, as do JSON and CSV: a phrase is a `str`.
+Only where it is shown is it looked up in a catalogue, by its template, with its fields put in afterwards.
+"""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol, Self
+
+
+class Catalogue(Protocol):
+    """Translations of templates, as `gettext.NullTranslations` has them."""
+
+    def gettext(self, message: str, /) -> str: ...  # noqa: D102
+    def ngettext(self, one: str, many: str, count: int, /) -> str: ...  # noqa: D102
+
+
+class Phrase(str):
+    """English text with its template and the fields that were put into it; made by `say`, `say_count` and `join`."""
+
+    __slots__ = ("fields", "templates")
+    templates: tuple[str, ...]
+    fields: Mapping[str, Any]
+
+    def __new__(cls, templates: tuple[str, ...], fields: Mapping[str, Any]) -> Self:
+        """The phrase in English; of two templates, the first is used for a `count` of one, the second otherwise."""
+        chosen = templates[0] if fields.get("count") == 1 else templates[-1]
+        made = super().__new__(cls, chosen.format_map(fields) if fields else chosen)
+        made.templates, made.fields = templates, fields
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Phrase, (self.templates, dict(self.fields))
+
+    def __str__(self) -> str:
+        """Itself: str(error) of an error that was raised with a phrase is still one."""
+        return self
+
+    def within(self, catalogue: Catalogue) -> str:
+        """The phrase in the language of a catalogue; what that does not hold stays English."""
+        one, many = self.templates[0], self.templates[-1]
+        found = catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, self.fields["count"])
+        fields = {name: translate(value, catalogue) for name, value in self.fields.items()}
+        return found.format_map(fields) if fields else found
+
+
+def say(template: str, /, **fields: Any) -> Phrase:
+    """A phrase; `fields` are put into the template as by `str.format`, and are translated if they are phrases.
+
+    Templates are collected from calls of this function, so they are written out where it is called.
+
+    Examples
+    --------
+    >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=12.3456)
+    'minimum at 12.3 s'
+    """
+    return Phrase((template,), fields)
+
+
+def say_count(count: int, one: str, many: str, /, **fields: Any) -> Phrase:
+    """A phrase with a number, named `count` in both templates, that its nouns agree with.
+
+    Examples
+    --------
+    >>> say_count(1, "{count} sample", "{count} samples"), say_count(7, "{count} sample", "{count} samples")
+    ('1 sample', '7 samples')
+    """
+    return Phrase((one, many), {"count": count, **fields})
+
+
+def join(separator: str, parts: Iterable[str]) -> Phrase:
+    """Texts one after the other, each of which is translated by itself.
+
+    Examples
+    --------
+    >>> join("; ", [say("no model"), "gx"])
+    'no model; gx'
+    """
+    fields = {f"_{i}": part for i, part in enumerate(parts)}
+    escaped = separator.replace("{", "{{").replace("}", "}}")
+    return Phrase((escaped.join(f"{{{name}}}" for name in fields),), fields)
+
+
+def translate(value: Any, catalogue: Catalogue) -> Any:
+    """A phrase in the language of a catalogue; anything else, such as the name of a channel or a number, unchanged."""
+    return value.within(catalogue) if isinstance(value, Phrase) else value
