@@ -188,7 +188,8 @@ def encoded(value: Any, name: str, path: str) -> str | bytes:
 
         return encode(reporting.plot(value), Path(path).suffix.lower().lstrip("."))
     context = click.get_current_context(silent=True)
-    return reporting.page(value, command="" if context is None else context.meta.get(LINE, ""))
+    form = reporting.document if path.lower().endswith(".pdf") else reporting.page
+    return form(value, command="" if context is None else context.meta.get(LINE, ""))
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

@@ -69,13 +69,13 @@ def plot(
 
 
 def report(value: Any, path: PathLike, *, level: float | None = None, force: bool = False) -> None:
-    """Write a result as one self-contained HTML file: numbers, figures, how they came about.
+    """Write a result as one self-contained file: numbers, figures, how they came about.
 
     Parameters
     ----------
     value : any result
     path : path
-        The file to write.
+        The file to write: a PDF if it ends in .pdf, otherwise a page of HTML.
     level : float, optional
         Of intervals; that of the result's recipe by default, or 0.95.
     force : bool
@@ -89,7 +89,18 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
     from allanite.core.files import demand_writable, write
 
     demand_writable(path, force=force)
-    write(path, page(value, level=level).encode(), force=force)
+    form = document if os.fspath(path).lower().endswith(".pdf") else page
+    made = form(value, level=level)
+    write(path, made.encode() if isinstance(made, str) else made, force=force)
+
+
+def document(value: Any, *, level: float | None = None, command: str = "") -> bytes:
+    """The PDF that `report` writes to a file that ends in .pdf; `command` is the command line that made it."""
+    from dataclasses import replace
+
+    from .pdf import render
+
+    return render(replace(view_of(value).face(value, level_of(value, level)), command=command))
 
 
 def page(value: Any, *, level: float | None = None, command: str = "") -> str:

@@ -68,7 +68,7 @@ _LOOK: dict[str, Any] = {
 }
 
 # no date and no program version: a figure in version control changes only when its content does
-_FORMATS: dict[str, dict[str, Any]] = {
+FORMATS: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
     "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": None},
@@ -139,9 +139,9 @@ def demand_figure_path(path: PathLike, *, force: bool = False) -> str:
         See `files.demand_writable`; or the suffix is unknown.
     """
     suffix = Path(path).suffix.lower().lstrip(".")
-    if suffix not in _FORMATS:
+    if suffix not in FORMATS:
         raise UsageError(
-            f"a figure is saved as {', '.join(_FORMATS)}, by its suffix, but {os.fspath(path)!r} has {suffix!r}"
+            f"a figure is saved as {', '.join(FORMATS)}, by its suffix, but {os.fspath(path)!r} has {suffix!r}"
         )
     demand_writable(path, force=force)
     return suffix
@@ -157,5 +157,5 @@ def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
     buffer = io.BytesIO()
     with look():
         mpl.rcParams["svg.fonttype"] = "none" if text else "path"
-        figure.savefig(buffer, format=form, metadata=_FORMATS[form])
+        figure.savefig(buffer, format=form, metadata=FORMATS[form])
     return buffer.getvalue()
