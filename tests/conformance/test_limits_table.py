@@ -12,10 +12,6 @@ import limits
 
 CURVES = read("limits.md")
 POINTS = CURVES.rows()
-SHORT = {
-    "theo1": "87.6 to 93 % at 0.1 and 0.2 of the record: the mean bias over the models draws the deviation down there",
-}
-"""Statistics that fall short, and why; theobr and theoh are Theo1 beyond their joint."""
 
 
 def spread(page, share):
@@ -41,18 +37,10 @@ def of(*statistics):
 def test_it_says_how_it_was_made():
     assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", CURVES.head)
     assert {p["noise"] for p in POINTS} == set(limits.NOISES)
-    made = {p["statistic"] for p in POINTS}
-    # mtotdev and htotdev came later: they are in the next table
-    assert set(limits.STATISTIC) - made <= {"mtotdev", "htotdev"}
-    assert made <= set(limits.STATISTIC)
+    assert {p["statistic"] for p in POINTS} == set(limits.STATISTIC)
 
 
-def marked(statistic):
-    why = next((why for name, why in SHORT.items() if name[:4] == statistic[:4]), None)
-    return pytest.param(statistic, marks=[pytest.mark.xfail(reason=why)] if why else [])
-
-
-@pytest.mark.parametrize("statistic", [marked(name) for name in sorted({p["statistic"] for p in POINTS})])
+@pytest.mark.parametrize("statistic", sorted(limits.STATISTIC))
 def test_averaged_limits_of_a_curve_hold(statistic):
     assert short(of(statistic)) == ([], [])
 
