@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.scope import graded
 from allanite.identification.methods import symbols_of
