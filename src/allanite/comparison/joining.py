@@ -134,7 +134,7 @@ def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[R
     if recipe.outliers is not None:
         return list(records), []
     found = [outliers(record) for record in records]
-    notes = [
+    notes: list[str] = [
         say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
         for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
         if some.at.size

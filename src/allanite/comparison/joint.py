@@ -23,6 +23,7 @@ from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.scope import Scope
+from allanite.core.sensors import SENSORS
 from allanite.core.units import Signal
 from allanite.core.wording import spelled
 from allanite.identification.likelihood.law import AKAIKE, law, traces
@@ -203,7 +204,8 @@ def demand_one_kind(records: Sequence[Record]) -> None:
     """
     signals = {record.signal.name: record.name for record in records}
     if len(signals) > 1:
-        kinds = (f"{signal} ({name})" if name else signal for signal, name in signals.items())
+        named = ((SENSORS[signal], name) for signal, name in signals.items())
+        kinds = (say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in named)
         raise DataError(
             say(
                 "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",

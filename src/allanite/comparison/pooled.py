@@ -151,9 +151,10 @@ class PooledChannel(Value):
         if self.alike and not self.apart:
             return say("one noise model describes all {runs} runs ({p})", runs=runs, p=p)
         if self.alike:
-            parts = [say("one noise model describes the {runs} runs ({p})", runs=runs, p=p)]
+            first = say("one noise model describes the {runs} runs ({p})", runs=runs, p=p)
         else:
-            parts = [say("the {runs} runs do not have the same noise ({p})", runs=runs, p=p)]
+            first = say("the {runs} runs do not have the same noise ({p})", runs=runs, p=p)
+        parts: list[str] = [first]
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
             parts += [say("different from the others: {runs}", runs=runs_apart), self._remaining]

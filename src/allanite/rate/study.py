@@ -15,6 +15,7 @@ from allanite.core.model import Model
 from allanite.core.notation import written
 from allanite.core.plain import Value, stored_fields
 from allanite.core.record import Record, header_dict
+from allanite.core.sensors import SENSORS
 from allanite.core.units import Signal
 from allanite.core.wording import spelled
 from allanite.rate import (
@@ -221,7 +222,10 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     record, chosen = seen.record, settings.experiment
     if settings.signal is not None and settings.signal is not record.signal:
         raise DataError(
-            say("the given true rate or bias belongs to another type of sensor: {sensor}", sensor=settings.signal.name)
+            say(
+                "the given true rate or bias belongs to another type of sensor: {sensor}",
+                sensor=SENSORS[settings.signal.name],
+            )
         )
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
     if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":

@@ -111,7 +111,7 @@ def _pooled_face(value: Pool, level: float) -> Face:
 def _face(value: Value, drawn: bool, level: float) -> Face:
     """What both have."""
     source = value.provenance.get("source", "")
-    header = [(say("file"), source)] if source and "source 2" not in value.provenance else []
+    header: list[tuple[str, str]] = [(say("file"), source)] if source and "source 2" not in value.provenance else []
     header += [(say("with") if i else say("compared"), name) for i, name in enumerate(value.names)]
     header += [("" if i else say("assumed"), note) for i, note in enumerate(value.notes)]
     caption = say(
