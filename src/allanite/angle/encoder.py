@@ -95,7 +95,9 @@ def calibrate(
     z = _wrapped(angle - against)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
     _demand_small(z, chosen)
-    names = tuple(f"{wave}{k}" for k in chosen for wave in "SC") + ("offset", "drift", "bend")[: trend + 1]
+    names = (
+        tuple(f"{wave}{k}" for k in chosen for wave in "SC") + (say("offset"), say("drift"), say("bend"))[: trend + 1]
+    )
     number = np.linspace(-1.0, 1.0, angle.size)
     rows = np.column_stack([waves(angle, chosen), *(number**i for i in range(trend + 1))])
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
