@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.plain import Value
 
 from .caveats import caveats
@@ -183,7 +184,12 @@ def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
         if phase[worst] > LARGE:
             yield Finding(
                 "large",
-                f"harmonic {h.orders[worst]} of {h.name or 'the angle'} shifts its own phase by {phase[worst]:.2g} rad",
-                "the linear model is doubtful for errors that are not small relative to their period",
-                "check units; correct the angles by this estimate, and estimate again",
+                say(
+                    "harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
+                    order=h.orders[worst],
+                    angle=h.name or say("the angle"),
+                    shift=float(phase[worst]),
+                ),
+                say("the linear model is doubtful for errors that are not small relative to their period"),
+                say("check units; correct the angles by this estimate, and estimate again"),
             )

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.language import join, say, say_count
 
 from .geometry import Gimbals
 from .solution import correlation_of
@@ -64,11 +65,21 @@ def _short(
             i, j = np.unravel_index(int(others.argmax()), others.shape)
             yield Finding(
                 "span",
-                f"the angle {angle} moves by {math.degrees(span):.3g} deg, less than one period of its harmonic "
-                f"{min(orders)} ({math.degrees(period):.3g} deg)",
-                f"its harmonics can hardly be separated: {names[mine[i]]} correlates with {names[j]} by "
-                f"{correlation[mine[i], j]:+.3f}",
-                "choose a longer interval, or a part of the day where the angle moves faster",
+                say(
+                    "the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
+                    "({period:.3g} deg)",
+                    angle=angle,
+                    span=math.degrees(span),
+                    order=min(orders),
+                    period=math.degrees(period),
+                ),
+                say(
+                    "its harmonics can hardly be separated: {first} correlates with {second} by {correlation:+.3f}",
+                    first=names[mine[i]],
+                    second=names[j],
+                    correlation=float(correlation[mine[i], j]),
+                ),
+                say("choose a longer interval, or a part of the day where the angle moves faster"),
             )
 
 
@@ -76,14 +87,25 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
     size = np.abs(np.triu(correlation[: len(names), : len(names)], 1))
     pairs = sorted(np.argwhere(size > ALIKE).tolist(), key=lambda ij: -size[ij[0], ij[1]])
     if pairs:
-        shown = ", ".join(f"{names[i]} and {names[j]} ({correlation[i, j]:+.2f})" for i, j in pairs[:3])
-        more = f" and {len(pairs) - 3} more pairs" if len(pairs) > 3 else ""
+        worst = [
+            say(
+                "{first} and {second} ({correlation:+.2f})",
+                first=names[i],
+                second=names[j],
+                correlation=float(correlation[i, j]),
+            )
+            for i, j in pairs[:3]
+        ]
+        shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
+        more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
         yield Finding(
             "alike",
-            f"hardly separable: {shown}{more}",
-            "their periods nearly coincide, so that their errors are large and correlated; their joint effect is "
-            "known better",
-            "choose a range of angles where the periods differ, a longer interval, or sway",
+            more if len(pairs) > 3 else shown,
+            say(
+                "their periods nearly coincide, so that their errors are large and correlated; their joint effect is "
+                "known better"
+            ),
+            say("choose a range of angles where the periods differ, a longer interval, or sway"),
         )
 
 
@@ -97,10 +119,13 @@ def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) ->
     if growth[worst] > DISTURBED:
         yield Finding(
             "turn",
-            f"the auto-compensating rotation increases the standard error of {names[worst]} by a factor of "
-            f"{growth[worst]:.2g}",
-            "its period is near that of an error",
-            "choose another period of the rotation, or another range of angles",
+            say(
+                "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
+                constant=names[worst],
+                factor=float(growth[worst]),
+            ),
+            say("its period is near that of an error"),
+            say("choose another period of the rotation, or another range of angles"),
         )
 
 
@@ -112,11 +137,19 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
         if moved[worst] > 0.25:
             yield Finding(
                 "sparse",
-                f"between two samples ({step[worst]:.4g} s) {angle} moves by up to {moved[worst]:.2g} periods of "
-                f"its harmonic {max(orders)}",
-                "an error between the samples is not observed, and angle and cosine must be sampled at the same "
-                "instant",
-                "sample at least four times per period",
+                say(
+                    "between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} periods of its harmonic "
+                    "{order}",
+                    step=float(step[worst]),
+                    angle=angle,
+                    periods=float(moved[worst]),
+                    order=max(orders),
+                ),
+                say(
+                    "an error between the samples is not observed, and angle and cosine must be sampled at the same "
+                    "instant"
+                ),
+                say("sample at least four times per period"),
             )
 
 
@@ -125,8 +158,10 @@ def _untold(names: tuple[str, ...], errors: FloatArray, prior: FloatArray) -> It
     if little:
         yield Finding(
             "untold",
-            f"the samples carry little information about {', '.join(little)}: their estimates depend mostly on the "
-            "prior",
-            "their estimates are biased towards zero",
-            "choose a longer interval or another range of angles",
+            say(
+                "the samples carry little information about {constants}: their estimates depend mostly on the prior",
+                constants=", ".join(little),
+            ),
+            say("their estimates are biased towards zero"),
+            say("choose a longer interval or another range of angles"),
         )

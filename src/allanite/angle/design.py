@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.wording import spelled
 
 from .door import demand_motion
@@ -51,12 +52,12 @@ def _along(g: Gimbals) -> FloatArray:
 
 
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance("misalignment of the rotor's optical sensor in the rotating frame, x", 0, _across),
-    "az": Nuisance("the same, z", 0, _along),
-    "A1": Nuisance("daily sine of the gyros' unknown drift", 0, lambda g: np.sin(EARTH_RATE * g.time)),
-    "A2": Nuisance("daily cosine of it", 0, lambda g: np.cos(EARTH_RATE * g.time)),
-    "A3": Nuisance("linear growth of it", 1, lambda g: g.time),
-    "A0": Nuisance("a constant", 0, lambda g: np.ones(g.time.size)),
+    "ax": Nuisance(say("misalignment of the rotor's optical sensor in the rotating frame, x"), 0, _across),
+    "az": Nuisance(say("the same, z"), 0, _along),
+    "A1": Nuisance(say("daily sine of the gyros' unknown drift"), 0, lambda g: np.sin(EARTH_RATE * g.time)),
+    "A2": Nuisance(say("daily cosine of it"), 0, lambda g: np.cos(EARTH_RATE * g.time)),
+    "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time),
+    "A0": Nuisance(say("a constant"), 0, lambda g: np.ones(g.time.size)),
 }
 """Constants estimated jointly with the harmonics; by default all but A0.
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import unit_of
 from allanite.core.wording import spelled
@@ -94,7 +95,9 @@ def calibrate(
     z = _wrapped(angle - against)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
     _demand_small(z, chosen)
-    names = tuple(f"{wave}{k}" for k in chosen for wave in "SC") + ("offset", "drift", "bend")[: trend + 1]
+    names = (
+        tuple(f"{wave}{k}" for k in chosen for wave in "SC") + (say("offset"), say("drift"), say("bend"))[: trend + 1]
+    )
     number = np.linspace(-1.0, 1.0, angle.size)
     rows = np.column_stack([waves(angle, chosen), *(number**i for i in range(trend + 1))])
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
@@ -165,9 +168,13 @@ def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> 
     if noise > 0 and sizes.size * math.exp(-left.size * (size / noise) ** 2 / 4) < RARE:
         yield Finding(
             "order",
-            f"harmonic {order} is also present, with an amplitude of about {size * 648_000 / math.pi:.3g} arcsec",
-            "it was not requested, and makes the standard errors of the others wrong",
-            f"add {order} to the orders",
+            say(
+                "harmonic {order} is also present, with an amplitude of about {amplitude:.3g} arcsec",
+                order=order,
+                amplitude=size * 648_000 / math.pi,
+            ),
+            say("it was not requested, and makes the standard errors of the others wrong"),
+            say("add {order} to the orders", order=order),
         )
 
 
@@ -175,14 +182,24 @@ def _caveats(angle: FloatArray, orders: tuple[int, ...], solution: Solution) -> 
     span, period = float(np.ptp(np.unwrap(angle))), 2 * math.pi / min(orders)
     correlation = correlation_of(solution.covariance) - np.eye(len(solution.names))
     i, j = np.unravel_index(int(np.abs(correlation).argmax()), correlation.shape)
-    pair = f"{solution.names[i]} correlates with {solution.names[j]} by {correlation[i, j]:+.3f}"
+    pair = say(
+        "{first} correlates with {second} by {correlation:+.3f}",
+        first=solution.names[i],
+        second=solution.names[j],
+        correlation=float(correlation[i, j]),
+    )
     if span < period:
         yield Finding(
             "span",
-            f"the angle moves by {math.degrees(span):.3g} deg, less than one period of harmonic {min(orders)} "
-            f"({math.degrees(period):.3g} deg)",
-            f"the parameters can hardly be separated: {pair}",
-            "turn further, or omit the lowest orders",
+            say(
+                "the angle moves by {span:.3g} deg, less than one period of harmonic {order} ({period:.3g} deg)",
+                span=math.degrees(span),
+                order=min(orders),
+                period=math.degrees(period),
+            ),
+            say("the parameters can hardly be separated: {pair}", pair=pair),
+            say("turn further, or omit the lowest orders"),
         )
     elif abs(correlation[i, j]) > 0.9:
-        yield Finding("alike", f"hardly separable: {pair}", "their errors are large and correlated", "turn further")
+        what = say("hardly separable: {pairs}", pairs=pair)
+        yield Finding("alike", what, say("their errors are large and correlated"), say("turn further"))

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from allanite.core.arrays import FloatArray
 from allanite.core.correction import Correction
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.record import Record, Recording
 
 from .solution import Solution, quantile
@@ -88,7 +89,7 @@ class Harmonics(Correction):
     @property
     def what(self) -> str:
         """Which harmonics, for the record's history."""
-        return f"harmonics {', '.join(map(str, self.orders))} of the angle"
+        return say("harmonics {orders} of the angle", orders=", ".join(map(str, self.orders)))
 
     def at(self, angle: ArrayLike) -> FloatArray:
         """The error at an angle, rad, of the shape of `angle`."""

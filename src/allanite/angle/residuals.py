@@ -9,6 +9,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.fit import chance
+from allanite.core.language import join, say
 from allanite.core.plain import Value
 
 PASSED = 0.01
@@ -33,7 +34,7 @@ class InnovationTest(Value):
         return self.p >= PASSED
 
     def __str__(self) -> str:
-        return f"{self.title if self.passed else self.failed} ({chance(self.p)})"
+        return join("", (self.title if self.passed else self.failed, f" ({chance(self.p)})"))
 
 
 def white(left: FloatArray) -> tuple[float, float, str]:
@@ -44,9 +45,10 @@ def white(left: FloatArray) -> tuple[float, float, str]:
     centred = left - left.mean()
     r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
     q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
-    words = (
-        f"successive innovations are correlated ({r[0]:+.2f}), so that the standard deviations are too small; model "
-        "what is missing (another harmonic, a drift), or sample at longer intervals"
+    words = say(
+        "successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too small; "
+        "model what is missing (another harmonic, a drift), or sample at longer intervals",
+        correlation=float(r[0]),
     )
     return q, float(gammaincc(lags / 2, q / 2)), words
 
@@ -59,9 +61,11 @@ def steady(left: FloatArray) -> tuple[float, float, str]:
     way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
     a = float(way.max())
     p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
-    words = (
-        f"the running sum of the innovations exceeds its limits after {int(way.argmax()) + 1} of {left.size} "
-        "samples: the constants changed, or the samples drift"
+    words = say(
+        "the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the constants "
+        "changed, or the samples drift",
+        sample=int(way.argmax()) + 1,
+        samples=left.size,
     )
     return a, float(min(p, 1.0)), words
 
@@ -74,14 +78,18 @@ def outlying(left: FloatArray) -> tuple[float, float, str]:
     worst = float(abs(left[at]))
     tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
     p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
-    words = f"sample {at} deviates by {worst:.3g} standard deviations; inspect it, or omit it"
+    words = say(
+        "sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it",
+        sample=at,
+        deviation=worst,
+    )
     return worst, p, words
 
 
 TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
-    "white": ("the innovations are uncorrelated", True, white),
-    "steady": ("the constants do not change", True, steady),
-    "outlying": ("no sample is an outlier", False, outlying),
+    "white": (say("the innovations are uncorrelated"), True, white),
+    "steady": (say("the constants do not change"), True, steady),
+    "outlying": (say("no sample is an outlier"), False, outlying),
 }
 """Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
 
@@ -100,5 +108,9 @@ def level_check(squares: float, freedom: int) -> InnovationTest:
 
     low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
     ratio = math.sqrt(squares / freedom)
-    words = f"the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated"
-    return InnovationTest("level", "the noise is as large as sigma states", ratio, min(1.0, 2 * min(low, high)), words)
+    words = say(
+        "the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
+        ratio=ratio,
+    )
+    title = say("the noise is as large as sigma states")
+    return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words)

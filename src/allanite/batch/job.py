@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterable, Sequence
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.language import Phrase
 from allanite.core.version import __version__
 from allanite.study.analysis import Study, analyzed, demand_shown
 from allanite.study.channels import Progress
@@ -80,12 +81,20 @@ def analyze_files(
             study = analyzed(file, recipe, progress=_part(tell, i, sources.files))
         except AllaniteError as error:
             errors.append(error)
-            units.append(BatchUnit(file, error=str(error).removeprefix(f"{file}: "), judged=wanted is not None))
+            units.append(BatchUnit(file, error=_why(error, file), judged=wanted is not None))
         else:
             units.append(_unit(file, study, wanted))
     _demand_one(units, errors)
     demand_shown(recipe, (channel for unit in units for channel in unit.channels))
     return Batch(tuple(units), recipe.to_dict(), recipe.level, wanted, sources.notes, {"allanite": __version__})
+
+
+def _why(error: AllaniteError, file: str) -> str:
+    """The message of an error without the name of the file, which is shown beside it."""
+    message, before = str(error), f"{file}: "
+    if isinstance(message, Phrase) and message.startswith(before) and message.fields.get("_0") == file:
+        return str(message.fields["_1"])
+    return message.removeprefix(before) if message.startswith(before) else message
 
 
 def _unit(file: str, study: Study, wanted: Specification | None) -> BatchUnit:

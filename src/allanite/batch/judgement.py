@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from allanite.core.errors import UsageError
+from allanite.core.language import join, say
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
 from allanite.study.analysis import Channel, Study
@@ -13,6 +13,14 @@ from allanite.study.analysis import Channel, Study
 from .specification import Limit, Specification
 
 PASS, FAIL, NOT_SHOWN = "pass", "fail", "not shown"
+STATUSES = {
+    "absent": say("absent"),
+    "not observable": say("not observable"),
+    "not valid": say("not valid"),
+    "negative": say("negative"),
+}
+"""Statuses of terms that have no value to judge."""
+
 OUTCOMES = (FAIL, NOT_SHOWN, PASS)
 """Outcomes, the worst first."""
 
@@ -73,7 +81,7 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
     there = {channel.record.name for channel in study}
     for name, limits in specification.channels.items():
         if name not in there:
-            reason = f"there is no channel {name!r}"
+            reason = say("there is no channel {name!r}", name=name)
             found += [Judgement(name, limit, NOT_SHOWN, None, reason) for limit in limits]
     return tuple(found)
 
@@ -99,45 +107,54 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
     if seen.value is None:
         if seen.upper is None:
             return Judgement(channel, limit, NOT_SHOWN, None, seen.reason)
-        text = f"{seen.reason or 'not identified'}, below {seen.upper / limit.factor:.3g} {unit}"
+        text = say(
+            "{reason}, below {limit:.3g} {unit}",
+            reason=seen.reason or say("not identified"),
+            limit=seen.upper / limit.factor,
+            unit=unit,
+        )
         return Judgement(channel, limit, PASS if seen.upper <= most else NOT_SHOWN, seen.upper, text)
     known = math.isfinite(seen.low) and math.isfinite(seen.high)
     near = known and seen.low <= most <= seen.high
-    parts = [f"{seen.value / limit.factor:.4g} {unit}"]
-    parts[0] += f" ({seen.low / limit.factor:.4g} .. {seen.high / limit.factor:.4g})" if known else ", no interval"
-    parts += ["the interval holds the limit"] if near else []
+    value = f"{seen.value / limit.factor:.4g} {unit}"
+    if known:
+        parts = [f"{value} ({seen.low / limit.factor:.4g} .. {seen.high / limit.factor:.4g})"]
+    else:
+        parts = [value, say("no interval")]
+    parts += [say("the interval holds the limit")] if near else []
+    parts += [seen.reason] if seen.reason else []
     upper = limit.judge == "upper"
     outcome = FAIL if seen.value > most else NOT_SHOWN if upper and not seen.high <= most else PASS
     size = seen.high if upper and known else seen.value
-    return Judgement(channel, limit, outcome, size, ", ".join([*parts, *filter(None, [seen.reason])]), near)
+    return Judgement(channel, limit, outcome, size, join(", ", parts), near)
 
 
 def _seen(channel: Channel, symbol: str, level: float) -> Seen:
     if channel.refusal:
-        return Seen(reason=f"no result: {channel.refusal}")
+        return Seen(reason=say("no result: {reason}", reason=channel.refusal))
     return _minimum(channel, level) if symbol == MINIMUM else _coefficient(channel, symbol, level)
 
 
 def _minimum(channel: Channel, level: float) -> Seen:
     found = channel.readings.minimum if channel.readings else None
     if channel.readings is None or found is None:
-        return Seen(reason="the curve has no minimum; it is determined for oadev at averaging times 'log' only")
+        return Seen(reason=say("the curve has no minimum; it is determined for oadev at averaging times 'log' only"))
     if not channel.readings.inside:
-        return Seen(upper=found.interval(level)[1], reason="not reached in this record")
+        return Seen(upper=found.interval(level)[1], reason=say("not reached in this record"))
     return Seen(found.deviation, *found.interval(level))
 
 
 def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
-    try:
-        e = channel.fit[symbol] if channel.fit else None
-    except UsageError as error:
-        return Seen(reason=str(error))
+    if not channel.fit:
+        return Seen(reason=say("nothing was fitted"))
+    e = next((e for e in channel.fit if e.symbol == symbol), None)
     if e is None:
-        return Seen(reason="nothing was fitted")
+        there = ", ".join(e.symbol for e in channel.fit)
+        return Seen(reason=say("{symbol!r} is not a term of this fit; its terms: {terms}", symbol=symbol, terms=there))
     if e.status == "absent" and e.upper is not None:
         return Seen(upper=e.upper)
     if e.value is None or not e.valued:
-        return Seen(reason=": ".join(filter(None, (e.status, e.reason))))
+        return Seen(reason=join(": ", [STATUSES[e.status], *([e.reason] if e.reason else [])]))
     low, high = e.interval(level)
     low, high = (low, high) if low >= 0 or not math.isfinite(low) else _sizes(low, high)
     return Seen(abs(e.value), low, high)

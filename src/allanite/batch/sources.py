@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.readers.sandbox.packing import PROSE
 from allanite.readers.sandbox.source import STDIN
 
@@ -87,7 +88,7 @@ def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
         raise DataError(f"the directory {folder!r} holds no recording; name its files, or a pattern such as '**/*.csv'")
     if other:
         shown = ", ".join(other[:5]) + (" ..." if len(other) > 5 else "")
-        notes.append(f"left out of {folder}, by their names not recordings: {shown}")
+        notes.append(say("left out of {folder}, by their names not recordings: {files}", folder=folder, files=shown))
     return files
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from allanite.core.errors import UsageError
+from allanite.core.language import join, say
 from allanite.core.model import coefficient_factor
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
@@ -144,7 +145,7 @@ class Specification(Value):
 
     def _summary(self) -> str:
         parts = [f"{limit.symbol} <= {limit.words()}" for limit in self.limits]
-        return ", ".join([*parts, *(f"own limits of {name}" for name in self.channels)])
+        return join(", ", [*parts, *(say("own limits of {channel}", channel=name) for name in self.channels)])
 
 
 def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from allanite.core.encoding import finite, plain
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
+from allanite.core.language import join, say
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal
@@ -22,10 +23,10 @@ RESOLVED = 2.0
 """If the interval of a ratio contains this factor or its inverse, the record does not resolve the coefficient."""
 
 OUTCOMES = {
-    "smaller": "the coefficient is smaller afterwards, with the adjusted p-value",
-    "larger": "the coefficient is larger afterwards, with the adjusted p-value",
-    "no change": "no significant change, and a change by a factor of 2 is excluded by the interval",
-    "not resolvable": (
+    "smaller": say("the coefficient is smaller afterwards, with the adjusted p-value"),
+    "larger": say("the coefficient is larger afterwards, with the adjusted p-value"),
+    "no change": say("no significant change, and a change by a factor of 2 is excluded by the interval"),
+    "not resolvable": say(
         "no significant change, but a change by a factor of 2 is not excluded either: a longer record would decide"
     ),
 }
@@ -95,7 +96,13 @@ class Change(Value):
     @property
     def label(self) -> str:
         """The symbol; of a sinusoid with its frequency."""
-        return self.symbol if self.frequency is None else f"{self.symbol} at {self.frequency:.4g} Hz"
+        return self.named(self.symbol)
+
+    def named(self, term: str) -> str:
+        """A symbol or title of its term; of a sinusoid with its frequency."""
+        if self.frequency is None:
+            return term
+        return say("{term} at {frequency:.4g} Hz", term=term, frequency=self.frequency)
 
     @property
     def percent(self) -> float:
@@ -182,8 +189,15 @@ def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
     if not math.isfinite(change.ratio):
-        return f"{change.label} is detected only afterwards"
+        return say("{coefficient} is detected only afterwards", coefficient=change.label)
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
-        return f"{change.symbol} has changed its sign"
-    limits = f" ({low:+.3g} to {high:+.3g} %)" if math.isfinite(low) and math.isfinite(high) else ""
-    return f"{change.label} {change.percent:+.3g} %{limits}"
+        return say("{coefficient} has changed its sign", coefficient=change.symbol)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return join(" ", (change.label, f"{change.percent:+.3g} %"))
+    return say(
+        "{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
+        coefficient=change.label,
+        percent=change.percent,
+        low=low,
+        high=high,
+    )

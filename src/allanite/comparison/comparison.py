@@ -12,6 +12,7 @@ from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
+from allanite.core.language import join, say, say_count
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Record
@@ -156,28 +157,47 @@ class Pair(Value):
     def verdict(self) -> str:
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
-            return f"not compared: {self.refusal}"
-        named = ", ".join(told(change) for change in self.changes if change.significant)
+            return say("not compared: {reason}", reason=self.refusal)
         same = [c.label for c in self.changes if c.outcome == "no change"]
-        open_ = [c for c in self.changes if c.outcome == "not resolvable"]
-        detail = named or ("no single coefficient changes significantly" if self.changed else "")
-        parts = [self._headline + (f"{': ' if self.changed else '; by itself '}{detail}" if detail else "")]
+        open_ = [_open(c) for c in self.changes if c.outcome == "not resolvable"]
+        parts = [self._first]
         parts += [self._curves] if self._curves else []
-        parts += [f"unchanged within their intervals: {', '.join(same)}"] if same else []
-        longer = "not resolvable in these records, but in longer ones: "
-        parts += [longer + ", ".join(map(_open, open_))] if open_ else []
-        return "; ".join(parts)
+        parts += (
+            [say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same))] if same else []
+        )
+        longer = say(
+            "not resolvable in these records, but in longer ones: {coefficients}", coefficients=join(", ", open_)
+        )
+        return join("; ", [*parts, longer] if open_ else parts)
+
+    @property
+    def _first(self) -> str:
+        """Whether the noise has changed, and in which coefficients."""
+        named = join(", ", [told(change) for change in self.changes if change.significant])
+        if self.changed:
+            return join(": ", [self._headline, named or say("no single coefficient changes significantly")])
+        return say("{verdict}; by itself {changes}", verdict=self._headline, changes=named) if named else self._headline
 
     @property
     def _headline(self) -> str:
-        p, test = chance(self.p), self.test
-        per = f"{test.dof} octaves of frequency" if test and self.paired else _coefficients(test.dof) if test else ""
-        how = "" if test is None else f" (likelihood ratio {test.statistic:.4g} for {per})"
         if self.p <= self.alpha:
-            return f"the noise has changed, {p}{how}"
+            return say("the noise has changed, {evidence}", evidence=self._evidence)
         if self.changed:
-            return f"the records differ, although the noise as a whole shows no change, {p}{how}"
-        return f"no change of the noise is detected, {p}{how}"
+            return say(
+                "the records differ, although the noise as a whole shows no change, {evidence}", evidence=self._evidence
+            )
+        return say("no change of the noise is detected, {evidence}", evidence=self._evidence)
+
+    @property
+    def _evidence(self) -> str:
+        p, test = chance(self.p), self.test
+        if test is None:
+            return p
+        if self.paired:
+            freedom = say_count(test.dof, "{count} octave of frequency", "{count} octaves of frequency")
+        else:
+            freedom = say_count(test.dof, "{count} coefficient", "{count} coefficients")
+        return say("{p} (likelihood ratio {ratio:.4g} for {freedom})", p=p, ratio=test.statistic, freedom=freedom)
 
     @property
     def _curves(self) -> str:
@@ -186,9 +206,15 @@ class Pair(Value):
         if self.ratios is None or most is None:
             return ""
         at, p = most
-        return (
-            f"the curves differ, most at {self.ratios.tau[at]:.4g} s (variance ratio {self.ratios.ratio[at]:.3g}, "
-            f"{chance(p)}, adjusted for {self.ratios.tau.size} averaging times)"
+        return say_count(
+            self.ratios.tau.size,
+            "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging "
+            "time)",
+            "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging "
+            "times)",
+            tau=float(self.ratios.tau[at]),
+            ratio=float(self.ratios.ratio[at]),
+            p=chance(p),
         )
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
@@ -204,12 +230,8 @@ def _open(change: Change) -> str:
     if change.needed is None:
         return change.label
     if math.isinf(change.needed):
-        return f"{change.label} (of no practical length)"
-    return f"{change.label} (at {duration(change.needed)} or more)"
-
-
-def _coefficients(count: int) -> str:
-    return f"{count} coefficient{'' if count == 1 else 's'}"
+        return say("{coefficient} (of no practical length)", coefficient=change.label)
+    return say("{coefficient} (at {length} or more)", coefficient=change.label, length=duration(change.needed))
 
 
 @dataclass(frozen=True, repr=False)

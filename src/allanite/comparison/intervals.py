@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.study.channels import provenance_of
 from allanite.study.recipe import Recipe
 
@@ -114,6 +115,6 @@ def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
     contrasts = {s: IntervalContrast(before[s], after[s]) for s in common}
     changes = changes_of(contrasts, (before, after), recipe.level)
     pair = Pair(name_both(before, after), changes=changes, fits=(before, after), alpha=alpha_of(recipe.level))
-    notes = ("compared by the intervals of the coefficients only; a comparison of the records is more sensitive",)
+    notes = (say("compared by the intervals of the coefficients only; a comparison of the records is more sensitive"),)
     used = Recipe(level=recipe.level)  # nothing else of it counts
-    return Comparison((pair,), used, (), notes, provenance_of(), ("before", "after"))
+    return Comparison((pair,), used, (), notes, provenance_of(), (say("before"), say("after")))

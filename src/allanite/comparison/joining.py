@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.scope import graded
 from allanite.identification.methods import symbols_of
@@ -50,7 +51,12 @@ class Joined:
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers: models that do not explain their records, and what was done."""
         doubts = (
-            f"record {i}: {doubt}; a difference in what the model omits may appear as a change of one of its terms"
+            say(
+                "record {number}: {doubt}; a difference in what the model omits may appear as a change of one of its "
+                "terms",
+                number=i,
+                doubt=doubt,
+            )
             for i, noise in enumerate(self.noises, 1)
             for doubt in noise.doubts
         )
@@ -77,12 +83,18 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
     quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
-        f"record {i}: sinusoids were removed, at {', '.join(f'{line.frequency:.6g}' for line in fit.lines)} Hz"
+        say(
+            "record {number}: sinusoids were removed, at {frequencies} Hz",
+            number=i,
+            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines),
+        )
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]
     if constant is not None:
-        notes.append(f"Gauss-Markov noise is compared at a common time constant, {constant:.3g} s")
+        notes.append(
+            say("Gauss-Markov noise is compared at a common time constant, {constant:.3g} s", constant=constant)
+        )
     both = joint(quiet, shown, asked_band(recipe), constant=constant, scopes=[fit.scope for fit in fits])
     return Joined(both, noises, tuple(notes), tuple(records))
 
@@ -91,7 +103,12 @@ def _demand_different(records: Sequence[Record]) -> None:
     for j, record in enumerate(records):
         for i, other in enumerate(records[:j]):
             if len(other.values) == len(record.values) and np.array_equal(other.values, record.values):
-                raise DataError(f"records {i + 1} and {j + 1} have identical samples; there is nothing to compare")
+                alike = say(
+                    "records {first} and {second} have identical samples; there is nothing to compare",
+                    first=i + 1,
+                    second=j + 1,
+                )
+                raise DataError(alike)
 
 
 def asked_band(recipe: Recipe) -> tuple[float, float] | None:
@@ -117,8 +134,8 @@ def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[R
     if recipe.outliers is not None:
         return list(records), []
     found = [outliers(record) for record in records]
-    notes = [
-        f"record {i}: {some.words(record)}: excluded from the comparison"
+    notes: list[str] = [
+        say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
         for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
         if some.at.size
     ]

@@ -12,18 +12,20 @@ is no plain chi-square: its law is drawn, from the common model and the binned p
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import DataError
+from allanite.core.language import join, say, say_count
 from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.scope import Scope
+from allanite.core.sensors import SENSORS
 from allanite.core.units import Signal
-from allanite.core.wording import plural, spelled
+from allanite.core.wording import spelled
 from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.portion import Tuned
@@ -125,7 +127,14 @@ def joint(
     demand_one_kind(records)
     for record in records:
         if record.size < SHORTEST:
-            raise DataError(f"{record.name!r} has {record.size} samples; noise coefficients need at least {SHORTEST}")
+            short = say_count(
+                record.size,
+                "{name!r} has {count} sample; noise coefficients need at least {least}",
+                "{name!r} has {count} samples; noise coefficients need at least {least}",
+                name=record.name,
+                least=SHORTEST,
+            )
+            raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
     shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and not TERMS[s].periodic]
     noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
@@ -163,11 +172,24 @@ def common_band(
         high = min(high, PASSED * scope.filter.cutoff) if scope.filter else high
     low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
     if not low < high:
-        spans = ", ".join(f"{1 / (2 * r.duration):.3g} to {r.rate / 2:.3g} Hz" for r in records)
-        within = "" if band is None else f" within {band[0]:g} to {band[1]:g} Hz"
+        bands = [(1 / (2 * r.duration), r.rate / 2) for r in records]
+        spans = join(", ", [say("{low:.3g} to {high:.3g} Hz", low=start, high=end) for start, end in bands])
+        if band is not None:
+            raise DataError(
+                say(
+                    "the records have no frequency band in common within {low:g} to {high:g} Hz: they cover {spans}; "
+                    "record longer, or at more similar rates",
+                    low=band[0],
+                    high=band[1],
+                    spans=spans,
+                )
+            )
         raise DataError(
-            f"the records have no frequency band in common{within}: they cover {spans}; record longer, or at more "
-            "similar rates"
+            say(
+                "the records have no frequency band in common: they cover {spans}; record longer, or at more similar "
+                "rates",
+                spans=spans,
+            )
         )
     return low, high
 
@@ -182,10 +204,14 @@ def demand_one_kind(records: Sequence[Record]) -> None:
     """
     signals = {record.signal.name: record.name for record in records}
     if len(signals) > 1:
-        kinds = " and ".join(f"{signal} ({name})" if name else signal for signal, name in signals.items())
+        named = ((SENSORS[signal], name) for signal, name in signals.items())
+        kinds = (say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in named)
         raise DataError(
-            f"only sensors of one type can be compared, not {kinds}; select channels of one type with "
-            f"{spelled('--channels', 'channels=...')}"
+            say(
+                "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",
+                kinds=reduce(lambda first, second: say("{first} and {second}", first=first, second=second), kinds),
+                option=spelled("--channels", "channels=..."),
+            )
         )
 
 
@@ -201,9 +227,16 @@ def _in_band(
         inside &= (last < mask[0]) | (first > mask[1])
     if inside.sum() < FEWEST:
         raise DataError(
-            f"the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
-            f"has {plural(int(inside.sum()), 'bin')} of the spectrum, fewer than {FEWEST}; record longer, or at "
-            "more similar rates"
+            say_count(
+                int(inside.sum()),
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bin of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bins of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                low=low,
+                high=high,
+                fewest=FEWEST,
+            )
         )
     return whole if inside.all() else whole.only(inside)
 

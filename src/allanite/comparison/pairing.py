@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model
 from allanite.core.record import Record
@@ -29,10 +30,13 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-PAIRED = (
-    "both records contain the same noise, like raw and corrected samples (their correlation is {:.3g}): they are "
-    "compared as a pair; the intervals of the coefficients are those of independent records, wider than necessary"
-)
+def _paired(correlation: float) -> str:
+    return say(
+        "both records contain the same noise, like raw and corrected samples (their correlation is "
+        "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those of independent "
+        "records, wider than necessary",
+        correlation=correlation,
+    )
 
 
 def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
@@ -51,7 +55,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     common = [both.term(symbol, math.sqrt(size)) for symbol, size in sizes if size > 0]
     changes = with_needed(changes, common, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
-    alerts = (*alerts, PAIRED.format(alike)) if alike > ALIKE else alerts
+    alerts = (*alerts, _paired(alike)) if alike > ALIKE else alerts
     ratios = None
     try:
         clean = cast(tuple[Record, Record], joined.records)

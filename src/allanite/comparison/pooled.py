@@ -10,6 +10,7 @@ from allanite.core.encoding import finite
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
+from allanite.core.language import join, say
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
@@ -145,21 +146,28 @@ class PooledChannel(Value):
     def verdict(self) -> str:
         """What the runs have in common and what not, in a sentence or two."""
         if self.refusal or self.test is None:
-            return f"not pooled: {self.refusal}"
-        runs = len(self.fits)
+            return say("not pooled: {reason}", reason=self.refusal)
+        runs, p = len(self.fits), chance(self.test.p)
         if self.alike and not self.apart:
-            return f"one noise model describes all {runs} runs ({chance(self.test.p)})"
-        first = f"the {runs} runs do not have the same noise ({chance(self.test.p)})"
-        apart = ", ".join(f"{name} ({chance(p)})" for name, p in self.apart.items())
-        parts = [first if not self.alike else f"one noise model describes the {runs} runs ({chance(self.test.p)})"]
-        if apart:
-            parts.append(f"different from the others: {apart}")
-            more = "have the same noise" if self.rest > self.alpha else "still differ"
-            parts.append(f"the remaining runs {more} ({chance(self.rest)})")
+            return say("one noise model describes all {runs} runs ({p})", runs=runs, p=p)
+        if self.alike:
+            first = say("one noise model describes the {runs} runs ({p})", runs=runs, p=p)
+        else:
+            first = say("the {runs} runs do not have the same noise ({p})", runs=runs, p=p)
+        parts: list[str] = [first]
+        if self.apart:
+            runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
+            parts += [say("different from the others: {runs}", runs=runs_apart), self._remaining]
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
-            parts.append(f"the scatter between runs exceeds that within them in {', '.join(named)}")
-        return "; ".join(parts)
+            parts.append(say("the scatter between runs exceeds that within them in {terms}", terms=", ".join(named)))
+        return join("; ", parts)
+
+    @property
+    def _remaining(self) -> str:
+        if self.rest > self.alpha:
+            return say("the remaining runs have the same noise ({p})", p=chance(self.rest))
+        return say("the remaining runs still differ ({p})", p=chance(self.rest))
 
     def _summary(self) -> str:
         return f"{self.name!r}: {self.verdict}"

@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.record import Record
 from allanite.identification.likelihood.selection import standard_error
@@ -141,7 +142,7 @@ def _curves(
 
     count = np.sum([curve.count for curve in curves], axis=0)
     curve = replace(
-        curves[0], variance=mean, count=count, name="all runs", law=PooledLaw(whole), noise=None, history=()
+        curves[0], variance=mean, count=count, name=say("all runs"), law=PooledLaw(whole), noise=None, history=()
     )
     return curves, curve, bartlett(variance, edf)
 

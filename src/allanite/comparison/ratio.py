@@ -18,6 +18,7 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.statistics import deviation
@@ -190,6 +191,13 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     for record, m in zip(records, steps, strict=True):
         fits &= (np.abs(m / record.rate / wanted - 1) <= ALIKE) & (m <= row.largest(record.size))
     if not fits.any():
-        spans = ", ".join(f"{row.step / r.rate:.3g} to {row.largest(r.size) / r.rate:.3g} s" for r in records)
-        raise DataError(f"the records have no averaging time in common: {row.name} covers {spans}")
+        reach = [(row.step / r.rate, row.largest(r.size) / r.rate) for r in records]
+        spans = join(", ", [say("{low:.3g} to {high:.3g} s", low=least, high=most) for least, most in reach])
+        raise DataError(
+            say(
+                "the records have no averaging time in common: {statistic} covers {spans}",
+                statistic=row.name,
+                spans=spans,
+            )
+        )
     return [m[fits] for m in steps]

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
 from allanite.study.channels import (
@@ -42,7 +43,9 @@ class Sources:
         if len(self.recordings) == 1:
             return self.recordings[0].findings
         named = zip(self.names, self.recordings, strict=True)
-        return tuple(replace(found, what=f"{name}: {found.what}") for name, one in named for found in one.findings)
+        return tuple(
+            replace(found, what=join(": ", (name, found.what))) for name, one in named for found in one.findings
+        )
 
 
 def run_together(
@@ -108,7 +111,9 @@ def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:
     names = [_own_name(source) for source in sources]
     if all(names) and len(set(names)) == len(names):
         return tuple(names)
-    return ("before", "after") if len(sources) == 2 else tuple(f"run {i + 1}" for i in range(len(sources)))
+    if len(sources) == 2:
+        return say("before"), say("after")
+    return tuple(say("run {number}", number=i + 1) for i in range(len(sources)))
 
 
 def _own_name(source: Source | Job[Any]) -> str:
@@ -127,8 +132,11 @@ def pair_channels(
     common = [name for name in names[0] if all(name in others for others in names)]
     if common and not ordered:
         alone = ", ".join(sorted({name for some in names for name in some} - set(common)))
-        which = "both" if len(recordings) == 2 else "all"
-        notes = (f"not in {which} recordings, and not compared: {alone}",) if alone else ()
+        if len(recordings) == 2:
+            missing = say("not in both recordings, and not compared: {channels}", channels=alone)
+        else:
+            missing = say("not in all recordings, and not compared: {channels}", channels=alone)
+        notes = (missing,) if alone else ()
         return [(name, tuple(recording[name] for recording in recordings)) for name in common], notes
     if len({len(some) for some in names}) > 1 or (len(recordings) > 2 and len(names[0]) > 1):
         shown = "; ".join(", ".join(some) for some in names)
@@ -139,7 +147,11 @@ def pair_channels(
         )
     matched = list(zip(*recordings, strict=True))
     unlike = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
-    said = tuple(f"channel {first} is compared with {', '.join(rest)}" for first, *rest in filter(None, unlike) if rest)
+    said = tuple(
+        say("channel {first} is compared with {others}", first=first, others=", ".join(rest))
+        for first, *rest in filter(None, unlike)
+        if rest
+    )
     return [(name_both(*records), records) for records in matched], said
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.core.wording import spelled
 from allanite.prepare import trim
@@ -206,7 +207,7 @@ def truncation(
     recording = open_source(source, recipe)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
-    sources = Sources((recording,), (f"first {until:g} s", "rest"), pairs)
+    sources = Sources((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
     found = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
     return replace(found, channels=tuple(_with_whole(pair, recording, recipe) for pair in found))
 
@@ -217,7 +218,8 @@ def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
         return pair
     terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
     whole = noise_of(recording[pair.name], recipe, terms=terms)
-    return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *(f"the whole: {doubt}" for doubt in whole.doubts)))
+    doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
+    return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
 
 
 def _ready(recipe: Recipe | None, progress: Progress | None) -> Recipe:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
+from allanite.core.language import join
 from allanite.study.channels import Job
 
 Compared = TypeVar("Compared", bound=Any)
@@ -43,7 +44,7 @@ class Together(Job[Compared]):
     def verdict(self) -> str:
         """The verdicts, a line a channel."""
         many = len(self.channels) > 1
-        return "\n".join(f"{c.name}: {c.verdict}" if many else c.verdict for c in self.channels)
+        return join("\n", [join(": ", (c.name, c.verdict)) if many else c.verdict for c in self.channels])
 
     def _explained(self, channel: Any) -> bool:
         """Whether a model explains each record of a channel."""

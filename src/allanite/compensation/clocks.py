@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Record, Recording
 
 from .regressor import FloatArray
@@ -33,7 +34,8 @@ def aligned(along: Recording, record: Record) -> Recording:
 
 def _aligned(other: Record, record: Record) -> Record:
     if other.kind != "rate":
-        raise DataError(f"{other.name!r} is of kind {other.kind}; only plain samples can be resampled")
+        plain = say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
+        raise DataError(plain)
     when = np.arange(record.size) / record.rate
     since = (record.start or 0.0) - (other.start or 0.0)
     x = np.asarray(other.values, dtype=np.float64)
@@ -41,9 +43,13 @@ def _aligned(other: Record, record: Record) -> Record:
     at = when + since
     values = _means(x, other.rate, at, record.rate) if faster else _lines(x, other.rate, at)
     if np.isnan(values).all():
-        raise DataError(f"{other.name!r} and {record.name!r} do not overlap in time")
-    way = "means" if faster else "linear interpolation"
-    what = f"resampled from {other.rate:.9g} Hz to the times of {record.name!r} by {way}"
+        raise DataError(say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name))
+    what = say(
+        "resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
+        rate=other.rate,
+        name=record.name,
+        way=say("means") if faster else say("linear interpolation"),
+    )
     return Record(
         values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
         history=(*other.history, what),

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.language import join, say
 from allanite.core.wording import spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 
@@ -35,17 +36,26 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> C
     notes = []
     if condition > CONDITION:
         factors = zip(design.labels, inflation, strict=True)
-        worst = ", ".join(f"{label} ({factor:.3g})" for label, factor in factors if factor > 10)
+        worst = join(", ", [join("", (label, f" ({factor:.3g})")) for label, factor in factors if factor > 10])
         notes.append(
-            f"the regressors can hardly be separated: scaled condition number {condition:.3g}, above {CONDITION:g}; "
-            f"variance inflation {worst or 'spread over all'}. Their sum may be accurate although none of them is"
+            say(
+                "the regressors can hardly be separated: scaled condition number {condition:.3g}, above {limit:g}; "
+                "variance inflation {worst}. Their sum may be accurate although none of them is",
+                condition=condition,
+                limit=CONDITION,
+                worst=worst or say("spread over all"),
+            )
         )
     ramp = _of_ramp(design, likelihood.expectation(theta), A)
     if ramp > TRENDING:
         notes.append(
-            f"the regressors have a trend: they explain {100 * ramp:.3g} % of a linear drift, so that a rate ramp R "
-            f"cannot be separated from their effect in this record ({spelled('--trend', 'trend=True')} estimates "
-            "one jointly); a record in which they return to their initial values would separate them"
+            say(
+                "the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R "
+                "cannot be separated from their effect in this record ({option} estimates one jointly); a record in "
+                "which they return to their initial values would separate them",
+                percent=100 * ramp,
+                option=spelled("--trend", "trend=True"),
+            )
         )
     return Collinearity(condition, inflation, tuple(notes))
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say, say_count
 from allanite.core.record import Record, Recording
-from allanite.core.wording import plural, spelled
+from allanite.core.wording import spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.prepare.view import stretches
 
@@ -101,8 +102,14 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
     if any(lost) and not settings.fit.split_gaps:
         raise DataError(
-            f"{lost[0]} samples of {record.name!r} and {lost[1]} of its regressors are missing; use the stretches "
-            f"between them, each with its own constant: {spelled('--split-gaps', 'FitSettings(split_gaps=True)')}"
+            say(
+                "{samples} samples of {name!r} and {regressors} of its regressors are missing; use the stretches "
+                "between them, each with its own constant: {option}",
+                samples=lost[0],
+                name=record.name,
+                regressors=lost[1],
+                option=spelled("--split-gaps", "FitSettings(split_gaps=True)"),
+            )
         )
     parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
     used = np.zeros(y.size, dtype=bool)
@@ -120,7 +127,12 @@ def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool
     size = np.sqrt((inner**2).sum(axis=0) / used.sum())
     for regressor, rms in zip(regressors, size, strict=True):
         if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
-            raise DataError(f"the regressor {regressor.label!r} is constant and cannot explain anything; omit it")
+            raise DataError(
+                say(
+                    "the regressor {regressor!r} is constant and cannot explain anything; omit it",
+                    regressor=regressor.label,
+                )
+            )
     return np.asarray(size)
 
 
@@ -160,10 +172,17 @@ def _measured(name: str, record: Record, along: Recording) -> _Channel:
     x = readings(name, unit, record, along)
     there = x[np.isfinite(x)]
     if not there.size:
-        raise DataError(f"the regressor {name!r} has no finite sample")
+        raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
     mean, spread = float(there.mean()), float(there.std())
     if there.min() == there.max():
-        raise DataError(f"the regressor {name!r} is constant (always {there[0]:g} {unit}) and cannot explain anything")
+        raise DataError(
+            say(
+                "the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
+                regressor=name,
+                value=float(there[0]),
+                unit=unit,
+            )
+        )
     return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
 
 
@@ -171,16 +190,19 @@ def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tu
     kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
     count = sum(b - a for a, b in kept)
     if not kept:
-        raise DataError(f"no stretch of {SHORTEST} samples is complete in the record and its regressors")
+        raise DataError(
+            say("no stretch of {least} samples is complete in the record and its regressors", least=SHORTEST)
+        )
     if count == n:
         return kept, ()
-    words = (
-        f"{n - count} of {n} samples are missing, have no regressors, or belong to stretches shorter than {SHORTEST}"
+    missing = say(
+        "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
+        missing=n - count,
+        samples=n,
+        least=SHORTEST,
     )
-    return kept, (
-        (f"{words}; {plural(len(kept), 'stretch', 'stretches')} used")
-        + (", each with its own constant" * (len(kept) > 1)),
-    )
+    used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
+    return kept, (join("; ", (missing, used)),)
 
 
 def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
@@ -190,4 +212,5 @@ def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
         return
     share = np.abs(vectors[:, 0])
     names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
-    raise DataError(f"the regressors {', '.join(map(repr, names))} are collinear: omit one of them")
+    listed = join(", ", [join("", ("'", name, "'")) for name in names])
+    raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))

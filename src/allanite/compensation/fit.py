@@ -6,9 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say, say_count
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record, Recording
-from allanite.core.wording import plural, spelled
+from allanite.core.wording import spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.terms import TERMS
 
@@ -99,7 +100,15 @@ def compensate(
         raise UsageError("regressors and derivative_of are sequences of names, for example ['temp']")
     beside = along if isinstance(along, Recording) else Recording((along,))
     if record.size < SHORTEST:
-        raise DataError(f"{record.name!r} has {record.size} samples; a regression needs at least {SHORTEST}")
+        raise DataError(
+            say_count(
+                record.size,
+                "{name!r} has {count} sample; a regression needs at least {least}",
+                "{name!r} has {count} samples; a regression needs at least {least}",
+                name=record.name,
+                least=SHORTEST,
+            )
+        )
     wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, settings)
     whole = design(record, beside, wanted)
     _demand_noise(whole, record)
@@ -107,7 +116,7 @@ def compensate(
     theta, _ = whole.likelihood(terms).minimise(np.ones(len(terms), dtype=bool))
     blocks = folds(whole, theta, terms, settings.blocks)
     if len(blocks) < 3:
-        notes = ("the record is too short for cross-validation: every column is kept",)
+        notes = (say("the record is too short for cross-validation: every column is kept"),)
         return _regression(record, whole, list(range(len(whole.regressors))), settings, notes=notes)
     kept = list(range(len(whole.regressors))) if settings.every else choose(whole, blocks)
     return _regression(record, whole, kept, settings, held=_held(whole, blocks, kept))
@@ -138,12 +147,7 @@ def _regression(
     inside = _inside(part, seen, theta, found.values + first)
     effective = _effective(part, seen, theta)
     if effective < settings.least * len(part.taken):
-        raise DataError(
-            f"the noise of {record.name!r} has {effective:.3g} effective samples, as a whole or where the "
-            f"regressors vary: too few for {plural(len(part.taken), 'regressor')}, each of which needs "
-            f"{settings.least:g}. Use fewer regressors, record for longer, or require fewer samples per regressor "
-            f"with {spelled('--least', 'FitSettings(least=...)')}"
-        )
+        raise DataError(_few(record, effective, len(part.taken), settings))
     return Regression(
         record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
         chosen=tuple(bool(o) and not settings.every for o in part.optional),
@@ -154,15 +158,41 @@ def _regression(
     )  # fmt: skip
 
 
+def _few(record: Record, effective: float, regressors: int, settings: FitSettings) -> str:
+    return say_count(
+        regressors,
+        "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: too few "
+        "for {count} regressor, each of which needs {least:g}. Use fewer regressors, record for longer, or require "
+        "fewer samples per regressor with {option}",
+        "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: too few "
+        "for {count} regressors, each of which needs {least:g}. Use fewer regressors, record for longer, or require "
+        "fewer samples per regressor with {option}",
+        name=record.name,
+        effective=effective,
+        least=settings.least,
+        option=spelled("--least", "FitSettings(least=...)"),
+    )
+
+
 def _demand_noise(part: Design, record: Record) -> None:
     if all(np.ptp(part.y[a:b]) == 0 for a, b in part.stretches):
-        raise DataError(f"{record.name!r} is constant (always {part.y[part.stretches[0][0]]:g} SI): check the sensor")
+        raise DataError(
+            say(
+                "{name!r} is constant (always {value:g} SI): check the sensor",
+                name=record.name,
+                value=float(part.y[part.stretches[0][0]]),
+            )
+        )
     left = part.y - part.X @ _plain(part)
     rest, whole = (np.array([np.ptp(y[a:b]) for a, b in part.stretches]).max() for y in (left, part.y))
     if rest < WHOLLY * whole:
         raise DataError(
-            f"{', '.join(map(repr, part.labels))} explain {record.name!r} completely: no noise remains. Is the "
-            "record, or something derived from it, among the regressors?"
+            say(
+                "{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
+                "it, among the regressors?",
+                regressors=join(", ", [join("", ("'", label, "'")) for label in part.labels]),
+                name=record.name,
+            )
         )
 
 

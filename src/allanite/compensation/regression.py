@@ -12,6 +12,7 @@ import numpy as np
 from allanite.core.correction import Correction
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
 from allanite.core.units import Signal
@@ -74,7 +75,8 @@ class Regression(Correction):
     @property
     def what(self) -> str:
         """For the history."""
-        return f"regression on {'; '.join(r.label for r in self.regressors if not r.is_trend)}"
+        labels = join("; ", [r.label for r in self.regressors if not r.is_trend])
+        return say("regression on {regressors}", regressors=labels)
 
     @property
     def taken(self) -> list[int]:
@@ -131,8 +133,11 @@ class Regression(Correction):
             return rate / record.rate
         if np.isnan(rate).any():
             raise DataError(
-                f"{int(np.isnan(rate).sum())} samples of the regressors are missing, and therefore every later "
-                "angle; correct the rates or increments instead"
+                say(
+                    "{samples} samples of the regressors are missing, and therefore every later angle; correct the "
+                    "rates or increments instead",
+                    samples=int(np.isnan(rate).sum()),
+                )
             )
         return np.concatenate(([0.0], np.cumsum(rate / record.rate)))
 
@@ -201,7 +206,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     fine = np.isfinite(y) & np.isfinite(X).all(axis=1)
     count = int(fine.sum())
     if count < 2:
-        raise DataError(f"{record.name!r} and its regressors have no samples in common")
+        raise DataError(say("{name!r} and its regressors have no samples in common", name=record.name))
     X = np.where(fine[:, None], X - X[fine].mean(axis=0), 0.0)
     y = np.where(fine, y - y[fine].mean(), 0.0)
     b, V = regression.mixture.values[taken], regression.mixture.covariance[np.ix_(taken, taken)]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.language import say, say_count
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.core.units import convert
@@ -74,7 +75,9 @@ class Regressor(Value):
         """Its name in tables."""
         name = self.channel if self.power == 1 else f"{self.channel}^{self.power}"
         name = name if self.smooth is None else f"d {name}/dt"
-        return name if not self.lag else f"{name}, {self.lag:g} s before"
+        if self.is_trend:
+            return say("time")
+        return say("{name}, {lag:g} s before", name=name, lag=self.lag) if self.lag else name
 
     @property
     def column_unit(self) -> str:
@@ -102,7 +105,7 @@ class Regressor(Value):
             x = local_slope(x, record.rate, self.smooth)
         steps = round(self.lag * record.rate)
         if steps >= x.size:
-            raise DataError(f"a lag of {self.lag:g} s is longer than {record.name!r}")
+            raise DataError(say("a lag of {lag:g} s is longer than {name!r}", lag=self.lag, name=record.name))
         if steps:
             x = np.concatenate((np.full(steps, np.nan), x[:-steps]))
         return np.asarray((x - self.centre) ** self.power)
@@ -194,11 +197,25 @@ def demand_clock(record: Record, other: Record) -> None:
     if same_rate and apart < 0.5 / record.rate and other.size in lengths:
         return
     raise DataError(
-        f"{other.name!r} ({_clock(other)}) does not have the sample times of {record.name!r} ({_clock(record)}); "
-        f"interpolate it with {spelled('--interpolate', 'compensation.aligned')}"
+        say(
+            "{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
+            regressor=other.name,
+            clock=_clock(other),
+            name=record.name,
+            own=_clock(record),
+            option=spelled("--interpolate", "compensation.aligned"),
+        )
     )
 
 
 def _clock(record: Record) -> str:
-    start = "" if record.start is None else f" from {record.start:.9g} s"
-    return f"{record.rate:.9g} Hz, {record.size} samples{start}"
+    rate, size = record.rate, record.size
+    if record.start is None:
+        return say_count(size, "{rate:.9g} Hz, {count} sample", "{rate:.9g} Hz, {count} samples", rate=rate)
+    return say_count(
+        size,
+        "{rate:.9g} Hz, {count} sample from {start:.9g} s",
+        "{rate:.9g} Hz, {count} samples from {start:.9g} s",
+        rate=rate,
+        start=record.start,
+    )

@@ -11,6 +11,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
+from allanite.core.language import join, say
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.prepare import inspect, trim
 from allanite.prepare.view import stretches
@@ -110,7 +111,7 @@ def _applied(
     there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
     applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=_part(progress, 1, 2))
-    findings = (replace(f, what=f"{there.signals.source}: {f.what}") for f in there.findings)
+    findings = (replace(f, what=join(": ", (there.signals.source, f.what))) for f in there.findings)
     return replace(
         study,
         applied=applied,
@@ -202,7 +203,7 @@ def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> 
 
 def _saved(there: Mapping[str, Regression], name: str) -> Regression:
     if name not in there:
-        raise DataError(f"no regression of this name; names: {', '.join(there)}")
+        raise DataError(say("no regression of this name; names: {names}", names=", ".join(there)))
     return there[name]
 
 
@@ -211,7 +212,13 @@ def _corrected(record: Record, along: Recording, regression: Regression, recipe:
     there = np.isfinite(regression.rate_error(record, along))
     before, after = (_longest(part, there) for part in (record, corrected))
     if before.size < SHORTEST:
-        raise DataError(f"no stretch of {SHORTEST} samples is complete in {record.name!r} and its regressors")
+        raise DataError(
+            say(
+                "no stretch of {least} samples is complete in {name!r} and its regressors",
+                least=SHORTEST,
+                name=record.name,
+            )
+        )
     noise, alerts = _noise(before, recipe)
     curve = partial(deviation, statistic="oadev", taus="octave")
     curves = curve(before, noise=noise.fit if noise else regression.noise), curve(after, noise=regression.noise)
@@ -232,6 +239,11 @@ def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...
     try:
         noise = noise_of(record, recipe)
     except DataError as error:
-        return None, (f"the intervals of the deviation before assume the noise identified by the fit: {error}",)
-    doubt = "the intervals of the deviation before are doubtful: no model of these terms explains the record before"
+        assumed = say(
+            "the intervals of the deviation before assume the noise identified by the fit: {reason}", reason=str(error)
+        )
+        return None, (assumed,)
+    doubt = say(
+        "the intervals of the deviation before are doubtful: no model of these terms explains the record before"
+    )
     return noise, (doubt,) if noise.doubts else ()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from allanite.core.language import say
 from allanite.core.units import convert
 
 IN_RUN = (
@@ -21,6 +22,7 @@ class Grade:
     """Sensors whose coefficient is below `below`, and not below that of the row before; the last row has no bound."""
 
     name: str
+    opening: str
     below: float
 
 
@@ -58,20 +60,31 @@ class Scale:
         i = self.grades.index(grade)
         low = f"{self.grades[i - 1].below:g}" if i else ""
         if not low:
-            return f"below {grade.below:g} {self.unit}"
-        return f"from {low} {self.unit} on" if grade.below == float("inf") else f"{low} to {grade.below:g} {self.unit}"
+            return say("below {limit:g} {unit}", limit=grade.below, unit=self.unit)
+        if grade.below == float("inf"):
+            return say("from {limit} {unit} on", limit=low, unit=self.unit)
+        return say("{low} to {high:g} {unit}", low=low, high=grade.below, unit=self.unit)
 
 
 BY_MINIMUM = Scale(
-    "in-run bias stability",
+    say("in-run bias stability"),
     "deg/h",
-    (Grade("navigation", 0.01), Grade("tactical", 5.0), Grade("industrial", 360.0), Grade("consumer", float("inf"))),
+    (
+        Grade(say("navigation grade"), say("Navigation grade"), 0.01),
+        Grade(say("tactical grade"), say("Tactical grade"), 5.0),
+        Grade(say("industrial grade"), say("Industrial grade"), 360.0),
+        Grade(say("consumer grade"), say("Consumer grade"), float("inf")),
+    ),
     IN_RUN,
 )
 BY_RANDOM_WALK = Scale(
-    "angle random walk",
+    say("angle random walk"),
     "deg/sqrt(h)",
-    (Grade("navigation", 0.002), Grade("tactical", 0.05), Grade("industrial or consumer", float("inf"))),
+    (
+        Grade(say("navigation grade"), say("Navigation grade"), 0.002),
+        Grade(say("tactical grade"), say("Tactical grade"), 0.05),
+        Grade(say("industrial or consumer grade"), say("Industrial or consumer grade"), float("inf")),
+    ),
     RANDOM_WALK,
 )
 SCALES = (BY_MINIMUM, BY_RANDOM_WALK)

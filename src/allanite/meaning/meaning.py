@@ -1,10 +1,13 @@
 """Meaning: what the coefficients of a record say, and what may cause them in a device."""
 
 from dataclasses import dataclass
+from functools import reduce
 
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.readings import Readings
+from allanite.core.sensors import SENSORS
 
 from .device import Cause
 from .devices import device as named
@@ -82,7 +85,12 @@ def meaning(
         return Meaning(fit.name, said)
     row = named(device)
     if fit.signal.name not in row.signals:
-        note = f"the table of {row.title} is about {' or '.join(row.signals)} signals, not about this {fit.signal.name}"
+        note = say(
+            "the table of {device} is about {signals} signals, not about this {sensor}",
+            device=row.title,
+            signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
+            sensor=SENSORS[fit.signal.name],
+        )
         return Meaning(fit.name, said, device, (), note)
     there = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()
     return Meaning(fit.name, said, device, there, row.note)

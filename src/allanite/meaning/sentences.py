@@ -5,13 +5,14 @@ from collections.abc import Iterator
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.readings import FLICKER, Readings
 from allanite.core.units import convert
 from allanite.core.wording import duration
 from allanite.terms import TERMS, WHITE
 
 from .asymptotes import Span, crossing, least, spans
-from .grades import BY_MINIMUM, BY_RANDOM_WALK
+from .grades import BY_MINIMUM, BY_RANDOM_WALK, Scale
 
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
@@ -39,19 +40,21 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     if fit.valid is None or not fit.validity:
         return ()
     found = {e.symbol: e for e in fit if e.claimed and e.value}
-    parts = [
+    return (
         *_dominating(found, rate, length),
         *_minimum(fit, readings, rate, length),
         *_drift(fit, found, length),
         *_time_constants(fit, found),
         *_grades(found, readings),
-    ]
-    return tuple(part[:1].upper() + part[1:] for part in parts)
+    )
 
 
 def _title(estimate: Estimate) -> str:
-    from_angle = TERMS[estimate.symbol].title.replace("angle", estimate.signal.integral)
-    return from_angle if estimate.signal.name == "gyro" else from_angle.replace("rate ", "")
+    if estimate.signal.name == "gyro" or estimate.symbol not in "NKR":
+        return TERMS[estimate.symbol].title
+    if estimate.symbol == "N":
+        return say("{integral} random walk", integral=estimate.signal.integral)
+    return say("random walk") if estimate.symbol == "K" else say("ramp")
 
 
 def _size(value: float, estimate: Estimate, power: float) -> str:
@@ -67,21 +70,38 @@ def _dominating(found: dict[str, Estimate], rate: float, length: float) -> Itera
     drift = next((span for span in places if TERMS[span.symbol].slope > 0), None)
     parts = [_white(white, found, (1 / rate, length / 2))] if white else []
     if drift is not None:
-        where = "at all averaging times" if drift.start <= 1 / rate else f"from {duration(drift.start)} on"
-        parts.append(f"drift ({_title(found[drift.symbol])}) dominates {where}")
+        title = _title(found[drift.symbol])
+        if drift.start <= 1 / rate:
+            parts.append(say("Drift ({term}) dominates at all averaging times", term=title))
+        else:
+            parts.append(say("Drift ({term}) dominates from {start} on", term=title, start=duration(drift.start)))
     if parts:
-        yield ". ".join(part[:1].upper() + part[1:] for part in parts) + "."
+        yield _ended(join(". ", parts))
+
+
+def _ended(sentence: str) -> str:
+    return join("", (sentence, "."))
 
 
 def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) -> str:
-    title = f"white noise ({_title(found[span.symbol])}) dominates"
-    start = f"from {duration(span.start)} " if span.start > limits[0] else ""
+    title, start, end = _title(found[span.symbol]), duration(span.start), duration(span.end)
+    late = span.start > limits[0]
     if span.end >= limits[1]:
-        where = f"{start}up to half the length of the record" if start else "at all averaging times"
-        return f"{title} {where}: averaging reduces the error with the square root of time"
-    to = "to" if start else "up to"
-    slower = "averaging longer reduces the error more slowly than with the square root of time"
-    return f"{title} {start}{to} {duration(span.end)}: {slower}"
+        if late:
+            where = say(
+                "White noise ({term}) dominates from {start} up to half the length of the record",
+                term=title,
+                start=start,
+            )
+        else:
+            where = say("White noise ({term}) dominates at all averaging times", term=title)
+        return join(": ", (where, say("averaging reduces the error with the square root of time")))
+    if late:
+        where = say("White noise ({term}) dominates from {start} to {end}", term=title, start=start, end=end)
+    else:
+        where = say("White noise ({term}) dominates up to {end}", term=title, end=end)
+    slower = say("averaging longer reduces the error more slowly than with the square root of time")
+    return join(": ", (where, slower))
 
 
 def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) -> Iterator[str]:
@@ -92,42 +112,51 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     if flicker is None:
         return
     tau, level = readings.minimum.tau, readings.minimum.deviation
-    said = (
-        f"the minimum of the Allan deviation is {_size(level, flicker, 0)} at {duration(tau)}; divided by 0.664 it "
-        f"would be a B of {_size(level * FLICKER, flicker, 0)}"
+    said = say(
+        "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
+        minimum=_size(level, flicker, 0),
+        tau=duration(tau),
+        flicker=_size(level * FLICKER, flicker, 0),
     )
     if flicker.claimed and flicker.value:
         own = _size(flicker.value, flicker, 0)
-        yield f"{said}; the identified B is {own}, because the minimum contains the other terms too."
+        because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
+        yield join("; ", (said, because))
     elif flicker.upper is not None:
-        made = _made(fit, rate, length)
-        yield f"{said}; flicker was not identified, B is below {_size(flicker.upper, flicker, 0)}{made}."
+        below = _size(flicker.upper, flicker, 0)
+        missing = say("flicker was not identified, B is below {limit}", limit=below)
+        yield _ended(join("; ", (said, missing, *_made(fit, rate, length))))
 
 
-def _made(fit: Fit, rate: float, length: float) -> str:
+def _made(fit: Fit, rate: float, length: float) -> Iterator[str]:
     """The minimum that the other terms have together, if they have one within the record."""
     lowest = least(fit.estimates, 1 / rate, length / 2)
     if lowest is None:
-        return ""
+        return
     tau, level = lowest
-    return f"; the other terms alone make a minimum of {_size(level, fit.estimates[0], 0)} at {duration(tau)}"
+    size = _size(level, fit.estimates[0], 0)
+    yield say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=duration(tau))
 
 
 def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]:
     """Whether the drift is systematic, a ramp, or random, a random walk."""
     ramp, walk = found.get("R"), found.get("K")
     if ramp is not None and walk is not None:
-        yield (
-            f"the drift has a systematic part, R, which changes the output by {_over(ramp, length)} over the record, "
-            f"and a random part, K, of {_over(walk, length)} (1 sigma); R is larger than K beyond "
-            f"{duration(crossing(walk, ramp))}."
+        yield say(
+            "The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
+            "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
+            systematic=_over(ramp, length),
+            random=_over(walk, length),
+            tau=duration(crossing(walk, ramp)),
         )
     elif ramp is not None:
-        other = _absent(fit, "K")
-        yield f"the drift is systematic: R changes the output by {_over(ramp, length)} over the record{other}."
+        change = _over(ramp, length)
+        said = say("The drift is systematic: R changes the output by {change} over the record", change=change)
+        yield _ended(join("; ", (said, *_absent(fit, "K"))))
     elif walk is not None:
-        other = _absent(fit, "R")
-        yield f"the drift is random: K changes the output by {_over(walk, length)} (1 sigma) over the record{other}."
+        change = _over(walk, length)
+        said = say("The drift is random: K changes the output by {change} (1 sigma) over the record", change=change)
+        yield _ended(join("; ", (said, *_absent(fit, "R"))))
 
 
 def _over(estimate: Estimate, length: float) -> str:
@@ -136,47 +165,59 @@ def _over(estimate: Estimate, length: float) -> str:
     return _size(abs(estimate.value or 0.0) * length**power, estimate, 0)
 
 
-def _absent(fit: Fit, symbol: str) -> str:
+def _absent(fit: Fit, symbol: str) -> Iterator[str]:
     """That the other kind of drift was not identified, with its limit."""
     other = next((e for e in fit if e.symbol == symbol), None)
     if other is None or other.status != "absent" or other.upper is None:
-        return ""
-    return f"; {symbol} was not identified, its size is below {_size(other.upper, other, TERMS[symbol].power)}"
+        return
+    limit = _size(other.upper, other, TERMS[symbol].power)
+    yield say("{symbol} was not identified, its size is below {limit}", symbol=symbol, limit=limit)
 
 
 def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
     """The time constant of a Gauss-Markov process or of a filter."""
     process = found.get("GM")
     if process is not None and process.shape:
-        yield (
-            f"a Gauss-Markov process with a time constant of {duration(process.shape[0])} was identified: look for a "
-            "control loop, a temperature or a filter with this time constant."
+        yield say(
+            "A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
+            "temperature or a filter with this time constant.",
+            time=duration(process.shape[0]),
         )
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff
-        time = f"{1000 / (2 * math.pi * cutoff):.3g} ms"
-        yield (
-            f"a low-pass filter of {cutoff:.3g} Hz was identified (time constant {time} if it is of first order): the "
-            "bandwidth of the sensor, or a filter before the output."
+        yield say(
+            "A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
+            "order): the bandwidth of the sensor, or a filter before the output.",
+            cutoff=cutoff,
+            time=1000 / (2 * math.pi * cutoff),
         )
 
 
 def _grades(found: dict[str, Estimate], readings: Readings | None) -> Iterator[str]:
     """The grade of a gyroscope by in-run bias stability and by angle random walk."""
-    parts = []
+    """The grades of a gyro: one opens the sentence, the other goes on with it."""
+    by_minimum, white = None, found.get("N")
     if readings is not None and readings.minimum is not None and readings.signal.name == "gyro":
         level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
-        size = convert(level, readings.unit, BY_MINIMUM.unit)
-        grade = BY_MINIMUM.of(size, BY_MINIMUM.unit)
-        better = "" if readings.inside else " or better"
-        parts.append(
-            f"{grade.name} grade{better} by its {BY_MINIMUM.title} ({BY_MINIMUM.words(grade)}: "
-            f"{'' if readings.inside else 'below '}{size:.3g})"
-        )
-    white = found.get("N")
+        by_minimum = _graded(BY_MINIMUM, convert(level, readings.unit, BY_MINIMUM.unit), reached=readings.inside)
     if white is not None and white.signal.name == "gyro":
-        size = white.to(BY_RANDOM_WALK.unit)
-        grade = BY_RANDOM_WALK.of(size, BY_RANDOM_WALK.unit)
-        parts.append(f"{grade.name} grade by its {BY_RANDOM_WALK.title} ({BY_RANDOM_WALK.words(grade)}: {size:.3g})")
-    if parts:
-        yield f"{', and '.join(parts)}; grades are conventions, and a data sheet needs more than noise."
+        opens = by_minimum is None
+        by_walk = _graded(BY_RANDOM_WALK, white.to(BY_RANDOM_WALK.unit), opens=opens)
+        by_minimum = by_walk if by_minimum is None else say("{first}, and {second}", first=by_minimum, second=by_walk)
+    if by_minimum is not None:
+        yield join("; ", (by_minimum, say("grades are conventions, and a data sheet needs more than noise.")))
+
+
+def _graded(scale: Scale, size: float, *, reached: bool = True, opens: bool = True) -> str:
+    """The grade by a size; where the minimum was not reached, it is below that, and the grade may be a better one."""
+    grade = scale.of(size, scale.unit)
+    name, span = grade.opening if opens else grade.name, scale.words(grade)
+    if reached:
+        return say("{grade} by its {scale} ({span}: {size:.3g})", grade=name, scale=scale.title, span=span, size=size)
+    return say(
+        "{grade} or better by its {scale} ({span}: below {size:.3g})",
+        grade=name,
+        scale=scale.title,
+        span=span,
+        size=size,
+    )

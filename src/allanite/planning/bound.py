@@ -10,11 +10,15 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.language import join, say
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
 from allanite.terms import TERMS
+from allanite.terms.row import Parameter
 
 from .information import Grid, Information, Part, shape_parts
+
+PARAMETERS = {"time_constant": say("time constant"), "frequency": say("frequency"), "phase": say("phase")}
 
 AUTO = "QNBKR"
 """The default terms of `identify`."""
@@ -141,7 +145,11 @@ def _errors(information: FloatArray) -> FloatArray:
 
 
 def _names(noise: list[Term], model: Model) -> list[str]:
-    return [name for t in noise for name in (name_of(t, model), *(f"{name_of(t, model)} {p}" for p in _parameters(t)))]
+    return [
+        name
+        for t in noise
+        for name in (name_of(t, model), *(join(" ", (name_of(t, model), title_of(p))) for p in t.row.parameters))
+    ]
 
 
 def name_of(t: Term, model: Model) -> str:
@@ -159,8 +167,9 @@ def name_of(t: Term, model: Model) -> str:
     return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"
 
 
-def _parameters(t: Term) -> list[str]:
-    return [p.name.replace("_", " ") for p in t.row.parameters]
+def title_of(parameter: Parameter) -> str:
+    """The name of a parameter of a term's shape, as it is shown."""
+    return PARAMETERS.get(parameter.name, parameter.name)
 
 
 def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> Iterator[tuple[str, float]]:
@@ -169,14 +178,14 @@ def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> I
     if not t.row.periodic:
         yield name, ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
         return
-    frequency = t.shape[0]
+    frequency, named = t.shape[0], join(" ", (name, PARAMETERS["frequency"]))
     seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
     amplitude = abs(t.value * np.sinc(frequency / rate))
     noise = Model(tuple(part for part in model if part.row.waveform is None))
     duration = n / rate
     if seen * duration < 1 or not amplitude:  # no whole period
-        yield from ((name, math.inf), (f"{name} frequency", math.inf))
+        yield from ((name, math.inf), (named, math.inf))
         return
     density = float(noise.spectrum(np.array([seen]), 1 / rate)[0])
     yield name, math.sqrt(2 * density / duration) / amplitude
-    yield f"{name} frequency", math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
+    yield named, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)

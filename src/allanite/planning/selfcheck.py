@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.core.scope import Band
@@ -89,7 +90,14 @@ class SelfCheck(Value):
             Largest shares of records in which an absent term is reported, or a present term is missed.
         """
         return [
-            f"{c.symbol}: {what} {100 * measured:.3g} +- {100 * error:.2g} %, limit {100 * limit:.3g} %"
+            say(
+                "{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
+                term=c.symbol,
+                what=what,
+                measured=100 * measured,
+                error=100 * error,
+                limit=100 * limit,
+            )
             for c in self.terms
             for what, (measured, error), limit, sign in _judged(c, bias, coverage, (false, missed))
             if sign * (measured - limit) > 2 * error
@@ -101,11 +109,11 @@ def _judged(
 ) -> list[tuple[str, Measured, float, int]]:
     """What is measured, its limit, and on which side of it (1: above, -1: below) it is wrong."""
     found, error = check.found
-    judged = [("coverage", check.coverage, coverage, -1)]
+    covered = (say("coverage"), check.coverage, coverage, -1)
     if not check.truth:
-        return [*judged, ("falsely found in", (found, error), wrong[0], 1)]
+        return [covered, (say("falsely found in"), (found, error), wrong[0], 1)]
     size, its = check.bias
-    return [*judged, ("bias", (abs(size), its), bias, 1), ("missed in", (1 - found, error), wrong[1], 1)]
+    return [covered, (say("bias"), (abs(size), its), bias, 1), (say("missed in"), (1 - found, error), wrong[1], 1)]
 
 
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
@@ -179,10 +187,14 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
 def _notes(truth: Model, fits: list[Fit]) -> Iterator[str]:
     looked, known = sought(fits), compared(truth)
     for symbol in dict.fromkeys(t.symbol for t in truth):
-        named = f"{TERMS[symbol].title} ({symbol}) is in the model, but"
+        term = TERMS[symbol].title
         if symbol not in looked:
-            yield f"{named} was not identified in any record"
+            yield say(
+                "{term} ({symbol}) is in the model, but was not identified in any record", term=term, symbol=symbol
+            )
         elif symbol not in known:
-            yield f"{named} occurs in it several times"
+            yield say("{term} ({symbol}) is in the model, but occurs in it several times", term=term, symbol=symbol)
     if any(e.status == "reported" for fit in fits for e in fit):
-        yield f"method {fits[0].method!r} gives no evidence for a term: none is counted as identified"
+        yield say(
+            "method {method!r} gives no evidence for a term: none is counted as identified", method=fits[0].method
+        )

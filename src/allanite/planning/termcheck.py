@@ -11,13 +11,14 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join
 from allanite.core.limits import quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
-from .bound import Bound
+from .bound import Bound, title_of
 
 Measured = tuple[float, float]
 """A number and its Monte Carlo standard error."""
@@ -141,7 +142,7 @@ def _shaped(e: Estimate, true: Term) -> bool:
 
 def _shape_check(true: Term, which: int, fits: Sequence[Fit], level: float, least: Bound) -> TermCheck:
     """A time constant: of the records in which its term was found."""
-    name = f"{true.symbol} {true.row.parameters[which].name.replace('_', ' ')}"
+    name = join(" ", (true.symbol, title_of(true.row.parameters[which])))
     found = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
     nothing = (math.nan, math.nan)
     limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in found])

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say, say_count
 from allanite.core.plain import Value
-from allanite.core.wording import plural
 
 from .estimates import RateEstimate
 
@@ -69,9 +69,17 @@ class North(Value):
         error = (
             f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
         )
-        return (
-            f"heading {self.heading:.4f} deg ({self.low:.4f} .. {self.high:.4f}), standard error {error}; "
-            f"{plural(self.positions, 'position')}; {self.other:.4f} deg would give the same rate"
+        return say_count(
+            self.positions,
+            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} position; "
+            "{other:.4f} deg would give the same rate",
+            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} positions; "
+            "{other:.4f} deg would give the same rate",
+            heading=self.heading,
+            low=self.low,
+            high=self.high,
+            error=error,
+            other=self.other,
         )
 
 
@@ -138,8 +146,13 @@ def north(
     if abs(value) > abs(scale) + reach:
         unit = rate.signal.sheet[0]
         raise DataError(
-            f"the rate {rate.to(unit):.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
-            f"{latitude:g}; subtract the gyro's bias, or measure in two positions"
+            say(
+                "the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
+                "{latitude:g}; subtract the gyro's bias, or measure in two positions",
+                rate=rate.to(unit),
+                unit=unit,
+                latitude=latitude,
+            )
         )
     spreads = error / abs(scale), reach / abs(scale)
     return _heading(value / scale, spreads, half, (near, level, 1 if second is None else 2))

@@ -7,6 +7,7 @@ from typing import Any
 from allanite.core.encoding import finite
 from allanite.core.errors import UnitError
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
@@ -88,7 +89,9 @@ class RateEstimate(Value):
         factor = rate_factor(unit, self.signal)
         low, high = (v / factor for v in self.interval(level))
         if not math.isfinite(low):
-            return f"{self.value / factor:.8g} {unit} (no standard error: give a noise model)"
+            return say(
+                "{value:.8g} {unit} (no standard error: give a noise model)", value=self.value / factor, unit=unit
+            )
         half = (high - low) / 2
         digits = max(0, 1 - math.floor(math.log10(half))) if half > 0 else 9
         return f"{self.value / factor:.{digits}f} ({low:.{digits}f} .. {high:.{digits}f}) {unit}"

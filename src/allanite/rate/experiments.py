@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.encoding import plain
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 
@@ -162,9 +163,14 @@ class Experiment(Value):
         part = max(1, k // 10)
         unit = self.signal.sheet[0]
         change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
-        return (
-            f"the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
-            f"the first {part} of {k} differ by {-change:+.2g} {unit} from the rest"
+        return say(
+            "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
+            "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
+            ratio=ratio,
+            part=part,
+            intervals=k,
+            change=-change,
+            unit=unit,
         )
 
     def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:

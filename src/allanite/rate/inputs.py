@@ -7,8 +7,9 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.language import say, say_count
 from allanite.core.record import Record
-from allanite.core.wording import plural, spelled, windowing
+from allanite.core.wording import spelled, windowing
 
 from .row import Interval
 from .setting import EstimatorSettings, Setting
@@ -46,9 +47,16 @@ def demand_whole(record: Record) -> None:
     bad = ~np.isfinite(record.values)
     if bad.any():
         raise DataError(
-            f"{int(bad.sum())} of {bad.size} samples of {record.name!r} are not finite, the first at sample "
-            f"{int(bad.argmax())}; measure between the gaps ({spelled('--split-gaps', 'gaps=split')}), or select a "
-            f"window without them ({windowing()})"
+            say(
+                "{bad} of {all} samples of {name!r} are not finite, the first at sample {first}; measure between the "
+                "gaps ({split}), or select a window without them ({window})",
+                bad=int(bad.sum()),
+                all=bad.size,
+                name=record.name,
+                first=int(bad.argmax()),
+                split=spelled("--split-gaps", "gaps=split"),
+                window=windowing(),
+            )
         )
 
 
@@ -76,14 +84,16 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     """Findings that make a rate of this record doubtful: a dead or saturated output, slipped pulses."""
     values = np.diff(record.values) if record.kind == "angle" else record.values
     if not values.any():
-        what = "every sample is zero: the output is dead, or the axis does not turn"
-        return (Finding("dead", what, "a rate of zero is without evidence", "check that the sensor is connected"),)
+        what = say("every sample is zero: the output is dead, or the axis does not turn")
+        remedy = say("check that the sensor is connected")
+        return (Finding("dead", what, say("a rate of zero is without evidence"), remedy),)
     typical = float(np.median(values))
     away = np.abs(values - typical)
     equal = float((away == 0).mean())
     if equal >= REPEATED:
-        what = f"{100 * equal:.4g} % of the samples are {typical:g}"
-        return (Finding("constant", what, "a saturated or stuck output looks like this", "check the output's range"),)
+        what = say("{percent:.4g} % of the samples are {value:g}", percent=100 * equal, value=typical)
+        remedy = say("check the output's range")
+        return (Finding("constant", what, say("a saturated or stuck output looks like this"), remedy),)
     spread = float(np.median(away)) or float(away.mean())
     # coarse counts have a spread of nothing: a slip is more than a few pulses in any case
     limit = JUMP * max(spread, 1.0 if record.kind == "count" else 0.0)
@@ -91,6 +101,16 @@ def findings_of(record: Record) -> tuple[Finding, ...]:
     if away[worst] <= limit:
         return ()
     count = int((away > limit).sum())
-    what = f"{plural(count, 'sample')} with a jump, the first at sample {int((away > limit).argmax())}, the largest by "
-    what += f"{away[worst]:.6g} at sample {worst}, where {spread:.3g} is typical"
-    return (Finding("slip", what, "missing or doubled pulses enter the rate in full", "choose a window without them"),)
+    what = say_count(
+        count,
+        "{count} sample with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
+        "{typical:.3g} is typical",
+        "{count} samples with a jump, the first at sample {first}, the largest by {jump:.6g} at sample {worst}, where "
+        "{typical:.3g} is typical",
+        first=int((away > limit).argmax()),
+        jump=float(away[worst]),
+        worst=worst,
+        typical=spread,
+    )
+    consequence = say("missing or doubled pulses enter the rate in full")
+    return (Finding("slip", what, consequence, say("choose a window without them")),)

@@ -4,6 +4,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 
 from .row import Interval, RateEstimator, RateMeasurement, linear
 from .setting import Setting
@@ -93,39 +94,39 @@ def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMea
 
 MEAN = RateEstimator(
     name="mean",
-    title="mean of all samples",
+    title=say("mean of all samples"),
     formula=r"\hat\Omega = \theta(T) / T",
-    reference="IEEE Std 647; the mean of means of equal parts is the same number",
-    assumes="white rate noise (angle random walk) alone",
+    reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
+    assumes=say("white rate noise (angle random walk) alone"),
     weights=_flat,
     measure=linear,
 )
 HAMMING = RateEstimator(
     name="hamming",
-    title="mean under a window",
+    title=say("mean under a window"),
     formula=r"\hat\Omega = \sum a_j \Omega_j / \sum a_j, a_j = 0.54 - 0.46 \cos(2 \pi j / (n - 1))",
-    reference="R. W. Hamming, Digital Filters, 1977",
-    assumes="nothing: a sixth of the accuracy under angle random walk is given up for a low weight of the ends",
+    reference=say("R. W. Hamming, Digital Filters, 1977"),
+    assumes=say("nothing: a sixth of the accuracy under angle random walk is given up for a low weight of the ends"),
     weights=_window,
     measure=linear,
     color="#B97700",
 )
 REGRESSION = RateEstimator(
     name="regression",
-    title="slope of the line through the angle",
+    title=say("slope of the line through the angle"),
     formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
-    reference="Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)",
-    assumes="white angle noise (quantization, residual dither) alone",
+    reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)"),
+    assumes=say("white angle noise (quantization, residual dither) alone"),
     weights=lambda setting: parabola(setting.size),
     measure=linear,
     color="#0072B2",
 )
 CONDITIONAL = RateEstimator(
     name="conditional",
-    title="mean of regression lines without outliers",
+    title=say("mean of regression lines without outliers"),
     formula=r"\hat\Omega = \overline{\Omega_k}, |\Omega_k - \mathrm{median}| \le 2 \sigma",
-    reference="Saneev, Engineering Journal 2015(1); Enin, Saneev 2017",
-    assumes="as regression, to which it is nearly identical: adjacent lines share all but one sample",
+    reference=say("Saneev, Engineering Journal 2015(1); Enin, Saneev 2017"),
+    assumes=say("as regression, to which it is nearly identical: adjacent lines share all but one sample"),
     weights=_many_parabolas,
     measure=_conditional,
     color="#56A0D3",

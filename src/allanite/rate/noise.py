@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import join, say, say_count
 from allanite.core.model import Model, Term
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import unit_of
@@ -53,7 +54,7 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
     try:
         noise, alerts = _identified(record, recipe)
     except DataError as error:
-        return RateNoise(alerts=(f"no noise model: {error}",))
+        return RateNoise(alerts=(say("no noise model: {reason}", reason=str(error)),))
     if not noise.explained:
         return RateNoise(noise, alerts=alerts)
     model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
@@ -72,14 +73,21 @@ def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]
             continue
         coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
         if coarse.verdict and coarse.explained:
-            note = (
-                f"the noise was identified from blocks of {m} samples ({m / record.rate:.3g} s), which the model "
-                "explains; "
+            note = say_count(
+                m,
+                "the noise was identified from blocks of {count} sample ({length:.3g} s), which the model explains; "
+                "at the full rate: {statement}",
+                "the noise was identified from blocks of {count} samples ({length:.3g} s), which the model explains; "
+                "at the full rate: {statement}",
+                length=m / record.rate,
+                statement=join("; ", (noise.statement.head, *noise.statement.points[:1])),
             )
-            why = "; ".join((noise.statement.head, *noise.statement.points[:1]))
-            return coarse, (f"{note}at the full rate: {why}",)
+            return coarse, (note,)
     return noise, (
-        (f"no predictions and no optimal method without a noise model: give it with {spelled('--noise', 'noise=...')}"),
+        say(
+            "no predictions and no optimal method without a noise model: give it with {option}",
+            option=spelled("--noise", "noise=..."),
+        ),
     )
 
 
@@ -95,7 +103,14 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
     factor = unit_of(unit).factor
     return worst, (
-        "the record is too short to determine all of its noise; terms that were not identified are assumed at their "
-        f"upper limits ({limits}): the best standard error is then {bound / factor:.2g} {unit}, without them "
-        f"{seen / factor:.2g}; give the noise if you know it ({spelled('--noise', 'noise=...')})",
+        say(
+            "the record is too short to determine all of its noise; terms that were not identified are assumed at "
+            "their upper limits ({limits}): the best standard error is then {supposed:.2g} {unit}, without them "
+            "{seen:.2g}; give the noise if you know it ({option})",
+            limits=limits,
+            supposed=bound / factor,
+            unit=unit,
+            seen=seen / factor,
+            option=spelled("--noise", "noise=..."),
+        ),
     )

@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 from allanite.statistics.moments.gls import Covariance
 
 from .linear import parabola
@@ -76,10 +77,10 @@ def _kriging(setting: Setting) -> FloatArray:
 
 OPTIMAL = RateEstimator(
     name="optimal",
-    title="best linear unbiased for the model",
+    title=say("best linear unbiased for the model"),
     formula=r"\hat\Omega = 1^T C^{-1} \Omega / 1^T C^{-1} 1",
-    reference="Aitken, Proc. R. Soc. Edinburgh 55 (1935) 42; with a wandering rate: universal kriging",
-    assumes="that the noise model holds; under Gaussian noise its variance is the Cramer-Rao bound",
+    reference=say("Aitken, Proc. R. Soc. Edinburgh 55 (1935) 42; with a wandering rate: universal kriging"),
+    assumes=say("that the noise model holds; under Gaussian noise its variance is the Cramer-Rao bound"),
     weights=_optimal,
     measure=linear,
     needs_model=True,

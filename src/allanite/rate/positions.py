@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 
 from .estimates import RateEstimate, rate_factor
 
@@ -35,7 +36,7 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
         value=estimate.value - bias * factor,
         standard_error=math.hypot(estimate.standard_error, standard_error * factor),
         limits=None if limits is None else (limits[0] - bias * factor, limits[1] - bias * factor),
-        history=(*estimate.history, f"bias of {bias:g} {unit} subtracted"),
+        history=(*estimate.history, say("bias of {bias:g} {unit} subtracted", bias=bias, unit=unit)),
     )
 
 
@@ -69,6 +70,6 @@ def reversal(first: RateEstimate, second: RateEstimate) -> tuple[RateEstimate, R
     )
     difference, total = first.value - second.value, first.value + second.value
     return (
-        replace(both, value=difference / 2, history=(*first.history, "half the difference of two positions")),
-        replace(both, value=total / 2, history=(*first.history, "half the sum of two positions")),
+        replace(both, value=difference / 2, history=(*first.history, say("half the difference of two positions"))),
+        replace(both, value=total / 2, history=(*first.history, say("half the sum of two positions"))),
     )

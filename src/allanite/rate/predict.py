@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
@@ -136,17 +137,23 @@ class Ranking(Value):
     def verdict(self) -> str:
         """Which method to use, in a sentence."""
         if not self.best > 0:
-            return "under this model the rate is measured without error"
+            return say("under this model the rate is measured without error")
         loss = self.ratio("mean") - 1
         if loss <= NEAR:
-            return f"for this gyro averaging is already within {max(100 * loss, 0.1):.2g} % of the optimum"
+            return say(
+                "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
+            )
         simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
         use = simple[0] if simple else "optimal"
         gain = self.errors["mean"] / self.errors[use]
-        text = f"use {use}: {gain:.3g} times better than averaging"
         if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
-            text += f", and {100 * (self.ratio('regression') - 1):.2g} % better than regression"
-        return text
+            return say(
+                "use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than regression",
+                method=use,
+                gain=gain,
+                percent=100 * (self.ratio("regression") - 1),
+            )
+        return say("use {method}: {gain:.3g} times better than averaging", method=use, gain=gain)
 
     def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: method, standard error in `unit`, its ratio to the bound."""

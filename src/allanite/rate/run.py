@@ -8,10 +8,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say, say_count
 from allanite.core.model import ModelLike
 from allanite.core.plain import Value
 from allanite.core.record import KINDS, Record
-from allanite.core.wording import plural, spelled
+from allanite.core.wording import spelled
 
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
@@ -148,9 +149,10 @@ def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[
     for method in settings.methods:
         row = RATE_ESTIMATORS[method]
         if row.needs_model and setting.model is None:
-            yield method, "it needs a noise model"
+            yield method, say("it needs a noise model")
         if row.needs_quantum and not math.isfinite(setting.pulse):
-            yield method, f"it needs counts, or the quantum of the angle ({spelled('--quantum', 'quantum=...')})"
+            option = spelled("--quantum", "quantum=...")
+            yield method, say("it needs counts, or the quantum of the angle ({option})", option=option)
 
 
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
@@ -161,7 +163,12 @@ def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[In
     if settings.most is None or starts.size <= settings.most:
         return starts, notes
     spread = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
-    return spread, (*notes, f"{settings.most} intervals, spread over the record, were measured")
+    most = say_count(
+        settings.most,
+        "{count} interval, spread over the record, was measured",
+        "{count} intervals, spread over the record, were measured",
+    )
+    return spread, (*notes, most)
 
 
 def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
@@ -174,13 +181,23 @@ def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
         starts += range(int(left), int(right) - extra - size + 1, size)
     if not starts:
         raise DataError(
-            f"no interval of {size / record.rate:g} s fits between the {lost.size} missing samples of {record.name!r}"
+            say(
+                "no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
+                interval=size / record.rate,
+                missing=lost.size,
+                name=record.name,
+            )
         )
     rest = record.size - len(starts) * size
     if not rest:
         return np.array(starts), ()
-    what = f"{rest / record.rate:.6g} s of {record.duration:.6g} s do not fill an interval and are omitted"
-    return np.array(starts), (what + (f"; {plural(int(lost.size), 'sample')} missing" if lost.size else ""),)
+    what = say(
+        "{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
+        rest=rest / record.rate,
+        length=record.duration,
+    )
+    missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
+    return np.array(starts), (join("; ", (what, missing)) if lost.size else what,)
 
 
 def _piece(record: Record, start: int, size: int) -> Record:

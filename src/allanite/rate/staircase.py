@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.wording import spelled
 
 from .linear import parabola
@@ -135,11 +136,13 @@ def _excess(setting: Setting) -> float:
 
 STAIRCASE = RateEstimator(
     name="staircase",
-    title="recognition of the staircase of counts",
+    title=say("recognition of the staircase of counts"),
     formula=r"\min_{U, \varphi} \sum (y_i - \lfloor U t_i + \varphi \rfloor)^2",
-    reference="Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)",
-    assumes="counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
-    "slightly worse than regression",
+    reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)"),
+    assumes=say(
+        "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
+        "slightly worse than regression"
+    ),
     weights=lambda setting: parabola(setting.size),
     measure=_staircase,
     excess=_excess,

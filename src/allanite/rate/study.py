@@ -10,10 +10,12 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header, header_from
+from allanite.core.language import say
 from allanite.core.model import Model
 from allanite.core.notation import written
 from allanite.core.plain import Value, stored_fields
 from allanite.core.record import Record, header_dict
+from allanite.core.sensors import SENSORS
 from allanite.core.units import Signal
 from allanite.core.wording import spelled
 from allanite.rate import (
@@ -219,7 +221,12 @@ def _refused(seen: Inspected, why: str) -> RateChannel:
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:
     record, chosen = seen.record, settings.experiment
     if settings.signal is not None and settings.signal is not record.signal:
-        raise DataError(f"the given true rate or bias belongs to another type of sensor: {settings.signal.name}")
+        raise DataError(
+            say(
+                "the given true rate or bias belongs to another type of sensor: {sensor}",
+                sensor=SENSORS[settings.signal.name],
+            )
+        )
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
     if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":
         chosen = replace(chosen, reference=earth_rate(settings.latitude))
@@ -243,7 +250,8 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
 def _alerts(seen: Inspected, settled: tuple[str, ...]) -> Iterator[str]:
     yield from (str(finding) for finding in seen.quality.warnings if finding.name not in settled)
     for quality in seen.qualities[1:]:
-        yield from (f"second recording: {f}" for f in quality.warnings if f.name not in settled)
+        others = (str(finding) for finding in quality.warnings if finding.name not in settled)
+        yield from (say("second recording: {finding}", finding=other) for other in others)
 
 
 def _positions(

@@ -8,6 +8,7 @@ from typing import Any
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
+from allanite.core.language import say, say_count
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Record
@@ -224,19 +225,34 @@ def _findings(row: StageNoise, rate: Record) -> list[Finding]:
     worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
     if row.codes is not None and _undithered(rate, worth):
         found.append(Finding(
-            "no dither", f"the noise of the signal is below {NO_DITHER:g} of the step of {name}",
-            "its rounding errors are not a noise: they depend on the signal, and this budget is not valid",
-            "amplify before it, or add noise",
+            "no dither",
+            say("the noise of the signal is below {share:g} of the step of {stage}", share=NO_DITHER, stage=name),
+            say("its rounding errors are not a noise: they depend on the signal, and this budget is not valid"),
+            say("amplify before it, or add noise"),
         ))  # fmt: skip
     if row.codes is not None and row.codes.missing:
         found.append(Finding(
-            "missing codes", f"{row.codes.missing} codes of {name} never occur, although adjacent codes are frequent",
-            "its steps are uneven, and its noise is larger than in the budget", "check the converter",
+            "missing codes",
+            say_count(
+                row.codes.missing,
+                "{count} code of {stage} never occurs, although adjacent codes are frequent",
+                "{count} codes of {stage} never occur, although adjacent codes are frequent",
+                stage=name,
+            ),
+            say("its steps are uneven, and its noise is larger than in the budget"),
+            say("check the converter"),
         ))  # fmt: skip
     if row.clipped:
         found.append(Finding(
-            "clipped", f"{row.clipped} samples are at the ends of {row.stage}",
-            "the noise beyond the range is missing", "use a larger range",
+            "clipped",
+            say_count(
+                row.clipped,
+                "{count} sample is at the ends of {stage}",
+                "{count} samples are at the ends of {stage}",
+                stage=str(row.stage),
+            ),
+            say("the noise beyond the range is missing"),
+            say("use a larger range"),
         ))  # fmt: skip
     return found
 

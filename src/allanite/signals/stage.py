@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.language import say, say_count
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import convert, signal_with, unit_of
@@ -93,7 +94,14 @@ class Stage(Value):
         return signal_with(unit_of(self.unit).dimension) is None
 
     def __str__(self) -> str:
-        return f"{self.name}, {self.bits} bits over +-{self.full_scale:g} {self.unit}"
+        return say_count(
+            self.bits,
+            "{name}, {count} bit over +-{full_scale:g} {unit}",
+            "{name}, {count} bits over +-{full_scale:g} {unit}",
+            name=self.name,
+            full_scale=self.full_scale,
+            unit=self.unit,
+        )
 
 
 def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
@@ -128,8 +136,16 @@ def demand_unclipped(record: Record, stage: Stage) -> int:
         count = int(((values <= limits[0]) | (values >= limits[1])).sum())
     if count > CLIPPED * values.size:
         raise DataError(
-            f"{count} of {values.size} samples of {record.name!r} ({100 * count / values.size:.2g} %) are clipped "
-            f"at the ends of {stage}: values beyond are missing, and the noise comes out too small. Use a larger "
-            f"range, or a window without them ({windowing()})"
+            say(
+                "{clipped} of {samples} samples of {name!r} ({percent:.2g} %) are clipped at the ends of {stage}: "
+                "values beyond are missing, and the noise comes out too small. Use a larger range, or a window without "
+                "them ({option})",
+                clipped=count,
+                samples=values.size,
+                name=record.name,
+                percent=100 * count / values.size,
+                stage=str(stage),
+                option=windowing(),
+            )
         )
     return count

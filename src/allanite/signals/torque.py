@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.language import join, say, say_count
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.units import unit_of
@@ -105,7 +106,7 @@ class TorqueScale(Value):
         return force * self.radius / (self.inertia * self.spin)
 
     def __str__(self) -> str:
-        return f"K_i = {self.factor:.6g} rad/s per A"
+        return say("K_i = {factor:.6g} rad/s per A", factor=self.factor)
 
 
 def rate_from_current(
@@ -147,7 +148,9 @@ def rate_from_current(
     factor = factor_of(scale)
     per_unit, said = _ampere(record, sense, stage)
     clipped = 0 if stage is None else demand_unclipped(record, stage)
-    words = f"rate from {said}: {factor:.6g} rad/s per A" + (f", {clipped} readings clipped" if clipped else "")
+    words = say("rate from {source}: {factor:.6g} rad/s per A", source=said, factor=factor)
+    if clipped:
+        words = join(", ", (words, say_count(clipped, "{count} reading clipped", "{count} readings clipped")))
     readings = record.values if record.kind == "count" else np.asarray(record.values, dtype=np.float64)
     worth = 1.0 if record.scale is None else record.scale
     return Record(
@@ -160,11 +163,13 @@ def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[f
     """A per unit of the samples, and where that is known from."""
     if record.signal.name in ("current", "voltage"):
         per = unit_of(record.unit).factor / gain_of(record.unit, sense)
-        return per, "current" if record.signal.name == "current" else f"voltage at {sense:g} V per A"
+        current = record.signal.name == "current"
+        return per, say("current") if current else say("voltage at {sense:g} V per A", sense=sense)
     if record.signal.name == "dimensionless" and stage is not None:
         if not electric(stage.unit):
             raise UsageError(f"converting codes to a current needs a full scale in A or V, not in {stage.unit}")
-        return stage.step * unit_of(stage.unit).factor / gain_of(stage.unit, sense), f"codes of {stage}"
+        per = stage.step * unit_of(stage.unit).factor / gain_of(stage.unit, sense)
+        return per, say("codes of {stage}", stage=str(stage))
     raise UsageError(
         f"{record.name!r} is in {record.unit!r}: a rate is computed from a current (A), from a voltage (V) with the "
         "gain of its sensor in V per A, or from codes (unit '1') with the bits and full scale of their converter"

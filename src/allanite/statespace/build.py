@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms import TERMS
@@ -108,7 +109,7 @@ def _block(t: Term, h: float) -> Block:
 def states_of(blocks: list[Block], turn_on: float, h: float) -> list[Block]:
     """The blocks that have states, those of continuous time first; with a bias of standard deviation `turn_on`."""
     bias = [block for block in blocks if block.bias]
-    bias += [integrators(("bias",), h, start=turn_on)] if turn_on else []
+    bias += [integrators((say("bias"),), h, start=turn_on)] if turn_on else []
     others = [block for block in blocks if block.names and not block.bias]
     others.sort(key=lambda block: not block.output.any())
     return ([joined(bias)] if bias else []) + others
@@ -162,13 +163,17 @@ class Measurement:
 
 MEASUREMENTS: dict[str, Measurement] = {
     "mean": Measurement(
-        "a measurement is the mean rate over the interval that ends at the time of the states; the mean is a state, "
-        "exact",
+        say(
+            "a measurement is the mean rate over the interval that ends at the time of the states; the mean is a "
+            "state, exact"
+        ),
         averaged,
     ),
     "sample": Measurement(
-        "a measurement is the rate at the time of the states, used instead of the mean over the interval that ends "
-        "there",
+        say(
+            "a measurement is the rate at the time of the states, used instead of the mean over the interval that ends "
+            "there"
+        ),
         sampled,
     ),
 }

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import UsageError, given
+from allanite.core.language import say, say_count
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.statistics import expected
@@ -174,7 +175,7 @@ def state_space(
     m = _factors(low, high, rate)
     off = np.sqrt(built.allan(m) / expected(model, "oadev", m / rate)) - 1
     names = [name for block in blocks for name in block.names]
-    names += [("mean rate over the interval", 0.0)] if len(built.Phi) > len(names) else []
+    names += [(say("mean rate over the interval"), 0.0)] if len(built.Phi) > len(names) else []
     F, Qc = continuous(blocks)
     return StateSpace(
         **vars(built),
@@ -215,11 +216,16 @@ def _factors(low: float, high: float, rate: float) -> IntArray:
 def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
     if fitted is not None:
         k = int((fitted.sizes > 0).sum())
-        yield (
-            f"flicker is approximated by {k} Gauss-Markov processes, within {100 * fitted.ripple:.2g} % of its "
-            f"Allan deviation from {tau[0]:g} to {tau[1]:g} s; below, its power is too small, and beyond, the bias "
-            "drifts no further"
+        yield say_count(
+            k,
+            "flicker is approximated by {count} Gauss-Markov process, within {ripple:.2g} % of its Allan deviation "
+            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
+            "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its Allan deviation "
+            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
+            ripple=100 * fitted.ripple,
+            low=tau[0],
+            high=tau[1],
         )
     yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
-        yield "the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)"
+        yield say("the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)")

@@ -13,6 +13,7 @@ from allanite.angle.design import NUISANCES
 from allanite.angle.study import AngleStudy
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import join, say, say_count
 from allanite.core.units import convert, unit_of
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
@@ -26,53 +27,52 @@ if TYPE_CHECKING:
     from allanite.angle import Sway
 
 ARCSEC = unit_of("arcsec").factor
-BRAND = "harmonic errors of angle sensors"
+BRAND = say("harmonic errors of angle sensors")
 
 ENCODER = {
-    "offset": "constant difference of the two angles",
-    "drift": "its linear growth over half the record",
-    "bend": "its quadratic growth over half the record",
+    "offset": say("constant difference of the two angles"),
+    "drift": say("its linear growth over half the record"),
+    "bend": say("its quadratic growth over half the record"),
 }
 """Parameters estimated together with the harmonics of an encoder."""
 
+LAWS = {"exact": say("exact"), "linear": say("linear")}
+
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
-KEY = (
+STATUSES = {"identified": say("identified"), "weak": say("weak"), "absent": say("absent")}
+KEY = say(
     "S and C with one standard error, arcsec. Identified: without the harmonic, an amplitude as large would have a "
     "probability below 1 %. Absent: not identified; the limit is the 95 % upper limit. Weak: identified, but the "
     "residuals are not the noise that the errors and intervals assume."
 )
-ERRORS = (
-    "Error of each sensor over one common period of its harmonics, with its {} confidence band. Subtract it from the "
-    "measured angles to correct them."
-)
-HISTORY = (
-    "Convergence of the estimates, with their {} bands. Once a band stops narrowing, more samples from the same range "
-    "add no information."
-)
-INNOVATIONS = (
+INNOVATIONS = say(
     "Innovations: each sample minus its prediction from the samples before it, in standard deviations, and their "
     "autocorrelation. For white noise 99 of 100 values lie in the shaded band."
 )
-GIMBAL = (
+GIMBAL = say(
     "The measured cosine of the angle between the two gyros' momentum vectors minus the computed one is modeled as the "
     "sum of the sensors' errors, each multiplied by the partial derivative of the cosine with respect to its angle, "
     "the errors of the auto-compensating rotation, a daily and a steady drift, and white noise. The columns of ax and "
     "az are an assumption: a small vector fixed in the rotating frame."
 )
-AGAINST = (
+AGAINST = say(
     "The measured angle minus the reference, wrapped to half a turn, is modeled as a sum of sines and cosines of "
     "multiples of the measured angle, a constant, and white noise."
 )
-RECURSIVE = (
+RECURSIVE = say(
     "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
-    "the information matrix, which gives the least-squares estimate{}, its covariance, and the innovation of each "
-    "sample."
+    "the information matrix, which gives the least-squares estimate, its covariance, and the innovation of each sample."
 )
-PLANNED = (
+INFORMED = say(
+    "The constants are estimated recursively in square-root form: each sample is rotated into the triangular factor of "
+    "the information matrix, which gives the least-squares estimate with what was known before, its covariance, and "
+    "the innovation of each sample."
+)
+PLANNED = say(
     "No data and no random numbers are involved: the design matrix follows from latitude, time and sway; its "
     "information, together with the prior, gives the covariance of the estimate."
 )
-SCANNED = (
+SCANNED = say(
     "Sum of the expected standard deviations of the amplitudes, and condition of the problem, by the start of the "
     "interval."
 )
@@ -91,41 +91,57 @@ def _face(study: AngleStudy, level: float) -> Face:
 
 def _result_face(result: Result, level: float) -> Face:
     solution = result.solution
-    names = ", ".join(h.name or "the angle" for h in parts_of(result))
-    title = f"Harmonic errors of {names}"
+    names = join(", ", [h.name or say("the angle") for h in parts_of(result)])
+    title = say("Harmonic errors of {angles}", angles=names)
     if solution is None:
-        sheet = Sheet(names, ("known, not estimated",), (_harmonics(result, level),))
+        sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
         return Face(title, BRAND, (sheet,))
     doubt = bool(solution.warnings)
     sheet = Sheet(names, _about(result, solution), tuple(_parts(result, solution, level)), doubt=doubt)
-    how = (Note(GIMBAL if isinstance(result, Calibration) else AGAINST), Note(_recursive(solution)))
+    model = GIMBAL if isinstance(result, Calibration) else AGAINST
+    how = (Note(model), Note(RECURSIVE if solution.prior is None else INFORMED))
     return Face(title, BRAND, (replace(sheet, verdicts=(_verdict(result, level, doubt),)),), how=how)
 
 
 def _about(result: Result, solution: Solution) -> tuple[str, ...]:
-    given = "given" if solution.given else "estimated from what is left over"
-    noise = f"noise of one sample {solution.sigma / ARCSEC:.4g} arcsec, {given}; condition {solution.condition:.4g}"
-    first = f"{solution.innovations.size} samples"
+    noise = say(
+        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
+        sigma=solution.sigma / ARCSEC,
+        origin=say("given") if solution.given else say("estimated from what is left over"),
+        condition=solution.condition,
+    )
+    first = say_count(solution.innovations.size, "{count} sample", "{count} samples")
     if not isinstance(result, Calibration):
         return first, noise
     angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
-    return first, noise, "; ".join(f"{name} from {a.min():.2f} to {a.max():.2f} deg" for name, a in angles.items())
-
-
-def _recursive(solution: Solution) -> str:
-    return RECURSIVE.format("" if solution.prior is None else " with what was known before")
+    spans = [
+        say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
+        for name, a in angles.items()
+    ]
+    return first, noise, join("; ", spans)
 
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
     rows = [(h, k) for h in parts_of(result) for k in h.orders]
-    found = [
-        f"harmonic {k} of {h.name or 'the angle'}: {_amplitude(h, k, level)[0]} arcsec" for h, k in rows if h.found(k)
-    ]
-    absent = [f"{k} of {h.name or 'the angle'}" for h, k in rows if not h.found(k)]
-    status = "Doubtful" if any(h.status(k) == "weak" for h, k in rows) else "Found"
-    first = f"{status} are {', '.join(found)}." if found else "No harmonic was found."
-    rest = f" Not found: {', '.join(absent)}." if absent and found else ""
-    return first + rest + (" Read the warnings before using the numbers." if doubt else "")
+    found = join(", ", [_found(h, k, level) for h, k in rows if h.found(k)])
+    absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
+    if not found:
+        said = [say("No harmonic was found.")]
+    elif any(h.status(k) == "weak" for h, k in rows):
+        said = [say("Doubtful are {harmonics}.", harmonics=found)]
+    else:
+        said = [say("Found are {harmonics}.", harmonics=found)]
+    said += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and found else []
+    return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
+
+
+def _found(h: Harmonics, order: int, level: float) -> str:
+    return say(
+        "harmonic {order} of {angle}: {amplitude} arcsec",
+        order=order,
+        angle=h.name or say("the angle"),
+        amplitude=_amplitude(h, order, level)[0],
+    )
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
@@ -133,11 +149,21 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
     yield _harmonics(result, level)
     share = words.percent(level)
-    yield Drawing(lambda: figures.plot_errors(result, level), "error over the angle", ERRORS.format(share))
+    caption = say(
+        "Error of each sensor over one common period of its harmonics, with its {level} confidence band. Subtract it "
+        "from the measured angles to correct them.",
+        level=share,
+    )
+    yield Drawing(lambda: figures.plot_errors(result, level), say("error over the angle"), caption)
     if len(solution.history.count) > 1:
-        label, caption = "convergence of the amplitudes", HISTORY.format(share)
+        caption = say(
+            "Convergence of the estimates, with their {level} bands. Once a band stops narrowing, more samples from "
+            "the same range add no information.",
+            level=share,
+        )
+        label = say("convergence of the amplitudes")
         yield Drawing(lambda: figures.plot_history(result, solution, level), label, caption)
-    label, title = "innovations and their autocorrelation", "is what is left over noise?"
+    label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     yield _others(solution)
 
@@ -145,9 +171,9 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
 def _harmonics(result: Result, level: float) -> Table:
     """S, C and amplitude of every harmonic."""
     heads = (
-        Column("harmonic", "symbol"), Column("S [arcsec]", aside=True), Column("error", aside=True),
-        Column("C [arcsec]", aside=True), Column("error", aside=True), Column("amplitude"),
-        Column(words.interval(level), "interval"), Column("phase [deg]"), Column("", "name"),
+        Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), Column(say("error"), aside=True),
+        Column("C [arcsec]", aside=True), Column(say("error"), aside=True), Column(say("amplitude")),
+        Column(words.interval(level), "interval"), Column(say("phase [deg]")), Column("", "name"),
     )  # fmt: skip
     found = [(h, i, k) for h in parts_of(result) for i, k in enumerate(h.orders)]
     marks = [MARKS[h.status(k)] for h, _, k in found]
@@ -158,13 +184,14 @@ def _harmonic(h: Harmonics, i: int, level: float) -> list[str]:
     order, errors = h.orders[i], np.sqrt(h.covariance.diagonal()[2 * i : 2 * i + 2]) / ARCSEC
     sine, cosine = (_constant(float(v[i]) / ARCSEC, float(e)) for v, e in zip((h.sine, h.cosine), errors, strict=True))
     phase = f"{math.degrees(float(h.phase[i])):.0f}" if h.found(order) else ""
-    return [f"{h.name or 'angle'} {order}", *sine, *cosine, *_amplitude(h, order, level), phase, h.status(order)]
+    name, status = join(" ", (h.name or say("angle"), str(order))), STATUSES[h.status(order)]
+    return [name, *sine, *cosine, *_amplitude(h, order, level), phase, status]
 
 
 def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
     """Amplitude and interval, arcsec; of one that was not found its limit."""
     if not h.found(order):
-        return f"below {digits(h.upper(order) / ARCSEC, figures=2).plain()[0]}", ""
+        return say("below {limit}", limit=digits(h.upper(order) / ARCSEC, figures=2).plain()[0]), ""
     size = float(h.amplitude[h.orders.index(order)])
     return digits(size / ARCSEC, *(v / ARCSEC for v in h.interval(order, level))).plain()
 
@@ -178,8 +205,8 @@ def _constant(value: float, error: float) -> tuple[str, str]:
 def _others(solution: Solution) -> Table:
     """Parameters estimated together with the harmonics."""
     heads = (
-        Column("constant", "symbol"), Column("value"), Column("error"), Column("unit", "unit"),
-        Column("meaning", "text", aside=True),
+        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+        Column(say("meaning"), "text", aside=True),
     )  # fmt: skip
     rows = []
     for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
@@ -189,7 +216,7 @@ def _others(solution: Solution) -> Table:
         si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
         factor = convert(1.0, si, unit)
         rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    return Table(heads, rows, "other estimated parameters")
+    return Table(heads, rows, say("other estimated parameters"))
 
 
 def _result_rows(result: Result, level: float) -> Rows:
@@ -206,49 +233,88 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
     low, high = (math.degrees(v) for v in plan.h)
     chosen = plan.settings
     known = chosen.prior
-    prior = "nothing known before" if known is None else f"known before to {known[0]:g} (amplitudes) and {known[1]:g}"
-    about = (
-        f"from {words.duration(plan.start)} after h = 0 for {words.duration(chosen.duration)}, every "
-        f"{chosen.interval:g} s: h from {low:.2f} to {high:.2f} deg",
-        f"latitude {math.degrees(chosen.latitude):.6g} deg, q by the {chosen.q_law} law, noise of one sample "
-        f"{chosen.sigma:g}; {prior}; condition {plan.condition:.4g}{_sway(chosen.sway)}",
+    if known is None:
+        prior = say("nothing known before")
+    else:
+        prior = say("known before to {amplitudes:g} (amplitudes) and {rest:g}", amplitudes=known[0], rest=known[1])
+    when = say(
+        "from {start} after h = 0 for {length}, every {interval:g} s: h from {low:.2f} to {high:.2f} deg",
+        start=words.duration(plan.start),
+        length=words.duration(chosen.duration),
+        interval=chosen.interval,
+        low=low,
+        high=high,
+    )
+    where = say(
+        "latitude {latitude:.6g} deg, q by the {law} law, noise of one sample {sigma:g}; {prior}; condition "
+        "{condition:.4g}",
+        latitude=math.degrees(chosen.latitude),
+        law=LAWS[chosen.q_law],
+        sigma=chosen.sigma,
+        prior=prior,
+        condition=plan.condition,
     )
     rows = [[name, f"{error:.4g}"] for name, error in plan.standard_deviations.items()]
     alerts = [Note(str(finding), "alert") for finding in plan.findings]
-    table = Table((Column("constant", "symbol"), Column("expected standard deviation")), rows)
-    total = Note(f"sum over the {plan.amplitudes} amplitudes: {plan.total:.4g} (all in the unit of sigma)")
-    return Sheet(title, about, (*alerts, table, total))
+    table = Table((Column(say("constant"), "symbol"), Column(say("expected standard deviation"))), rows)
+    total = say_count(
+        plan.amplitudes,
+        "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
+        "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)",
+        total=plan.total,
+    )
+    return Sheet(title, (when, join("; ", [where, *_sway(chosen.sway)])), (*alerts, table, Note(total)))
 
 
-def _sway(sway: "Sway | tuple[float, float] | None") -> str:
+def _sway(sway: "Sway | tuple[float, float] | None") -> Iterator[str]:
     if sway is None or isinstance(sway, tuple):
-        return ""
-    roll, pitch = math.degrees(sway.roll), math.degrees(sway.pitch)
-    return f"; sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {sway.period:g} s"
+        return
+    yield say(
+        "sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
+        roll=math.degrees(sway.roll),
+        pitch=math.degrees(sway.pitch),
+        period=sway.period,
+    )
 
 
 def _plan_face(plan: AnglePlan, level: float) -> Face:
-    return Face("Expected accuracy of the angle sensors", BRAND, (_plan_sheet(plan, "plan"),), how=(Note(PLANNED),))
+    title = say("Expected accuracy of the angle sensors")
+    return Face(title, BRAND, (_plan_sheet(plan, say("plan")),), how=(Note(PLANNED),))
 
 
 def _scan_face(scan: Scan, level: float) -> Face:
     best = scan.best
     low, high = (math.degrees(v) for v in best.h)
-    verdict = (
-        f"The best window of {words.duration(best.settings.duration)} begins {words.duration(best.start)} after h = 0, "
-        f"h from {low:.1f} to {high:.1f} deg: the expected standard deviations of the {best.amplitudes} amplitudes add "
-        f"up to {best.total:.3g}."
+    verdict = say_count(
+        best.amplitudes,
+        "The best window of {length} begins {start} after h = 0, h from {low:.1f} to {high:.1f} deg: the expected "
+        "standard deviations of the {count} amplitude add up to {total:.3g}.",
+        "The best window of {length} begins {start} after h = 0, h from {low:.1f} to {high:.1f} deg: the expected "
+        "standard deviations of the {count} amplitudes add up to {total:.3g}.",
+        length=words.duration(best.settings.duration),
+        start=words.duration(best.start),
+        low=low,
+        high=high,
+        total=best.total,
     )
-    heads = columns("start [min]", "h from [deg]", "to [deg]", "sum of deviations", "condition", left=0)
+    heads = columns(
+        say("start [min]"),
+        say("h from [deg]"),
+        say("to [deg]"),
+        say("sum of deviations"),
+        say("condition"),
+        left=0,
+    )
     rows = [
         [f"{s / 60:.1f}", f"{math.degrees(a):.2f}", f"{math.degrees(b):.2f}", f"{t:.4g}", f"{c:.4g}"]
         for s, a, b, t, c in zip(scan.starts, *scan.h.T, scan.totals, scan.conditions, strict=True)
     ]
     marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(rows))]
-    drawing = Drawing(lambda: figures.plot_scan(scan), "expected accuracy by the start of the interval", SCANNED)
-    table = Table(heads, rows, "all windows", marks=marks, details=True)
-    sheet = replace(_plan_sheet(best, "best window"), verdicts=(verdict,))
-    return Face("Where to estimate the angle sensors", BRAND, (sheet,), parts=(drawing, table), how=(Note(PLANNED),))
+    drawing = Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED)
+    table = Table(heads, rows, say("all windows"), marks=marks, details=True)
+    sheet = replace(_plan_sheet(best, say("best window")), verdicts=(verdict,))
+    title = say("Where to estimate the angle sensors")
+    return Face(title, BRAND, (sheet,), parts=(drawing, table), how=(Note(PLANNED),))
 
 
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":

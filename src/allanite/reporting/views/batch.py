@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.batch.across import Across, power_of
 from allanite.batch.batch import Batch, BatchUnit
-from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, Judgement, worst_of
+from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, Judgement, worst_of
 from allanite.core.fit import Fit
+from allanite.core.language import join, say, say_count
 from allanite.core.readings import MINIMUM
+from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.core.units import Signal, convert
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
@@ -28,24 +30,33 @@ EVERY = 1_000_000
 MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
 """Mark of a row by its outcome."""
 
-RULE = (
+OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
+GRADE_WORDS = {
+    EXPLAINED: say("explained"),
+    APPROXIMATE: say("approximate"),
+    UNEXPLAINED: say("unexplained"),
+    "": "",
+}
+LOWEST = say("minimum")
+
+RULE = say(
     "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
     "does not. A term that was not identified passes if its 95 % upper limit does not exceed the limit. Not shown: "
     "the record cannot decide whether the limit is kept."
 )
-MAIN = "'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result."
-SPREAD = (
+MAIN = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
+SPREAD = say(
     "Mean and standard deviation of the values of those units in which the term was identified: for a term that few "
     "units show, the mean is too large. The standard deviation includes the errors of the values."
 )
-CAPTION = "The Allan deviation of all units; those that exceed a limit are in color."
+CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
 def _face(batch: Batch, level: float) -> Face:
     fits = [channel.fit for unit in batch for channel in unit.channels if channel.fit]
     return Face(
-        f"Noise of {_units(batch)}",
-        "noise coefficients of inertial sensors",
+        say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
+        say("noise coefficients of inertial sensors"),
         header=_header(batch),
         parts=list(_parts(batch, level)),
         close=list(_details(batch, level)),
@@ -57,23 +68,26 @@ def _face(batch: Batch, level: float) -> Face:
 
 
 def _header(batch: Batch) -> list[tuple[str, str]]:
-    where = f" in {batch.folder}" if batch.folder else ""
-    lines = [("files", f"{len(batch)}{where}"), *(("", note) for note in batch.notes)]
+    files: str = str(len(batch))
+    if batch.folder:
+        files = say("{files} in {folder}", files=files, folder=batch.folder)
+    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
     if batch.specification is not None:
-        lines.append(("limits", f"{batch.specification.source}: {batch.specification._summary()}"))
-    return [*lines, ("made by", f"allanite {batch.provenance.get('allanite', '')}")]
+        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
+    return [*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")]
 
 
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
     yield _summary(batch)
     for unit in batch:
         if unit.error:
-            yield Note(f"not analyzed: {batch.label(unit)}: {unit.error}", "alert")
+            told = say("not analyzed: {file}: {reason}", file=batch.label(unit), reason=unit.error)
+            yield Note(told, "alert")
     if batch.specification is not None:
         yield from _limits_table(batch)
         yield Note(RULE, "quiet", where="page")
     if any(channel.curve for unit in batch for channel in unit.channels):
-        yield Drawing(lambda: _plot([batch], None, level), "deviations of all units", CAPTION)
+        yield Drawing(lambda: _plot([batch], None, level), say("deviations of all units"), CAPTION)
     for signal in _signals(batch):
         yield _main(batch, signal, level)
     yield _across(batch)
@@ -83,18 +97,19 @@ def _summary(batch: Batch) -> Note:
     """How many units there are, and how many of them pass."""
     done = [unit for unit in batch if not unit.error]
     if batch.specification is None:
-        text = f"{len(done)} of {_units(batch)} analyzed"
+        text = say_count(
+            len(batch), "{done} of {count} unit analyzed", "{done} of {count} units analyzed", done=len(done)
+        )
         return Note(text, "alert" if batch.failed else "strong")
     counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
-    parts = [f"{count} {outcome}" for outcome, count in counts.items() if count]
-    parts += [f"{len(batch.failed)} not analyzed"] if batch.failed else []
+    parts = [join(" ", (str(count), OUTCOME_WORDS[outcome])) for outcome, count in counts.items() if count]
+    parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
     level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
-    named = [f"{outcome}: {_named(batch, outcome)}" for outcome in (FAIL, NOT_SHOWN) if counts[outcome]]
-    return Note(f"{_units(batch)}: {', '.join(parts)}", level, points=named)
-
-
-def _units(batch: Batch) -> str:
-    return f"{len(batch)} unit{'s' * (len(batch) != 1)}"
+    named = [
+        join(": ", (OUTCOME_WORDS[outcome], _named(batch, outcome))) for outcome in (FAIL, NOT_SHOWN) if counts[outcome]
+    ]
+    units = say_count(len(batch), "{count} unit", "{count} units")
+    return Note(join(": ", (units, join(", ", parts))), level, points=named)
 
 
 def _named(batch: Batch, outcome: str) -> str:
@@ -108,17 +123,24 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         return
     found.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
-        Column("unit", "name"), Column("channel", "name"), Column("term", "symbol"), Column("found", "name"),
-        Column("limit", "name"), Column("result", "name"),
+        Column(say("unit"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
+        Column(say("found"), "name"), Column(say("limit"), "name"), Column(say("result"), "name"),
     )  # fmt: skip
-    rows = [[batch.label(unit), j.channel, j.limit.symbol, j.reason, _limit(j), j.outcome] for unit, j in found]
+    rows = [
+        [batch.label(unit), j.channel, _symbol(j.limit.symbol), j.reason, _limit(j), OUTCOME_WORDS[j.outcome]]
+        for unit, j in found
+    ]
     marks = [MARKS.get(j.outcome, "") for _, j in found]
-    yield Table(heads, rows, "limits exceeded, not shown, or within the interval", marks, most=EVERY)
+    yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=EVERY)
+
+
+def _symbol(of: str) -> str:
+    return LOWEST if of == MINIMUM else of
 
 
 def _limit(judgement: Judgement) -> str:
     limit = judgement.limit
-    return f"{limit.words()}{' (upper)' if limit.judge == 'upper' else ''}"
+    return say("{limit} (upper)", limit=limit.words()) if limit.judge == "upper" else limit.words()
 
 
 def _signals(batch: Batch) -> list[Signal]:
@@ -130,13 +152,13 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     """A row for each channel of each unit: coefficients in the units of data sheets."""
     rows = [(unit, c) for unit in batch for c in unit.channels if c.record.signal is signal]
     symbols = list(dict.fromkeys(e.symbol for _, c in rows for e in c.fit or ()))
-    heads = [Column("unit", "name"), Column("channel", "name")]
+    heads = [Column(say("unit"), "name"), Column(say("channel"), "name")]
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
-    heads += [Column(f"{MINIMUM} [{signal.sheet[0]}]"), Column("model", "name")]
-    heads += [Column("result", "name")] if batch.specification else []
+    heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
+    heads += [Column(say("result"), "name")] if batch.specification else []
     cells = [_row(batch, unit, channel, symbols, level) for unit, channel in rows]
     marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in rows]
-    title = f"units: {words.SENSORS[signal.name]}"
+    title = say("units: {sensor}", sensor=words.SENSORS[signal.name])
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
 
@@ -156,9 +178,9 @@ def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str]
         cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
     last = [
         _minimum(channel, level),
-        "no result" if channel.refusal else channel.noise.validity if channel.noise else "",
+        say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else "",
     ]
-    result = [_outcome(unit, channel)] if batch.specification else []
+    result = [OUTCOME_WORDS[_outcome(unit, channel)]] if batch.specification else []
     return [batch.label(unit), channel.record.name, *cells, *last, *result]
 
 
@@ -176,18 +198,19 @@ def _minimum(channel: Channel, level: float) -> str:
 
 def _across(batch: Batch) -> Table:
     heads = (
-        Column("channel", "name"), Column("term", "symbol"), Column("identified", "name"), Column("mean"),
-        Column("standard deviation"), Column("worst"), Column("unit", "name"), Column("others below"),
-        Column("", "unit"),
+        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("unit"), "name"),
+        Column(say("others below")), Column("", "unit"),
     )  # fmt: skip
-    return Table(heads, [_spread(batch, found) for found in batch.across], "over all units", key=SPREAD, most=EVERY)
+    rows = [_spread(batch, found) for found in batch.across]
+    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _spread(batch: Batch, found: Across) -> list[str]:
     channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
     numbers = [_number(v) for v in (mean, deviation, worst)]
-    return [channel, symbol, f"{count} of {units}", *numbers, batch.label(batch[file]) if file else "",
-            _number(below), unit]  # fmt: skip
+    share = say("{identified} of {units}", identified=count, units=units)
+    return [channel, _symbol(symbol), share, *numbers, batch.label(batch[file]) if file else "", _number(below), unit]
 
 
 def _number(value: float) -> str:
@@ -198,14 +221,20 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
     """What was found in each unit, folded away on the page."""
     warned = [unit for unit in batch if any(channel.alerts for channel in unit.channels)]
     if warned:
-        text = f"warnings in {len(warned)} of {_units(batch)}: the page (--report) and the JSON have them"
+        text = say_count(
+            len(batch),
+            "warnings in {warned} of {count} unit: the page (--report) and the JSON have them",
+            "warnings in {warned} of {count} units: the page (--report) and the JSON have them",
+            warned=len(warned),
+        )
         yield Note(text, "quiet", where="text")
     yield from causes_of((c for unit in batch for c in unit.channels), batch.choices.get("device"))
     for unit in batch:
         for channel in unit.channels:
-            name = ", ".join(filter(None, (f"unit {batch.label(unit)}", channel.record.name)))
+            named = say("unit {file}", file=batch.label(unit))
+            name = join(", ", [named, *filter(None, [channel.record.name])])
             told = [*channel.alerts, *filter(None, [channel.refusal])]
-            yield from (Note(f"{name}: {text}", "quiet", where="page") for text in told)
+            yield from (Note(join(": ", (name, text)), "quiet", where="page") for text in told)
             if channel.fit is not None:
                 table = terms_table(channel.fit, level)
                 yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")

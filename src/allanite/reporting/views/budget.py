@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from allanite.core.language import join, say, say_count
 from allanite.core.scope import APPROXIMATE, UNEXPLAINED
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
@@ -13,24 +14,29 @@ from allanite.signals.study import BudgetChannel, BudgetStudy
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of
 
-BRAND = "what rounding adds to the noise"
+BRAND = say("what rounding adds to the noise")
 HOW = (
-    "A stage of b bits over ± full scale rounds to steps s = 2 × full scale / 2ᵇ, and adds errors of variance s²/12. "
-    "Errors of a rate (of a current, of a voltage) are white noise of the rate, N = s √(Δt/12), Δt being the sample "
-    "interval: slope −1/2 on the Allan curve. Only errors of an angle are quantization noise, Q = s/√12: slope −1. "
-    "This holds where the noise before the rounding is above 0.3 steps.",
-    "Bits enough: the fewest with which the share of the measured variance is below 1 %. Codes: how many different "
-    "ones occur. Missing: those that never occur between frequent ones. Both are omitted where the samples lie on no "
-    "grid of this step, because they were filtered, averaged or rounded again behind it.",
+    say(
+        "A stage of b bits over ± full scale rounds to steps s = 2 × full scale / 2ᵇ, and adds errors of variance "
+        "s²/12. Errors of a rate (of a current, of a voltage) are white noise of the rate, N = s √(Δt/12), Δt being "
+        "the sample interval: slope −1/2 on the Allan curve. Only errors of an angle are quantization noise, "
+        "Q = s/√12: slope −1. This holds where the noise before the rounding is above 0.3 steps."
+    ),
+    say(
+        "Bits enough: the fewest with which the share of the measured variance is below 1 %. Codes: how many different "
+        "ones occur. Missing: those that never occur between frequent ones. Both are omitted where the samples lie on "
+        "no grid of this step, because they were filtered, averaged or rounded again behind it."
+    ),
 )
-CAPTION = (
+CAPTION = say(
     "What each stage adds, by its bits; below the dashed line its share of the variance of the measured noise is less "
     "than 1 %."
 )
 COLUMNS = (
-    Column("stage", "name"), Column("bits"), Column("full scale", aside=True), Column("step", aside=True),
-    Column("makes", "symbol"), Column("adds"), Column("measured"), Column("unit", "unit"), Column("share"),
-    Column("bits enough"), Column("codes", aside=True), Column("missing", aside=True), Column("clipped", aside=True),
+    Column(say("stage"), "name"), Column(say("bits")), Column(say("full scale"), aside=True),
+    Column(say("step"), aside=True), Column(say("makes"), "symbol"), Column(say("adds")), Column(say("measured")),
+    Column(say("unit"), "unit"), Column(say("share")), Column(say("bits enough")), Column(say("codes"), aside=True),
+    Column(say("missing"), aside=True), Column(say("clipped"), aside=True),
 )  # fmt: skip
 
 
@@ -43,12 +49,25 @@ HEADINGS = (
 def sentence(s: StageNoise, shown: Callable[[str], str] = str) -> str:
     """What the budget says of a stage; `shown` prints a unit."""
     unit = shown(s.sheet_unit)
-    adds = f"{printable(s.stage.name)} adds {s.symbol} = {_number(s.to(s.coefficient))} {unit}"
+    adds = say(
+        "{stage} adds {term} = {value} {unit}",
+        stage=printable(s.stage.name),
+        term=s.symbol,
+        value=_number(s.to(s.coefficient)),
+        unit=unit,
+    )
     if s.measured is None:
-        limit = f"; {s.symbol} was not found, below {_number(s.to(s.limit))} {unit}" if s.limit else ""
-        return f"{adds}{limit}."
-    fate = f"{s.enough} bits would bring it below 1 %" if s.matters else "more bits would change nothing"
-    return f"{adds}, {_percent(s.share)} of the measured variance: {fate}."
+        if not s.limit:
+            return join("", (adds, "."))
+        limit = _number(s.to(s.limit))
+        return say(
+            "{adds}; {term} was not found, below {limit} {unit}.", adds=adds, term=s.symbol, limit=limit, unit=unit
+        )
+    if s.matters:
+        fate = say_count(s.enough or 0, "{count} bit would bring it below 1 %", "{count} bits would bring it below 1 %")
+    else:
+        fate = say("more bits would change nothing")
+    return say("{adds}, {share} of the measured variance: {fate}.", adds=adds, share=_percent(s.share), fate=fate)
 
 
 def _number(value: float | None) -> str:
@@ -78,28 +97,30 @@ def _cells(s: StageNoise) -> list[str]:
 
 def _scale(scale: TorqueScale | float | None) -> list[str]:
     if isinstance(scale, TorqueScale):
-        return [f"{scale}, of {scale.sides:g} coil side(s)"]
-    return [] if scale is None else [f"K_i = {scale:.6g} rad/s per A, as given"]
+        return [say("{scale}, of {sides:g} coil side(s)", scale=str(scale), sides=scale.sides)]
+    return [] if scale is None else [say("K_i = {factor:.6g} rad/s per A, as given", factor=scale)]
 
 
 def _face(study: BudgetStudy, level: float) -> Face:
     notes = (*_scale(study.settings.torquer), *study.notes)
-    face = job_face(study, (f"Rounding in {source_of(study)}", BRAND), [_sheet(channel) for channel in study])
+    title = say("Rounding in {source}", source=source_of(study))
+    face = job_face(study, (title, BRAND), [_sheet(channel) for channel in study])
     return replace(face, header=header_of(study.provenance, notes), how=[*map(Note, HOW)], notes=notes)
 
 
 def _sheet(channel: BudgetChannel) -> Sheet:
     budget, name = channel.budget, channel.record.name
     if budget is None:
-        return channel_sheet(channel, (), (f"{name}: no result: {channel.refusal}",), doubt=True)
-    named = tuple(f"{name or 'channel'}: {sentence(s, printed_unit)}" for s in budget.stages)
+        refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
+        return channel_sheet(channel, (), (refused,), doubt=True)
+    named = tuple(join(": ", (name or say("channel"), sentence(s, printed_unit))) for s in budget.stages)
     grade = budget.noise.validity
     return channel_sheet(channel, _parts(budget), named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
 
 
 def _parts(budget: Budget) -> tuple[Part, ...]:
     sentences = (Note(sentence(s), where="text") for s in budget.stages)
-    drawing = Drawing(lambda: figures.plot_budgets([budget]), "noise of rounding by bits", CAPTION)
+    drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
     return (*sentences, _table(budget.stages), drawing)
 
 
@@ -123,7 +144,7 @@ def _numbers(s: StageNoise) -> list[Any]:
 
 def _budget_face(budget: Budget, level: float) -> Face:
     sheet = _sheet(BudgetChannel(budget.record, budget, budget.alerts))
-    return Face(f"Rounding in {budget.record.name or 'a record'}", BRAND, (sheet,))
+    return Face(say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND, (sheet,))
 
 
 STUDY = View(

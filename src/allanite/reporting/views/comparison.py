@@ -10,6 +10,7 @@ from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
+from allanite.core.language import join, say, say_count
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
@@ -25,37 +26,54 @@ Value = Comparison | Pool
 MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable": "quiet"}
 """Mark of a row by the outcome of its coefficient."""
 
+OUTCOME_WORDS = {
+    "smaller": say("smaller"),
+    "larger": say("larger"),
+    "no change": say("no change"),
+    "not resolvable": say("not resolvable"),
+}
+
 COMPARED = (
-    "The two records are assumed to be independent, unless they contain the same noise, as raw and corrected samples "
-    "do: those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan).",
-    "The verdict is the likelihood ratio of one common noise model "
-    "against a separate model for each record, with the terms that the common model holds (binned powers of the cosine "
-    "transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, the "
-    "distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where p is "
-    "clearly large); nothing is simulated where chi-square gives p below 1e-4.",
-    "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records together "
-    "are consistent with, whatever their other coefficients are. Its p is adjusted for the number of coefficients by "
-    "Holm's method. Ramps keep their sign; their limits are Fieller's.",
-    "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
-    "with both equivalent degrees of freedom where these are many. All terms are included for it, and coefficients "
-    "that cannot be told apart are assumed equal. Neighbouring averaging times share data: of twenty equal ones about "
-    "one differs by chance, and its neighbours tend to differ with it.",
+    say(
+        "The two records are assumed to be independent, unless they contain the same noise, as raw and corrected "
+        "samples do: those are compared as a pair, by the correlation of their sum and difference (Pitman and Morgan)."
+    ),
+    say(
+        "The verdict is the likelihood ratio of one common noise model "
+        "against a separate model for each record, with the terms that the common model holds (binned powers of the "
+        "cosine transform, Whittle likelihood). Because coefficients cannot be negative, and some rest on few powers, "
+        "the distribution of the ratio is simulated from the common model (a parametric bootstrap, stopped early where "
+        "p is clearly large); nothing is simulated where chi-square gives p below 1e-4."
+    ),
+    say(
+        "The change of a coefficient is the ratio of the two, with profile limits: the ratios that both records "
+        "together are consistent with, whatever their other coefficients are. Its p is adjusted for the number of "
+        "coefficients by Holm's method. Ramps keep their sign; their limits are Fieller's."
+    ),
+    say(
+        "The ratio of the variances is distributed as a ratio of two weighted sums of chi-squares, which is Fisher's F "
+        "with both equivalent degrees of freedom where these are many. All terms are included for it, and coefficients "
+        "that cannot be told apart are assumed equal. Neighbouring averaging times share data: of twenty equal ones "
+        "about one differs by chance, and its neighbours tend to differ with it."
+    ),
 )
 POOLED = (
-    "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
-    "separate model for each run, with the distribution simulated from the common model. The common coefficient is the "
-    "one that all runs together make most likely; its limits are averaged over the sets of terms that may be there.",
-    "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
-    "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
-    "homogeneity, adjusted by Holm's method.",
-    "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
-    "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees of "
-    "freedom as weights; "
-    "that they are equal is tested at each averaging time by Bartlett's test.",
-)
-CAPTION = (
-    "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} "
-    "interval at each averaging time."
+    say(
+        "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
+        "separate model for each run, with the distribution simulated from the common model. The common coefficient is "
+        "the one that all runs together make most likely; its limits are averaged over the sets of terms that may be "
+        "there."
+    ),
+    say(
+        "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
+        "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
+        "homogeneity, adjusted by Holm's method."
+    ),
+    say(
+        "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
+        "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees "
+        "of freedom as weights; that they are equal is tested at each averaging time by Bartlett's test."
+    ),
 )
 PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_percent", "low_percent", "high_percent",
         "p", "p_holm", "outcome", "edf_before", "edf_after")  # fmt: skip
@@ -68,13 +86,18 @@ RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "betwee
 
 def _compared_face(value: Comparison, level: float) -> Face:
     met = {change.outcome for change in value.terms}
-    outcomes = Table((Column("outcome", "name"), Column("meaning", "text")), list(map(list, OUTCOMES.items())))
+    meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
+    outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
     face = _face(value, any(pair.ratios is not None for pair in value), level)
     return replace(
         face,
-        title=f"Comparison of {' and '.join(value.names)}",
+        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
         sheets=[_pair_sheet(pair, value, level) for pair in value],
-        close=[Note(f"{word}: {OUTCOMES[word]}", "quiet", where="text") for word in OUTCOMES if word in met],
+        close=[
+            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
+            for outcome, meaning in OUTCOMES.items()
+            if outcome in met
+        ],
         how=[*map(Note, COMPARED), outcomes],
     )
 
@@ -82,18 +105,24 @@ def _compared_face(value: Comparison, level: float) -> Face:
 def _pooled_face(value: Pool, level: float) -> Face:
     face = _face(value, any(channel.curve is not None for channel in value), level)
     sheets = [_pooled_sheet(channel, value, level) for channel in value]
-    return replace(face, brand="what runs have in common", sheets=sheets, how=[*map(Note, POOLED)])
+    return replace(face, brand=say("what runs have in common"), sheets=sheets, how=[*map(Note, POOLED)])
 
 
 def _face(value: Value, drawn: bool, level: float) -> Face:
     """What both have."""
     source = value.provenance.get("source", "")
-    header = [("file", source)] if source and "source 2" not in value.provenance else []
-    header += [("with" if i else "compared", name) for i, name in enumerate(value.names)]
-    header += [("" if i else "assumed", note) for i, note in enumerate(value.notes)]
-    label, caption = "curves with bands, and the ratio of their variances", CAPTION.format(level=words.percent(level))
+    header: list[tuple[str, str]] = [(say("file"), source)] if source and "source 2" not in value.provenance else []
+    header += [(say("with") if i else say("compared"), name) for i, name in enumerate(value.names)]
+    header += [("" if i else say("assumed"), note) for i, note in enumerate(value.notes)]
+    caption = say(
+        "Deviation by averaging time with {level} confidence bands, and the ratio of the variances with its {level} "
+        "interval at each averaging time.",
+        level=words.percent(level),
+    )
+    label = say("curves with bands, and the ratio of their variances")
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
-    names = f"Comparison of {len(value.names)} runs", "what has changed"
+    count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
+    names = count, say("what has changed")
     return replace(
         job_face(value, names, (), [drawing] if drawn else []), header=[*header, header_of(value.provenance, ())[-1]]
     )
@@ -101,16 +130,19 @@ def _face(value: Value, drawn: bool, level: float) -> Face:
 
 def _sheet(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
     records = zip(names, result.records or (), strict=False)
-    about = [f"{name}: {'; '.join((words.about(record), *record.history))}" for name, record in records]
+    about = [join(": ", (name, join("; ", (words.about(record), *record.history)))) for name, record in records]
     if result.grades:
-        graded = (f"{name} ({grade})" for name, grade in zip(names, result.grades, strict=False))
-        about.append(f"noise models: {', '.join(graded)}")
+        graded = (
+            say("{record} ({grade})", record=name, grade=grade)
+            for name, grade in zip(names, result.grades, strict=False)
+        )
+        about.append(say("noise models: {models}", models=join(", ", graded)))
     if result.band is not None:
         low, high = result.band
-        about.append(f"compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have")
+        about.append(say("compared from {low:.4g} to {high:.6g} Hz, the frequencies that all have", low=low, high=high))
     verdict = Note(result.verdict, "alert" if result.refusal else "strong")
     parts: list[Part] = [*(Note(alert, "alert") for alert in result.alerts), verdict, *tables]
-    said = f"{result.name}: {result.verdict}" if result.name else result.verdict
+    said = join(": ", (result.name, result.verdict)) if result.name else result.verdict
     return Sheet(result.name, about, parts, (said,), doubt or bool(result.refusal))
 
 
@@ -121,11 +153,11 @@ def _pair_sheet(pair: Pair, whole: Comparison, level: float) -> Sheet:
 
 
 def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
-    values = [*whole.names, *(["whole"] * (pair.whole is not None))]
+    values = [*whole.names, *([say("whole")] * (pair.whole is not None))]
     heads = (
-        Column("", "symbol"), Column("term", "name"), *map(Column, values), Column("unit", "unit"), Column("change"),
-        Column(words.interval(level), "interval"), Column("p", aside=True), Column("p (Holm)", aside=True),
-        Column("outcome", "name"),
+        Column("", "symbol"), Column(say("term"), "name"), *map(Column, values), Column(say("unit"), "unit"),
+        Column(say("change")), Column(words.interval(level), "interval"), Column("p", aside=True),
+        Column(say("p (Holm)"), aside=True), Column(say("outcome"), "name"),
     )  # fmt: skip
     rows = []
     for c in pair.changes:
@@ -133,10 +165,10 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
         if pair.whole is not None:
             values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
         rows.append([
-            c.symbol, words.title(c.symbol, c.signal) + c.label.removeprefix(c.symbol), *values, c.before.sheet_unit,
-            *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), c.outcome,
+            c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
+            *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
-    return Table(heads, rows, "coefficients", marks=[MARKS.get(c.outcome, "") for c in pair.changes])
+    return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
 
 def value_of(estimate: Estimate, level: float) -> str:
@@ -156,17 +188,17 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
         return f"{number.plain()[0]} %", f"{number.low} .. {number.high} %"
     size = f"{change.percent:+.3g} %" if math.isfinite(change.ratio) and math.isfinite(high) else "-"
     if math.isfinite(high):
-        return size, f"below {high:+.3g} %"
-    return "-", f"above {low:+.3g} %" if low > least else "any"
+        return size, say("below {limit}", limit=f"{high:+.3g} %")
+    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
 def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]) -> Table:
     level, alpha = levels
     unit = readable_unit(ratios.before.unit)
     heads = (
-        Column("tau [s]"), *(Column(f"{name} [{unit}]") for name in whole.names), Column("edf before", aside=True),
-        Column("edf after", aside=True), Column("variance ratio"), Column(words.interval(level), "interval"),
-        Column("p"),
+        Column("tau [s]"), *(Column(join(" ", (name, f"[{unit}]"))) for name in whole.names),
+        Column(say("edf before"), aside=True), Column(say("edf after"), aside=True), Column(say("variance ratio")),
+        Column(words.interval(level), "interval"), Column("p"),
     )  # fmt: skip
     factor = convert(1.0, ratios.before.unit, unit)
     rows, marks = [], []
@@ -174,7 +206,8 @@ def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]
         cells = [f"{tau:.6g}", f"{before * factor:.5g}", f"{after * factor:.5g}", f"{nu:.4g}", f"{mu:.4g}"]
         rows.append([*cells, *digits(ratio, low, high).plain(), words.probability(p)])
         marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
-    return Table(heads, rows, f"{STATISTICS[ratios.before.statistic].title} and ratio of the variances", marks=marks)
+    title = say("{statistic} and ratio of the variances", statistic=STATISTICS[ratios.before.statistic].title)
+    return Table(heads, rows, title, marks=marks)
 
 
 def _pooled_sheet(channel: PooledChannel, whole: Pool, level: float) -> Sheet:
@@ -186,18 +219,20 @@ def _pooled_sheet(channel: PooledChannel, whole: Pool, level: float) -> Sheet:
 
 def _terms_table(channel: PooledChannel, level: float) -> Table:
     heads = (
-        Column("", "symbol"), Column("term", "name"), Column("common"), Column(words.interval(level), "interval"),
-        Column("unit", "unit"), Column("between runs"), Column("within runs"), Column("chi-square", aside=True),
-        Column("dof", aside=True), Column("p", aside=True), Column("p (Holm)"),
+        Column("", "symbol"), Column(say("term"), "name"), Column(say("common")),
+        Column(words.interval(level), "interval"), Column(say("unit"), "unit"), Column(say("between runs")),
+        Column(say("within runs")), Column(say("chi-square"), aside=True), Column(say("dof"), aside=True),
+        Column("p", aside=True), Column(say("p (Holm)")),
     )  # fmt: skip
     rows = [_term_cells(term, level) for term in channel.terms]
     marks: list[Mark] = ["alarm" if term.adjusted <= channel.alpha else "" for term in channel.terms]
-    return Table(heads, rows, "what the runs have in common", marks=marks)
+    return Table(heads, rows, say("what the runs have in common"), marks=marks)
 
 
 def _term_cells(term: PooledTerm, level: float) -> list[str]:
     _, _, value, low, high, unit, between, within, statistic, dof, p, adjusted = term.row(level)
-    shown = digits(value, low, high).plain() if value > 0 else ("-", f"below {digits(high, figures=2).plain()[0]}")
+    below = say("below {limit}", limit=digits(high, figures=2).plain()[0])
+    shown = digits(value, low, high).plain() if value > 0 else ("-", below)
     scatter = [f"{v:.3g} %" if math.isfinite(v) else "-" for v in (between, within)]
     return [term.symbol, words.title(term.symbol, term.signal), *shown, unit, *scatter, f"{statistic:.3g}", f"{dof:g}",
             words.probability(p), words.probability(adjusted)]  # fmt: skip
@@ -205,23 +240,24 @@ def _term_cells(term: PooledTerm, level: float) -> list[str]:
 
 def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
     heads = (
-        Column("run", "name"),
+        Column(say("run"), "name"),
         *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
-        Column("apart, p"),
+        Column(say("apart, p")),
     )
     rows = []
     for name, fit in zip(whole.names, channel.fits, strict=True):
         p = words.probability(channel.apart[name]) if name in channel.apart else ""
         rows.append([name, *(value_of(fit[term.symbol], level) for term in channel.terms), p])
-    return Table(heads, rows, "run by run", marks=["alarm" if name in channel.apart else "" for name in whole.names])
+    marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]
+    return Table(heads, rows, say("run by run"), marks=marks)
 
 
 def _curve_table(curve: Curve, channel: PooledChannel, level: float) -> Table:
     shown = curve.to(readable_unit(curve.unit))
     assert channel.p is not None  # noqa: S101 - comes with the curve
     heads = (
-        Column("tau [s]"), Column(f"all runs [{shown.unit}]"), Column(words.interval(level), "interval"), Column("edf"),
-        Column("p of one variance"),
+        Column("tau [s]"), Column(join(" ", (say("all runs"), f"[{shown.unit}]"))),
+        Column(words.interval(level), "interval"), Column(say("edf")), Column(say("p of one variance")),
     )  # fmt: skip
     columns = (shown.tau, shown.deviation, *shown.interval(level), shown.edf, channel.p)
     rows = [
@@ -229,7 +265,7 @@ def _curve_table(curve: Curve, channel: PooledChannel, level: float) -> Table:
         for tau, value, low, high, edf, p in zip(*(c.tolist() for c in columns), strict=True)
     ]
     marks: list[Mark] = ["alarm" if p <= channel.alpha else "" for p in channel.p]
-    return Table(heads, rows, f"{STATISTICS[curve.statistic].title} of all runs", marks=marks)
+    return Table(heads, rows, say("{statistic} of all runs", statistic=STATISTICS[curve.statistic].title), marks=marks)
 
 
 def _compared_rows(value: Comparison, level: float) -> Rows:

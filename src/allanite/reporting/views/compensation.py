@@ -1,7 +1,7 @@
 """How a compensation is shown: coefficients in data-sheet units per unit of the regressor, and deviations."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ from allanite.compensation.gain import Gain
 from allanite.compensation.regression import Regression
 from allanite.compensation.regressor import Effect
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.units import unit_of
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
@@ -32,23 +33,29 @@ from .jobs import channel_sheet, job_face, source_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BRAND = "compensation by regressors"
-KEY = (
+BRAND = say("compensation by regressors")
+KEY = say(
     "Found: if there were no dependence, a coefficient as far from zero would have a probability (p) below 5 %; for a "
     "column that cross-validation chose, p is multiplied by the number of columns it was chosen from. VIF: variance "
-    "inflation factor, by which the other regressors widen the variance. "
+    "inflation factor, by which the other regressors widen the variance."
 )
 HOW = (
-    "The rate is modeled as a constant, a sum of coefficients times regressors (each minus its mean), and noise. The "
-    "noise is identified from the same record by the restricted likelihood of its cosine transform, in which the "
-    "coefficients are integrated out. The coefficients are generalized least squares estimates, averaged over what "
-    "bias instability and rate random walk may be. Ordinary least squares would report an effect where there is none "
-    "in half of all records or more.",
-    "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
-    "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A steady drift "
-    "that is estimated together with the coefficients is not removed.",
-    "Noise in a regressor makes its coefficient too small, by the share of noise in its variance. The "
-    "deviations before and after come from the same samples: overlapping bands do not show that they agree.",
+    say(
+        "The rate is modeled as a constant, a sum of coefficients times regressors (each minus its mean), and noise. "
+        "The noise is identified from the same record by the restricted likelihood of its cosine transform, in which "
+        "the coefficients are integrated out. The coefficients are generalized least squares estimates, averaged over "
+        "what bias instability and rate random walk may be. Ordinary least squares would report an effect where there "
+        "is none in half of all records or more."
+    ),
+    say(
+        "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
+        "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A steady "
+        "drift that is estimated together with the coefficients is not removed."
+    ),
+    say(
+        "Noise in a regressor makes its coefficient too small, by the share of noise in its variance. The "
+        "deviations before and after come from the same samples: overlapping bands do not show that they agree."
+    ),
 )
 HEADINGS = (
     "channel", "of", "tau_s", "m", "before", "before_low", "before_high", "after", "after_low", "after_high", "unit",
@@ -59,13 +66,13 @@ HEADINGS = (
 def coefficients(regression: Regression, level: float) -> Table:
     """Every coefficient of a regression."""
     heads = (
-        Column("regressor", "name"), Column("sensitivity"), Column(words.interval(level), "interval"),
-        Column("unit", "unit"), Column("status", "text"), Column("std. error", aside=True), Column("t", aside=True),
-        Column("p", aside=True), Column("VIF", aside=True),
+        Column(say("regressor"), "name"), Column(say("sensitivity")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column(say("status"), "text"), Column(say("std. error"), aside=True),
+        Column("t", aside=True), Column("p", aside=True), Column(say("VIF"), aside=True),
     )  # fmt: skip
     effects = [regression.effect(i, level) for i in range(len(regression.regressors))]
     rows = [_cells(e, regression.signal.sheet[0]) for e in effects]
-    key = KEY + printed_unit(_beside(regression))
+    key = join(" ", (KEY, _beside(regression, printed_unit)))
     return Table(heads, rows, marks=["strong" if e.significant else "quiet" for e in effects], key=key)
 
 
@@ -73,66 +80,92 @@ def _cells(e: Effect, unit: str) -> list[str]:
     scale = 1 / unit_of(unit).factor
     value, interval = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
     error = digits(e.standard_error * scale, figures=2).plain()[0]
-    per = "" if e.regressor.column_unit == "1" else f" per {e.regressor.column_unit}"
+    per = e.regressor.column_unit
+    if per != "1":
+        unit = say("{unit} per {regressor}", unit=unit, regressor=per)
     return [
-        e.label, value, interval, f"{unit}{per}", _status(e), error, f"{e.t:+.1f}", words.probability(e.p, 1e-4),
+        e.label, value, interval, unit, _status(e), error, f"{e.t:+.1f}", words.probability(e.p, 1e-4),
         f"{e.inflation:.3g}",
     ]  # fmt: skip
 
 
 def _status(effect: Effect) -> str:
-    parts = ("identified" if effect.significant else "absent", "chosen" * effect.chosen)
-    return ", ".join(filter(None, (*parts, "not removed" * (not effect.taken_off))))
+    parts = [say("identified") if effect.significant else say("absent")]
+    parts += [say("chosen")] if effect.chosen else []
+    return join(", ", parts if effect.taken_off else [*parts, say("not removed")])
 
 
-def _beside(regression: Regression) -> str:
-    return (
-        f"Noise, identified with the coefficients: {regression.noise}; {regression.effective:.4g} effective samples; "
-        f"scaled condition number {regression.condition:.3g}."
+def _beside(regression: Regression, shown: Callable[[str], str] = str) -> str:
+    """The noise of a regression; `shown` prints its units."""
+    return say(
+        "Noise, identified with the coefficients: {model}; {effective:.4g} effective samples; scaled condition number "
+        "{condition:.3g}.",
+        model=shown(str(regression.noise)),
+        effective=regression.effective,
+        condition=regression.condition,
     )
 
 
-def verdict(channel: Compensated) -> str:
-    """What the regression does, in one or two sentences."""
-    name = printable(channel.record.name) or "the channel"
+def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
+    """What the regression does, in one or two sentences; `shown` prints a number."""
+    name = printable(channel.record.name) or say("the channel")
     if channel.regression is None:
-        return f"{name} gives no result: {channel.refusal}."
-    return _found(name, channel.regression) if channel.gain is None else _elsewhere(name, channel.gain)
+        return say("{channel} gives no result: {reason}.", channel=name, reason=channel.refusal)
+    if channel.gain is None:
+        return _found(name, channel.regression, shown)
+    return _elsewhere(name, channel.gain, shown)
 
 
-def _found(name: str, regression: Regression) -> str:
+def _found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
     own = [e for e in regression if e.taken_off]
     if not regression.significant:
-        labels = ", ".join(e.label for e in own)
-        return f"{name} shows no dependence on {labels}: the correction would only remove noise."
+        return say(
+            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
+            channel=name,
+            regressors=_names(own),
+        )
     gain, held = regression.inside, regression.held
     # by chance the sum of squares falls a little even where nothing is found
-    also = f"{_share(gain.expected, gain)} expected by chance"
-    also += "" if held is None else f"; {100 * held.explained:.3g} % in cross-validation"
-    shown = ", ".join(e.label for e in own if e.significant)
-    said = f"{name} depends on {shown}. The correction reduces the variance by {100 * gain.explained:.3g} % ({also})."
-    rest = ", ".join(e.label for e in own if not (e.chosen or e.significant))
-    said += f" Leave out {rest}: no dependence on it is shown." if rest else ""
-    return said + (" In cross-validation it does harm: do not use it." if held and held.explained < 0 else "")
+    also = [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
+    if held is not None:
+        also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
+    said = [
+        say(
+            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
+            channel=name,
+            regressors=_names([e for e in own if e.significant]),
+            share=shown(f"{100 * gain.explained:.3g} %"),
+            also=join("; ", also),
+        )
+    ]
+    rest = _names([e for e in own if not (e.chosen or e.significant)])
+    said += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
+    if held and held.explained < 0:
+        said.append(say("In cross-validation it does harm: do not use it."))
+    return join(" ", said)
 
 
-def _elsewhere(name: str, gain: Gain) -> str:
-    did = f"reduces the variance of {name} by {_percent(gain)}"
+def _elsewhere(name: str, gain: Gain, shown: Callable[[str], str]) -> str:
+    share = shown(words.percent(abs(gain.explained), 3))
     if gain.explained < 0:
-        did = f"increases the variance of {name} by {words.percent(-gain.explained, 3)}"
+        said = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
+    else:
+        said = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
     if gain.low is None or gain.high is None:
-        return f"The correction {did}."
-    low, high = (_share(v, gain) for v in (gain.low, gain.high))
-    met = "" if gain.met else ", and it does not: the dependence is another one here"
-    return f"The correction {did}; {_share(gain.expected, gain)} ({low} .. {high}) could be expected{met}."
+        return join("", (said, "."))
+    expected = _share(gain.expected, gain)
+    limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
+    if gain.met:
+        return say("{effect}; {limits} could be expected.", effect=said, limits=limits)
+    return say(
+        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
+        effect=said,
+        limits=limits,
+    )
 
 
 def _names(effects: Sequence[Effect]) -> str:
-    return ", ".join(e.label for e in effects)
-
-
-def _percent(gain: Gain) -> str:
-    return words.percent(gain.explained, 3)
+    return join(", ", [e.label for e in effects])
 
 
 def _share(part: float, gain: Gain) -> str:
@@ -150,14 +183,19 @@ def _doubtful(channel: Compensated) -> bool:
 def _face(study: CompensationStudy, level: float) -> Face:
     other = study.provenance.get("applied to", "")
     sheets = [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)]
-    return replace(job_face(study, (f"Compensation of {source_of(study)}", BRAND), sheets), how=[*map(Note, HOW)])
+    title = say("Compensation of {source}", source=source_of(study))
+    return replace(job_face(study, (title, BRAND), sheets), how=[*map(Note, HOW)])
 
 
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
-    said = f"{source}: {verdict(channel)}" if source else verdict(channel)
-    doubt, of = _doubtful(channel), "noise before the correction: "
-    sheet = channel_sheet(channel, _parts(channel, level), (printed_number(said),), doubt=doubt, of=of)
-    return replace(sheet, name=f"{channel.record.name or 'channel'} of {source}") if source else sheet
+    said = verdict(channel, printed_number)
+    said = join(": ", (source, said)) if source else said
+    doubt, of = _doubtful(channel), say("noise before the correction: ")
+    sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
+    if not source:
+        return sheet
+    name = channel.record.name or say("channel")
+    return replace(sheet, name=say("{channel} of {source}", channel=name, source=source))
 
 
 def _parts(channel: Compensated, level: float) -> Iterator[Part]:
@@ -167,11 +205,12 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
-    caption = (
-        f"Overlapping Allan deviation before and after with {words.percent(level)} bands, and the rate over time less "
-        "its bias: what was recorded, what the regressors explain, what is left."
+    caption = say(
+        "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
+        "its bias: what was recorded, what the regressors explain, what is left.",
+        level=words.percent(level),
     )
-    yield Drawing(lambda: _draw([channel], level), "deviation and rate before and after", caption)
+    yield Drawing(lambda: _draw([channel], level), say("deviation and rate before and after"), caption)
     yield _curves(channel, level)
 
 
@@ -191,11 +230,15 @@ def _curves(channel: Compensated, level: float) -> Table:
         known = [f"{v:{form}}" if math.isfinite(v) else "" for v, form in ((ratio, ".3f"), (edf, ".3g"))]
         rows.append([f"{tau:.6g}", *cells, *known])
     heads = (
-        Column("tau [s]"), Column("before"), Column("limits before", "interval", aside=True), Column("after"),
-        Column("limits after", "interval", aside=True), Column("after / before"), Column("edf after"),
+        Column("tau [s]"), Column(say("before")), Column(say("limits before"), "interval", aside=True),
+        Column(say("after")), Column(say("limits after"), "interval", aside=True), Column(say("after / before")),
+        Column(say("edf after")),
     )  # fmt: skip
-    unit = channel.record.signal.sheet[0]
-    title = f"overlapping Allan deviation in {unit}, with {words.percent(level)} limits"
+    title = say(
+        "overlapping Allan deviation in {unit}, with {level} limits",
+        unit=channel.record.signal.sheet[0],
+        level=words.percent(level),
+    )
     return Table(heads, rows, title, details=True)
 
 
@@ -227,13 +270,14 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
 
 def _regression_face(regression: Regression, level: float) -> Face:
     sheet = Sheet(regression.name, parts=tuple(_regression_parts(regression, level)))
-    said = _found(printable(regression.name) or "the channel", regression)
-    return Face(f"Regression of {regression.name}", BRAND, (sheet,), parts=[Note(said, "strong")])
+    said = _found(printable(regression.name) or say("the channel"), regression)
+    title = say("Regression of {channel}", channel=regression.name)
+    return Face(title, BRAND, (sheet,), parts=[Note(said, "strong")])
 
 
 STUDY = View(_face, _plot, _rows)
 CHANNEL = View(
-    lambda channel, level: Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),)),
+    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)),
     lambda values, fit, level: _draw(values, level),
 )
 REGRESSION = View(_regression_face)

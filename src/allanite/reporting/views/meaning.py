@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from allanite.core.language import join, say
 from allanite.meaning.device import REFERENCES
 from allanite.meaning.devices import DEVICES
 from allanite.meaning.meaning import Meaning, meaning
@@ -37,8 +38,8 @@ def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]
 def _parts(found: Sequence[Meaning]) -> Iterator[Part]:
     for one in found:
         if one.sentences:
-            name = f": {one.name}" if one.name else ""
-            yield Note(f"what it means{name}", "strong", points=one.sentences)
+            head = say("what it means")
+            yield Note(join(": ", (head, one.name)) if one.name else head, "strong", points=one.sentences)
     if found and found[0].device:
         yield from _causes(found)
 
@@ -56,28 +57,34 @@ def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
     rows = []
     for symbol, cause in ((symbol, cause) for symbol, cause in device.terms.items() if symbol in channels):
         names = ", ".join(filter(None, channels[symbol]))
-        sources, remedies = ("; ".join(texts) for texts in (cause.sources, cause.remedies))
-        head = f"{symbol} in a {device.title}: {cause.name}{f' ({names})' if names else ''}"
-        points = (f"sources: {sources}", f"try: {remedies}", f"see {cause.reference}")
+        sources, remedies = (join("; ", texts) for texts in (cause.sources, cause.remedies))
+        head = say("{symbol} in a {device}: {cause}", symbol=symbol, device=device.title, cause=cause.name)
+        points = (
+            say("sources: {sources}", sources=sources),
+            say("try: {remedies}", remedies=remedies),
+            say("see {reference}", reference=cause.reference),
+        )
+        head = join("", (head, f" ({names})")) if names else head
         yield Note(head, "strong", where="text", points=points)
         rows.append([symbol, names, cause.name, sources, remedies, cause.reference])
     if rows:
         heads = (
-            Column("", "symbol"), Column("channels", "name"), Column("term", "text"), Column("sources", "text"),
-            Column("what to try", "text"), Column("reference", "text"),
+            Column("", "symbol"), Column(say("channels"), "name"), Column(say("term"), "text"),
+            Column(say("sources"), "text"), Column(say("what to try"), "text"), Column(say("reference"), "text"),
         )  # fmt: skip
-        yield Table(heads, rows, f"likely causes in a {device.title}", key=_cited(rows), where="page")
+        title = say("likely causes in a {device}", device=device.title)
+        yield Table(heads, rows, title, key=_cited(rows), where="page")
 
 
 def _cited(rows: Sequence[Sequence[str]]) -> str:
     """The works that the rows name."""
     named = " ".join(row[-1] for row in rows)
-    return " ".join(f"{key}: {text}." for key, text in REFERENCES.items() if key in named)
+    return join(" ", [join("", (key, ": ", text, ".")) for key, text in REFERENCES.items() if key in named])
 
 
 def _face(found: Meaning, level: float) -> Face:
-    sheet = Sheet(found.name or "record", parts=tuple(_parts([found])))
-    return Face("What it means", "noise coefficients of an inertial sensor", (sheet,))
+    sheet = Sheet(found.name or say("record"), parts=tuple(_parts([found])))
+    return Face(say("What it means"), say("noise coefficients of an inertial sensor"), (sheet,))
 
 
 MEANING = View(_face)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from allanite.core.fit import Fit
+from allanite.core.language import join, say, say_count
 from allanite.core.model import Model
-from allanite.planning.bound import Bound, name_of
+from allanite.planning.bound import Bound, name_of, title_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
@@ -21,20 +22,20 @@ from .modelled import Form, job_face, job_rows, one_face
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PLANNED = (
+PLANNED = say(
     "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
     "is called identified up to 25 %; above 40 % it is hardly seen. The default method reaches the bound where it is "
     "below about 12 %."
 )
-KNOWN = "if it is known which terms there are"
-SEARCHED = "if all five terms are looked for, as analyze does"
-CHECKED = (
+KNOWN = say("if it is known which terms there are")
+SEARCHED = say("if all five terms are looked for, as analyze does")
+CHECKED = say(
     "bound: least relative standard error (Cramer-Rao); bias and spread of the coefficient, relative to the truth; "
     "coverage: share of the printed intervals that contain the truth; found: share of records in which the term is "
     "reported as present. +- is the Monte-Carlo standard error."
 )
-DRAWN = "Relative standard error by the length of the record. The horizontal line is the accuracy that is wanted."
-BOUNDED = "Least relative standard errors (1 sigma, Cramer-Rao bound) of the parameters."
+DRAWN = say("Relative standard error by the length of the record. The horizontal line is the accuracy that is wanted.")
+BOUNDED = say("Least relative standard errors (1 sigma, Cramer-Rao bound) of the parameters.")
 
 
 def _heads(*numbers: str) -> tuple[Column, ...]:
@@ -48,7 +49,7 @@ def expected_values(model: Model) -> dict[str, tuple[str, str]]:
         name, unit = name_of(t, model), t.signal.sheet[t.row.power]
         found[name] = (f"{t.to(unit):.4g}", unit)
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
-            found[f"{name} {parameter.name.replace('_', ' ')}"] = (f"{value:.4g}", parameter.unit)
+            found[f"{name} {title_of(parameter)}"] = (f"{value:.4g}", parameter.unit)
     return found
 
 
@@ -59,16 +60,18 @@ def percent(error: float) -> str:
 
 def _length(seconds: float) -> str:
     if not math.isfinite(seconds):
-        return "never"
-    return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else "> 100 years"
+        return say("never")
+    return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else say("> 100 years")
 
 
 def _plan_about(plan: RecordingPlan) -> str:
-    return f"{plan.rate:.8g} Hz, {'a ramp of unknown size is allowed for' if plan.ramp else 'no ramp'}"
+    ramp = say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")
+    return join(", ", (f"{plan.rate:.8g} Hz", ramp))
 
 
 def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
-    heads = _heads("expected", "unit", *map(words.duration, plan.durations), f"for {percent(plan.accuracy)}")
+    wanted = say("for {accuracy}", accuracy=percent(plan.accuracy))
+    heads = _heads(say("expected"), say("unit"), *map(words.duration, plan.durations), wanted)
     values = expected_values(plan.model)
     kinds = [("", plan.errors, plan.needed)]
     if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
@@ -77,7 +80,8 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
         each = zip(plan.names, errors.tolist(), needed.tolist(), strict=True)
         rows = [[name, *values.get(name, ("", "")), *map(percent, row), _length(least)] for name, row, least in each]
         yield Table(heads, rows, title)
-    yield Drawing(lambda: _plot_plans([plan], None, 0.95), "relative standard errors by length of the record", DRAWN)
+    label = say("relative standard errors by length of the record")
+    yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
 
 
 def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Figure":
@@ -91,22 +95,29 @@ def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPl
 
 
 def _check_about(check: SelfCheck) -> str:
-    length = words.duration(check.size / check.rate)
-    return (
-        f"{check.records} records of {check.size} samples at {check.rate:.8g} Hz ({length}), "
-        f"intervals at {words.percent(check.level)}"
+    samples = say_count(check.size, "{count} sample", "{count} samples")
+    return say_count(
+        check.records,
+        "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        samples=samples,
+        rate=check.rate,
+        length=words.duration(check.size / check.rate),
+        level=words.percent(check.level),
     )
 
 
 def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
     values = expected_values(check.model)
     rows = [
-        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else ("absent", "")), percent(c.bound)]
+        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")), percent(c.bound)]
         + [_with_error(measured) for measured in (c.bias, c.spread, c.coverage, c.found)]
         for c in check.terms
     ]
-    yield Table(_heads("truth", "unit", "bound", "bias", "spread", "coverage", "found"), rows)
-    yield Note(f"records whose model is reported not to explain them: {_with_error(check.unexplained)}")
+    heads = _heads(say("truth"), say("unit"), say("bound"), say("bias"), say("spread"), say("coverage"), say("found"))
+    yield Table(heads, rows)
+    share = _with_error(check.unexplained)
+    yield Note(say("records whose model is reported not to explain them: {share}", share=share))
     yield from (Note(note) for note in check.notes)
 
 
@@ -122,22 +133,39 @@ def _with_error(measured: tuple[float, float]) -> str:
 def _bound_face(bound: Bound, _: float) -> Face:
     values = expected_values(bound.model)
     rows = [[name, *values.get(name, ("", "")), percent(bound[name])] for name in bound.names]
-    about = f"{bound.size} samples at {bound.rate:.8g} Hz ({words.duration(bound.size / bound.rate)})"
-    parts: list[Part] = [Table(_heads("value", "unit", "error"), rows)]
+    about = say_count(
+        bound.size,
+        "{count} sample at {rate:.8g} Hz ({length})",
+        "{count} samples at {rate:.8g} Hz ({length})",
+        rate=bound.rate,
+        length=words.duration(bound.size / bound.rate),
+    )
+    parts: list[Part] = [Table(_heads(say("value"), say("unit"), say("error")), rows)]
     if bound.ramp is not None:
         unit = bound.model.signal.si[1]
-        parts.append(Note(f"a ramp of unknown size is allowed for; its standard error is {bound.ramp:.3g} {unit}"))
-    sheet = Sheet("bound", (about,), parts)
-    return Face(f"Bound: {bound.model}", "Cramer-Rao bound of noise coefficients", (sheet,), how=(Note(BOUNDED),))
+        allowed = say(
+            "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}",
+            error=bound.ramp,
+            unit=unit,
+        )
+        parts.append(Note(allowed))
+    sheet = Sheet(say("bound"), (about,), parts)
+    title = say("Bound: {model}", model=str(bound.model))
+    return Face(title, say("Cramer-Rao bound of noise coefficients"), (sheet,), how=(Note(BOUNDED),))
 
 
 def _bound_rows(bound: Bound, _: float) -> Rows:
     return ["parameter", "relative_error"], [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))]
 
 
-_PLAN = Form("plan", "Plan for", "how long to record", _plan_about, _plan_parts, PLANNED)
+_PLAN = Form(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
 _CHECK = Form(
-    "check", "Check of the identification:", "simulated records, identified", _check_about, _check_parts, CHECKED
+    say("check"),
+    say("Check of the identification:"),
+    say("simulated records, identified"),
+    _check_about,
+    _check_parts,
+    CHECKED,
 )
 
 PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.core.language import join, say, say_count
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment, Ranking, RateEstimate
 from allanite.rate.estimates import rate_factor
@@ -21,56 +22,60 @@ from .jobs import channel_sheet, job_face, source_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BRAND = "a constant rate in a short time"
+BRAND = say("a constant rate in a short time")
 
-KEY = (
+KEY = say(
     "std: scatter of the errors, with its 68 % interval; neighbours: the same from differences of neighbouring "
     "intervals, which a slow drift does not reach; predicted: under the noise model, without these data."
 )
-CAPTION = (
+CAPTION = say(
     "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
     "the measuring time."
 )
-NO_ERROR = "no standard errors: give a noise model (--noise)"
+NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
 
 def _face(study: RateStudy, level: float) -> Face:
     sheets = [_sheet(channel, study.settings.noise, level) for channel in study.channels]
-    return replace(job_face(study, (f"Rate of {source_of(study)}", BRAND), sheets), how=[_methods()])
+    title = say("Rate of {source}", source=source_of(study))
+    return replace(job_face(study, (title, BRAND), sheets), how=[_methods()])
 
 
 def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
     name, found = channel.record.name, channel.experiment
-    said = f"no result: {channel.refusal}" if channel.refusal else ""
+    said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
     if found is not None and found.ranking is not None:
         said = _advice(found)
-    verdicts = (f"{name or 'the channel'}, {said}",) if said else ()
+    verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
     doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
     return channel_sheet(channel, _parts(channel, given, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
     if channel.noise is not None and channel.noise.explained:
-        yield Note(f"noise: {channel.noise.fit.model}")
+        yield Note(say("noise: {model}", model=str(channel.noise.fit.model)))
     elif given is not None and not channel.refusal:
-        yield Note(f"noise as given: {given}")
+        yield Note(say("noise as given: {model}", model=str(given)))
     found = channel.experiment
     if found is None:
         return
     yield from _sentences(found)
     if channel.bias is not None:
-        yield Note(f"bias by reversal: {channel.bias.words(level=level)}")
+        yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
     if found.start.size > 1:
         yield _table(found)
     yield from _estimates(channel.estimates, level)
-    yield Drawing(lambda: _draw([channel]), "errors of all methods", CAPTION)
+    yield Drawing(lambda: _draw([channel]), say("errors of all methods"), CAPTION)
 
 
 def _advice(found: Experiment) -> str:
-    verdict = found.ranking.verdict if found.ranking is not None else ""
-    return f"in {words.duration(found.duration)}: {verdict}"
+    return "" if found.ranking is None else _told(found.ranking)
+
+
+def _told(ranking: Ranking) -> str:
+    return say("in {length}: {verdict}", length=words.duration(ranking.duration), verdict=ranking.verdict)
 
 
 def _sentences(found: Experiment) -> Iterator[Note]:
@@ -80,13 +85,21 @@ def _sentences(found: Experiment) -> Iterator[Note]:
         yield Note(_advice(found), "strong")
     if found.start.size > 1:
         reference = found.reference / unit_of(unit).factor
-        said = f"the true rate, {reference:.6g} {unit}" if found.known else f"their mean, {reference:.6g} {unit}"
-        yield Note(f"{found.start.size} intervals of {words.duration(found.duration)}; errors against {said}")
+        length = words.duration(found.duration)
+        count = say_count(
+            found.start.size, "{count} interval of {length}", "{count} intervals of {length}", length=length
+        )
+        if found.known:
+            against = say("errors against the true rate, {rate:.6g} {unit}", rate=reference, unit=unit)
+        else:
+            against = say("errors against their mean, {rate:.6g} {unit}", rate=reference, unit=unit)
+        yield Note(join("; ", (count, against)))
     if found.drift:
         yield Note(found.drift)
     yield from _wander(found)
     yield from map(Note, found.notes)
-    yield from (Note(f"{method} is left out: {why}") for method, why in found.left_out.items())
+    for method, why in found.left_out.items():
+        yield Note(say("{method} is left out: {reason}", method=method, reason=why))
 
 
 def _wander(found: Experiment) -> Iterator[Note]:
@@ -98,8 +111,13 @@ def _wander(found: Experiment) -> Iterator[Note]:
         unit = found.signal.sheet[0]
         both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
         yield Note(
-            f"predicted is the error of each interval's own mean rate; {', '.join(wandering)} moves that from interval "
-            f"to interval, so that neighbouring averages differ by {both:.3g} {unit} (their Allan deviation)"
+            say(
+                "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
+                "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
+                terms=", ".join(wandering),
+                deviation=both,
+                unit=unit,
+            )
         )
 
 
@@ -110,13 +128,13 @@ def _table(found: Experiment) -> Table:
     least = min((row[2] for row in rows if row[2] > 0), default=1.0)
     places = max(0, 2 - math.floor(math.log10(least)))
     heads = (
-        Column("method", "symbol"), Column(f"std [{unit}]"), Column("68 % interval", "interval"), Column("neighbours"),
-        Column("predicted"), Column("3 sigma", aside=True), Column("mean error", aside=True),
-        Column("worst", aside=True),
+        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]"))),
+        Column(words.interval(0.68), "interval"), Column(say("neighbours")), Column(say("predicted")),
+        Column(say("3 sigma"), aside=True), Column(say("mean error"), aside=True), Column(say("worst"), aside=True),
     )  # fmt: skip
     cells = []
     for method, mean, std, low, high, neighbours, bound, worst, predicted in rows:
-        said = f"{predicted:.{places}f}" if math.isfinite(predicted) else "not predicted"
+        said = f"{predicted:.{places}f}" if math.isfinite(predicted) else say("not predicted")
         first, beside, three = (f"{v:.{places}f}" for v in (std, neighbours, bound))
         limits = f"{low:.{places}f} .. {high:.{places}f}"
         cells.append([method, first, limits, beside, said, three, f"{mean:+.{places}f}", f"{worst:+.{places}f}"])
@@ -131,22 +149,25 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         unit = e.signal.sheet[0]
         factor = rate_factor(unit, e.signal)
         rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
-    heads = (Column("method", "symbol"), Column("rate"), Column(words.interval(level), "interval"))
-    yield Table((*heads, Column("unit", "unit")), rows)
+    heads = (Column(say("method"), "symbol"), Column(say("rate")), Column(words.interval(level), "interval"))
+    yield Table((*heads, Column(say("unit"), "unit")), rows)
     if any(math.isnan(e.standard_error) and e.limits is None for e in estimates):
         yield Note(NO_ERROR)
     certain = [e.method for e in estimates if e.limits is not None]
     if certain:
-        yield Note(f"the limits of {', '.join(certain)} are certain: no other rate gives these counts without noise")
+        methods = ", ".join(certain)
+        yield Note(
+            say("the limits of {methods} are certain: no other rate gives these counts without noise", methods=methods)
+        )
 
 
 def _methods() -> Table:
     heads = (
-        Column("method", "symbol"), Column("what it is", "text"), Column("formula", "formula"),
-        Column("optimal under", "text"), Column("source", "text"),
+        Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+        Column(say("optimal under"), "text"), Column(say("source"), "text"),
     )  # fmt: skip
     rows = [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()]
-    return Table(heads, rows, "the methods")
+    return Table(heads, rows, say("the methods"))
 
 
 def _draw(channels: Iterable[RateChannel]) -> "Figure":
@@ -192,26 +213,26 @@ def _finite(value: float) -> float | str:
 
 def _experiment_face(found: Experiment, level: float) -> Face:
     table = (_table(found),) if found.start.size > 1 else ()
-    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), "errors of all methods", CAPTION)
-    return Face(found.name or "Rate", BRAND, (Sheet(found.name, parts=(*_sentences(found), *table, drawing)),))
+    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION)
+    return Face(found.name or say("Rate"), BRAND, (Sheet(found.name, parts=(*_sentences(found), *table, drawing)),))
 
 
 def _ranking_face(ranking: Ranking, level: float) -> Face:
-    headings, rows = ranking.rows()
+    heads = say("method"), say("standard error, {unit}", unit=ranking.signal.sheet[0]), say("over the bound")
+    _, rows = ranking.rows()
     cells = [[method, *(f"{v:.4g}" if math.isfinite(v) else "" for v in numbers)] for method, *numbers in rows]
     parts = (
-        Note(f"in {words.duration(ranking.duration)}: {ranking.verdict}", "strong"),
-        Note(f"noise: {ranking.model}"),
+        Note(_told(ranking), "strong"),
+        Note(say("noise: {model}", model=str(ranking.model))),
     )
-    return Face(
-        "Methods", BRAND, (Sheet("methods", parts=(*parts, Table(columns(*headings), cells))),), how=(_methods(),)
-    )
+    sheet = Sheet(say("methods"), parts=(*parts, Table(columns(*heads), cells)))
+    return Face(say("Methods"), BRAND, (sheet,), how=(_methods(),))
 
 
 def _estimate_face(found: RateEstimate, level: float) -> Face:
     alerts = (Note(str(finding), "alert") for finding in found.findings)
-    sheet = Sheet(found.name or "rate", found.history, (*alerts, *_estimates([found], level)))
-    return Face(found.name or "Rate", BRAND, (sheet,))
+    sheet = Sheet(found.name or say("rate"), found.history, (*alerts, *_estimates([found], level)))
+    return Face(found.name or say("Rate"), BRAND, (sheet,))
 
 
 STUDY = View(_face, lambda values, fit, level: _draw(channel for study in values for channel in study), _rows)

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.reporting import figures
 from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Table
 from allanite.statespace import StateSpace
@@ -19,12 +20,12 @@ from .modelled import Form, job_face, job_rows, one_face
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-EQUATIONS = "matrices in SI units: x' = Phi x + w, sample = H x + v"
-KEY = (
+EQUATIONS = say("matrices in SI units: x' = Phi x + w, sample = H x + v")
+KEY = say(
     "Phi is the transition over one interval, Qd the covariance of w, R the variance of v, P0 the covariance of the "
     "states at the start. The table shows the diagonals."
 )
-DRAWN = "Allan deviation of the state space, of the model, and as measured; below, the state space over the model."
+DRAWN = say("Allan deviation of the state space, of the model, and as measured; below, the state space over the model.")
 
 
 def _about(space: StateSpace) -> str:
@@ -33,23 +34,27 @@ def _about(space: StateSpace) -> str:
 
 def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     low, high = space.tau
-    yield Note(
-        f"Allan deviation within {100 * space.ripple:.2g} % of the model's from {low:g} to {high:g} s; "
-        f"{MEASUREMENTS[space.measurement].meaning}"
+    within = say(
+        "Allan deviation within {ripple:.2g} % of the model's from {low:g} to {high:g} s",
+        ripple=100 * space.ripple,
+        low=low,
+        high=high,
     )
+    yield Note(join("; ", (within, MEASUREMENTS[space.measurement].meaning)))
     yield from (Note(note) for note in space.notes)
     scope = channel.fit.scope if channel is not None and channel.fit is not None else None
     if scope is not None and scope.filter is not None:
         yield Note(
-            "the low-pass filter is not among the states: samples closer together than "
-            f"{1 / scope.filter.cutoff:.2g} s are correlated"
+            say(
+                "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
+                time=1 / scope.filter.cutoff,
+            )
         )
     headings, rows = space.rows()
-    heads = (Column(""), Column(headings[0], "name"), Column("unit", "unit"), *map(Column, headings[2:]))
+    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *map(Column, headings[2:]))
     yield Table(heads, [[str(i), *row[:2], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows, 1)])
-    yield Drawing(
-        lambda: _plot([channel or space], None, 0.95), "Allan deviation of the state space and of the model", DRAWN
-    )
+    label = say("Allan deviation of the state space and of the model")
+    yield Drawing(lambda: _plot([channel or space], None, 0.95), label, DRAWN)
     lines = [line for label in ("Phi", "Qd", "H", "R", "P0") for line in _matrix(label, getattr(space, label))]
     yield Code("\n".join(lines), EQUATIONS)
 
@@ -79,7 +84,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
     return figures.plot_state_spaces(spaces, level=level)
 
 
-_FORM = Form("model", "State space of", "state space of an inertial sensor's noise", _about, _parts, KEY)
+_FORM = Form(say("model"), say("State space of"), say("state space of an inertial sensor's noise"), _about, _parts, KEY)
 
 SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
 SPACES = View(job_face(_FORM), _plot, job_rows)

@@ -1,0 +1,14 @@
+"""Names of the types of sensors in messages, by the names of their signals."""
+
+from .language import say
+
+SENSORS = {
+    "gyro": say("gyro"),
+    "accelerometer": say("accelerometer"),
+    "dimensionless": say("dimensionless"),
+    "current": say("current"),
+    "voltage": say("voltage"),
+    "temperature": say("temperature"),
+    "displacement": say("displacement"),
+    "flux density": say("flux density"),
+}
