@@ -1,7 +1,6 @@
 # make demo   the main job on a sample, or on FILE=...
 # make test   everything that must hold
 # make docs   the documentation site
-# make catalogues   the translations, brought up to date with the source
 # Both set up what they need in .venv first; python3 (3.11 or later), pip and make are enough.
 
 PYTHON  ?= python3

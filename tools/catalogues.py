@@ -1,4 +1,4 @@
-"""Collect what reports say from the source, and bring the catalogues of translations up to date: ``make catalogues``."""
+"""Collect what reports say from the source, and bring the translations up to date: ``make catalogues``."""
 
 import io
 import re

@@ -18,6 +18,7 @@ from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue, speaking
 
 from .front import DATA, LINE
+from .options import FLAGS
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -70,8 +71,7 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     """
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    flags = (choices.pop(name, False) for name in ("force", "quiet", "strict"))
-    found = Outputs(paths, *flags, lang=choices.pop("lang", ENGLISH))
+    found = Outputs(paths, **{name: choices.pop(name) for name in FLAGS if name in choices})
     catalogue(found.lang)  # an unknown language is refused now
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one result can be written to standard output; give a file for the other one")
