@@ -44,6 +44,13 @@ def stored(lang: str) -> Catalog:
         return read_po(file, locale=lang)
 
 
+def renewed(lang: str, found: Catalog) -> Catalog:
+    """The same with the templates that were found; of one that has changed, the old translation is kept as fuzzy."""
+    catalogue = stored(lang)
+    catalogue.update(found, update_creation_date=False)
+    return catalogue
+
+
 def text_of(catalogue: Catalog) -> str:
     """A catalogue as its file, the same for the same content."""
     catalogue.header_comment = f"# {catalogue.locale.english_name} reports of allanite: see docs/languages.md"
@@ -76,8 +83,7 @@ def main() -> None:
     """Write the catalogues, and say what is left to translate."""
     found = templates()
     for lang in sys.argv[1:] or sorted(path.stem for path in LOCALE.glob("*.po")):
-        catalogue = stored(lang)
-        catalogue.update(found, update_creation_date=False)
+        catalogue = renewed(lang, found)
         LOCALE.mkdir(exist_ok=True)
         (LOCALE / f"{lang}.po").write_text(text_of(catalogue), encoding="utf-8")
         print(f"{lang}: {len(catalogue)} templates, {len(unfinished(catalogue))} to translate or to check")

@@ -14,9 +14,9 @@ import allanite as al
 from allanite.cli import VERBS, deliver, main
 from allanite.identification.front import METHODS
 from allanite.rate import RATE_ESTIMATORS
-from allanite.reporting import fonts, html, language, text
+from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
-from allanite.reporting.views import VIEWS, level_of, view_of
+from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
@@ -211,7 +211,9 @@ def run(line, files):
 def pseudo(monkeypatch):
     """The language "xx"."""
     one = Pseudo()
-    monkeypatch.setattr(language, "catalogue", lambda lang: one if lang == "xx" else language.gettext.NullTranslations())
+    monkeypatch.setattr(
+        language, "catalogue", lambda lang: one if lang == "xx" else language.gettext.NullTranslations()
+    )
 
 
 def test_every_verb_is_run():
