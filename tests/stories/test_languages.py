@@ -1,4 +1,4 @@
-"""Nothing that is shown stays English: every result in a language whose letters are not Latin, and the words left over."""
+"""Nothing that is shown stays English: every result in letters that are not Latin, and the words left over."""
 
 import re
 from collections.abc import Iterable
