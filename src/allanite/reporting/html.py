@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from allanite.core.language import say, say_count
+from allanite.core.language import join, say, say_count
 from allanite.terms import TERMS
 
 from .language import spoken, tr
@@ -55,12 +55,17 @@ def _environment() -> Environment:
     )
     env.filters["clean"] = lambda text: printable(tr(text))
     env.filters["heading"] = lambda text: printed_heading(tr(text))
-    env.filters["made"] = lambda key: MADE.get(key, key)
+    env.filters["made"] = _made
     env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.globals.update(say=say, say_count=say_count)
     env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, color_of=_color_of)
     return env
+
+
+def _made(key: str) -> str:
+    name, _, number = key.rpartition(" ")
+    return join(" ", (_made(name), number)) if number.isdigit() else MADE.get(key, key)
 
 
 def _kind_of(part: Part) -> str:
