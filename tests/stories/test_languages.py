@@ -42,8 +42,8 @@ class Pseudo:
 DATA = [
     r"(?<![\w-])--[a-z][\w-]*(=\S+)?",  # options
     r"\ballanite \w+ .*?(?=[;:)]|\s\s|$)",  # commands
-    r"\ballanite\b|\bsha256\b|\b[0-9a-f]{16,}\b|\.dev\w+",  # the program, digests
-    r"\S*/\S+\.\w+|\b[\w-]+\.(csv|toml|json|html|npz|py)\b",  # files
+    r"\ballanite\b|\bsha256\b|\b[0-9a-f]{12,}\b|\.dev\w+",  # the program, digests
+    r"(?<!\w)/\S+|\b[\w-]+\.(csv|toml|json|html|npz|py)\b",  # files
     r"\b(al|prepare|planning)\.\w+(\.\w+)*(\([^)]*\))?",  # calls
     r"\b(ISO|IEEE|IEC|NIST|RFC|PDF|CSV|JSON|TOML|DCT-II|Std|SP) ?[\d-]*",  # standards and formats
     r"'time \[s\]'",  # a column
@@ -52,7 +52,7 @@ DATA = [
 
 UNITS = "deg rad arcsec sqrt Hz kHz min ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
 SYMBOLS = "GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
-NAMES = "gx gy gz ux temp enc ref h_polar q_polar fog mems hann python"
+NAMES = "gx gy gz ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
 CODES = {"ru", "zh", "en"}
 
 
