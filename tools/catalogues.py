@@ -48,6 +48,9 @@ def renewed(lang: str, found: Catalog) -> Catalog:
     """The same with the templates that were found; of one that has changed, the old translation is kept as fuzzy."""
     catalogue = stored(lang)
     catalogue.update(found, update_creation_date=False)
+    for message in catalogue:
+        if message.id and not all(strings(message)):  # made fuzzy after one that is empty, too
+            message.flags.discard("fuzzy")
     return catalogue
 
 
@@ -57,8 +60,7 @@ def text_of(catalogue: Catalog) -> str:
     for message in catalogue:
         _flag(message)
     out = io.BytesIO()
-    write_po(out, catalogue, width=120, sort_by_file=True, include_lineno=False, ignore_obsolete=True,
-             include_previous=True)  # fmt: skip
+    write_po(out, catalogue, width=120, sort_by_file=True, include_lineno=False, ignore_obsolete=True)
     return HEADER.sub("", out.getvalue().decode())
 
 
