@@ -16,7 +16,7 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test lint docs setup clean
+.PHONY: help demo test lint docs catalogues setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
@@ -24,6 +24,7 @@ help:
 	@echo "make test              lint, types, layers and all tests"
 	@echo "make lint              lint, types and layers only"
 	@echo "make docs              build the documentation site into build/site"
+	@echo "make catalogues        bring the translations of the reports up to date with the source"
 	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
 	@echo "PYTHON=python3.12      behind any of these: another Python than python3 (for a new .venv)"
@@ -44,6 +45,9 @@ lint: .venv/test
 docs: .venv/test
 	@$(THREADS) $(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
 	@echo "the documentation is in build/site/index.html"
+
+catalogues: .venv/test
+	@$(BIN)/python tools/catalogues.py
 
 setup: .venv/test
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options("file", *RECORDING, "report", "json", "force", "quiet")
+@options("file", *RECORDING, "report", "json", "lang", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality."""
     out = outputs(choices, [file])

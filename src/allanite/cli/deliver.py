@@ -14,8 +14,11 @@ import click
 
 from allanite.core.errors import LongJobWarning, UsageError
 from allanite.core.files import demand_writable, write
+from allanite.reporting.fonts import FontWarning
+from allanite.reporting.language import ENGLISH, catalogue, speaking
 
 from .front import DATA, LINE
+from .options import FLAGS
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -41,6 +44,7 @@ class Outputs:
     force: bool = False
     quiet: bool = False
     strict: bool = False
+    lang: str = ENGLISH
 
     @property
     def piped(self) -> bool:
@@ -63,11 +67,12 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     Raises
     ------
     UsageError
-        A file exists or cannot be written, or two outputs have the same destination.
+        A file exists or cannot be written, or two outputs have the same destination; the language is unknown.
     """
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    found = Outputs(paths, *(choices.pop(name, False) for name in ("force", "quiet", "strict")))
+    found = Outputs(paths, **{name: choices.pop(name) for name in FLAGS if name in choices})
+    catalogue(found.lang)  # an unknown language is refused now
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one result can be written to standard output; give a file for the other one")
     taken = {os.path.realpath(path): "the input" for path in inputs if path is not None}
@@ -143,10 +148,17 @@ def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None
     from allanite.reporting.progress import bar
 
     shown = sys.stderr.isatty() and not (out is not None and out.quiet)
-    with warnings.catch_warnings(), bar(shown=shown) as tell:
-        warnings.simplefilter("always", LongJobWarning)
-        warnings.showwarning = lambda message, *_, **__: click.echo(f"allanite: {message}", err=True)
+    with _warnings(LongJobWarning), bar(shown=shown) as tell:
         yield tell
+
+
+@contextmanager
+def _warnings(kind: type[Warning]) -> Iterator[None]:
+    """Warnings of this kind are printed as sentences on stderr."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", kind)
+        warnings.showwarning = lambda message, *_, **__: click.echo(f"allanite: {message}", err=True)
+        yield
 
 
 @dataclass(frozen=True)
@@ -161,20 +173,21 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     """Print a result, unless --quiet is given or standard output is taken, and write the requested files."""
     extra = extra or Extra()
     if not (out.quiet or out.piped):
-        print_result(value)
+        print_result(value, out.lang)
     for name, path in out.paths.items():
         if name in extra.recordings:
             from allanite.readers import write as write_recording
 
             write_recording(extra.recordings[name](value), path, force=out.force)
         else:
-            data = extra.data[name](value) if name in extra.data else encoded(value, name, path)
+            with _warnings(FontWarning):
+                data = extra.data[name](value) if name in extra.data else encoded(value, name, path, out.lang)
             put(path, data, force=out.force)
         if path != STDOUT and not out.quiet:
             click.echo(f"{name}: {path}", err=out.piped)
 
 
-def encoded(value: Any, name: str, path: str) -> str | bytes:
+def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
     """A result in the form that option `name` writes."""
     from allanite import reporting
     from allanite.reporting.json import to_json
@@ -186,10 +199,11 @@ def encoded(value: Any, name: str, path: str) -> str | bytes:
     if name == "plot":
         from allanite.reporting.style import encode
 
-        return encode(reporting.plot(value), Path(path).suffix.lower().lstrip("."))
+        with speaking(lang):
+            return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
     context = click.get_current_context(silent=True)
     form = reporting.document if path.lower().endswith(".pdf") else reporting.page
-    return form(value, command="" if context is None else context.meta.get(LINE, ""))
+    return form(value, command="" if context is None else context.meta.get(LINE, ""), lang=lang)
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:
@@ -201,13 +215,13 @@ def put(path: str, data: str | bytes, *, force: bool) -> None:
         write(path, raw, force=force)
 
 
-def print_result(value: Any) -> None:
+def print_result(value: Any, lang: str) -> None:
     """Print a result at the width of the terminal."""
     from allanite.reporting import table
 
     terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ)
+    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ, lang=lang)
     # characters that the terminal cannot encode are escaped, not an error
     encoding = sys.stdout.encoding or "utf-8"
     click.echo(text.encode(encoding, "backslashreplace").decode(encoding), nl=False)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UsageError
+from allanite.reporting.language import ENGLISH, LANGUAGES
 
 Decorator = Callable[[Any], Any]
 
@@ -141,7 +142,7 @@ def _path(name: str, help: str) -> Decorator:  # noqa: A002 - the word of click
 OUTPUTS = ("report", "plot", "csv", "json")
 """Names of the options that write a result."""
 
-FLAGS = ("force", "quiet", "strict")
+FLAGS = ("lang", "force", "quiet", "strict")
 """Options about writing and the exit code, which a recipe does not hold."""
 
 OPTIONS: dict[str, Decorator] = {
@@ -211,6 +212,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
         help="Exit with code 3 if a channel has no result, or no model explains its noise."),
+    "lang": click.option("--lang", metavar="LANG", default=ENGLISH,
+        help=f"Language of the summary, report and figure: {', '.join(LANGUAGES)}.  [default: {ENGLISH}]"),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
     "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
     # options of the same name whose meaning differs between verbs
@@ -268,7 +271,7 @@ SELECTING = ("from", "until", "quiet-window", "outliers")
 IDENTIFYING = ("terms", "method", "band", "level", "strict")
 """Options of every verb that identifies noise."""
 
-RESULTS = (*OUTPUTS, "force", "quiet")
+RESULTS = (*OUTPUTS, "lang", "force", "quiet")
 """Options of every verb that has a result."""
 
 RECORDING = (*READING, *SELECTING, "recipe")

@@ -40,6 +40,7 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     "simulated dither",
     click.option("--gaps", metavar="SHARE LENGTH", help="Missing stretches, e.g. '1% 5 s'."),
     "json",
+    "lang",
     "force",
     "quiet",
 )

@@ -39,7 +39,9 @@ class Phrase(str):
     def within(self, catalogue: Catalogue) -> str:
         """The phrase in the language of a catalogue; what that does not hold stays English."""
         one, many = self.templates[0], self.templates[-1]
-        found = catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, self.fields["count"])
+        if not one:  # of nothing, a catalogue tells its own header
+            return one
+        found = catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
         fields = {name: translate(value, catalogue) for name, value in self.fields.items()}
         return found.format_map(fields) if fields else found
 

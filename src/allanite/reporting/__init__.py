@@ -25,6 +25,7 @@ def plot(
     path: PathLike | None = None,
     level: float | None = None,
     force: bool = False,
+    lang: str = "en",
 ) -> "Figure":
     """Draw a result for print.
 
@@ -40,6 +41,8 @@ def plot(
         Of the confidence band; that of the result's recipe by default, or 0.95.
     force : bool
         Overwrite an existing file.
+    lang : str
+        Language of the words: "en", "ru" or "zh".
 
     Returns
     -------
@@ -48,10 +51,18 @@ def plot(
     Raises
     ------
     UsageError
-        There is nothing to draw; the file exists, its suffix is unknown, or its folder cannot be written.
+        There is nothing to draw; the file exists, its suffix is unknown, or its folder cannot be written; the language
+        is unknown.
+
+    Warns
+    -----
+    FontWarning
+        This machine has no font with the letters of the language; the figure is in English then.
     """
     from allanite.core.errors import UsageError
 
+    from .fonts import drawn_in
+    from .language import speaking
     from .style import demand_figure_path, save
 
     if path is not None:
@@ -62,13 +73,14 @@ def plot(
     draw = view_of(values[0]).plot
     if draw is None:
         raise UsageError(f"a {type(values[0]).__name__} has no figure; al.report writes its page")
-    figure = draw(values, fit, level_of(values[0], level))
-    if path is not None:
-        save(figure, path, force=force)
+    with speaking(lang), speaking(drawn_in(lang)):
+        figure = draw(values, fit, level_of(values[0], level))
+        if path is not None:
+            save(figure, path, force=force)
     return figure
 
 
-def report(value: Any, path: PathLike, *, level: float | None = None, force: bool = False) -> None:
+def report(value: Any, path: PathLike, *, level: float | None = None, force: bool = False, lang: str = "en") -> None:
     """Write a result as one self-contained file: numbers, figures, how they came about.
 
     Parameters
@@ -80,47 +92,58 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
         Of intervals; that of the result's recipe by default, or 0.95.
     force : bool
         Overwrite an existing file.
+    lang : str
+        Language of the page: "en", "ru" or "zh". Names, units, numbers and the stored data are the same in all.
 
     Raises
     ------
     UsageError
-        The file exists, or its folder cannot be written.
+        The file exists, or its folder cannot be written; the language is unknown.
     """
     from allanite.core.files import demand_writable, write
 
     demand_writable(path, force=force)
     form = document if os.fspath(path).lower().endswith(".pdf") else page
-    made = form(value, level=level)
+    made = form(value, level=level, lang=lang)
     write(path, made.encode() if isinstance(made, str) else made, force=force)
 
 
-def document(value: Any, *, level: float | None = None, command: str = "") -> bytes:
+def document(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> bytes:
     """The PDF that `report` writes to a file that ends in .pdf; `command` is the command line that made it."""
     from dataclasses import replace
 
+    from .fonts import drawn_in
+    from .language import speaking
     from .pdf import render
 
-    return render(replace(view_of(value).face(value, level_of(value, level)), command=command))
+    with speaking(lang), speaking(drawn_in(lang)):
+        return render(replace(view_of(value).face(value, level_of(value, level)), command=command))
 
 
-def page(value: Any, *, level: float | None = None, command: str = "") -> str:
+def page(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> str:
     """The page that `report` writes, as text; `command` is the command line that made it."""
     import gzip
     from dataclasses import replace
 
+    from .fonts import warn_of_page
     from .html import render
     from .json import to_json
+    from .language import speaking
 
     face = view_of(value).face(value, level_of(value, level))
     data = gzip.compress(to_json(value).encode(), mtime=0)
-    return render(replace(face, command=command, data=data if len(data) < MOST_DATA else b""))
+    with speaking(lang):
+        warn_of_page(lang)
+        return render(replace(face, command=command, data=data if len(data) < MOST_DATA else b""))
 
 
-def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False) -> str:
+def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False, lang: str = "en") -> str:
     """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+    from .language import speaking
     from .text import render
 
-    return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
+    with speaking(lang):
+        return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
 
 
 def html_of(value: Any) -> str:

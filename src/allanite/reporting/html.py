@@ -9,13 +9,20 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from allanite.core.language import join, say, say_count
 from allanite.terms import TERMS
 
+from .language import spoken, tr
 from .picture import drawer, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+MADE = {
+    "source": say("source"), "applied to": say("applied to"), "sha256 applied to": say("sha256 applied to"),
+}  # fmt: skip
+"""What keys of the provenance are called; the others are names."""
 
 _NOTEBOOK = count()
 """Numbers of the figures of a notebook, whose cells are one page."""
@@ -26,12 +33,13 @@ def render(face: Face) -> str:
     from .style import DARK
 
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-    return _environment().get_template("page.html.j2").render(face=face, draw=drawer(), grounds=grounds)
+    made = {"face": face, "draw": drawer(), "grounds": grounds, "lang": spoken()}
+    return _environment().get_template("page.html.j2").render(made)
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:
     """The sheets alone, for a notebook, and one figure above them."""
-    drawn = None if figure is None else svg(figure, f"n{next(_NOTEBOOK)}", face.title)
+    drawn = None if figure is None else svg(figure, f"n{next(_NOTEBOOK)}", tr(face.title))
     return _environment().get_template("fragment.html.j2").render(face=face, figure=drawn, draw=None)
 
 
@@ -43,12 +51,21 @@ def _environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=tr,  # whatever a template shows is translated, here or by a filter
     )
-    env.filters["clean"], env.filters["heading"] = printable, printed_heading
+    env.filters["clean"] = lambda text: printable(tr(text))
+    env.filters["heading"] = lambda text: printed_heading(tr(text))
+    env.filters["made"] = _made
     env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
+    env.globals.update(say=say, say_count=say_count)
     env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, color_of=_color_of)
     return env
+
+
+def _made(key: str) -> str:
+    name, _, number = key.rpartition(" ")
+    return join(" ", (_made(name), number)) if number.isdigit() else MADE.get(key, key)
 
 
 def _kind_of(part: Part) -> str:
@@ -70,7 +87,7 @@ def _cell(column: Column, text: str) -> Markup | str:
         from latex2mathml.converter import convert
 
         return Markup(convert(text))  # noqa: S704 - our own tables' formulas
-    return printed(text, column.kind)
+    return printed(tr(text), column.kind)
 
 
 def _css(column: Column, text: str, mark: str) -> str:

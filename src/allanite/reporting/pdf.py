@@ -5,6 +5,9 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from allanite.core.language import say
+
+from .language import tr
 from .sheet import Drawing, Face, Fold, Part, printable
 
 if TYPE_CHECKING:
@@ -27,7 +30,7 @@ def render(face: Face) -> bytes:
     from .style import FORMATS, look
 
     out, lines = io.BytesIO(), list(_lines(face))
-    with look(), PdfPages(out, metadata={**FORMATS["pdf"], "Title": printable(face.title)}) as pages:
+    with look(), PdfPages(out, metadata={**FORMATS["pdf"], "Title": printable(tr(face.title))}) as pages:
         for start in range(0, len(lines), LINES):
             pages.savefig(_page(face, lines[start : start + LINES], f"{start // LINES + 1}"))
         for name, drawing in _drawings(face):
@@ -38,11 +41,11 @@ def render(face: Face) -> bytes:
 def _lines(face: Face) -> Iterator[str]:
     from .text import render as text
 
-    yield from filter(None, (" · ".join(face.facts), *(f"{key}: {value}" for key, value in face.device.items())))
+    yield from filter(None, (" · ".join(map(tr, face.facts)), *(f"{tr(key)}: {value}" for key, value in face.device.items())))
     yield from ("", *text(face, width=COLUMNS).splitlines())
-    for title, body in (("Command line", face.command), ("Recipe", face.choices)):
+    for title, body in ((say("Command line"), face.command), (say("Recipe"), face.choices)):
         if body:
-            yield from ("", title, "", *(f"  {line}" for line in _wrapped(body)))
+            yield from ("", tr(title), "", *(f"  {line}" for line in _wrapped(body)))
 
 
 def _wrapped(body: str) -> Iterator[str]:
@@ -54,7 +57,7 @@ def _page(face: Face, lines: Iterable[str], number: str) -> "Figure":
     from .style import new_figure
 
     page = new_figure(*PAPER)
-    page.text(_MARGIN, 0.965, printable(face.title), size=12, weight="bold", va="top", parse_math=False)
+    page.text(_MARGIN, 0.965, printable(tr(face.title)), size=12, weight="bold", va="top", parse_math=False)
     page.text(1 - _MARGIN, 0.965, number, size=8, ha="right", va="top")
     step = 0.91 / LINES
     for i, line in enumerate(lines):
@@ -81,8 +84,8 @@ def _figure(drawing: Drawing, name: str) -> "Figure":
     """The figure with its title above and its caption below, outside of its own frame."""
     figure = drawing.draw()
     width = int(14 * figure.get_figwidth())
-    above = ": ".join(filter(None, (printable(name), drawing.title)))
-    below = "\n".join(textwrap.wrap(drawing.caption or drawing.label, width))
+    above = ": ".join(filter(None, (printable(name), tr(drawing.title))))
+    below = "\n".join(textwrap.wrap(tr(drawing.caption or drawing.label), width))
     # the layout keeps within the frame: what stands beyond it is taken in when the page is cut
     for text, place, edge in ((above, 1.02, "bottom"), (below, -0.02, "top")):
         figure.text(0.0, place, text, size=9, va=edge, parse_math=False, in_layout=True)

@@ -1,12 +1,14 @@
 """Figures for the middle of a page: small, with names of their own, in colors that follow the ground of the page."""
 
 import re
+import warnings
 from collections.abc import Callable
 from itertools import count
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
+from .language import tr
 from .sheet import Drawing, printable
 
 if TYPE_CHECKING:
@@ -25,15 +27,19 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
     """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
     from .style import encode
 
-    text = encode(figure, "svg", text=True).decode()
+    with warnings.catch_warnings():
+        # the browser has the letters that are missing here
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        text = encode(figure, "svg", text=True).decode()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.DOTALL)
-    text = text.replace("xlink:href", "href").replace("'DejaVu Sans'", FONT)
+    text = text.replace("xlink:href", "href")
+    text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", FONT, text)  # of further fonts the reader's browser knows better
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = _without_groups(_rounded(text))
-    label = str(Markup.escape(printable(label)))
+    label = str(Markup.escape(printable(tr(label))))
     start = f'<svg role="img" aria-label="{label}" stroke-linejoin="round" '
     # matplotlib escapes the text in a figure
     return Markup(text.replace("<svg ", start, 1))  # noqa: S704

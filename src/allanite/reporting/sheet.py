@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from allanite.core.language import join, say
+
 from .digits import SUPERSCRIPT
 
 if TYPE_CHECKING:
@@ -204,10 +206,10 @@ def _kind(heading: str, left: bool) -> Kind:
 
 def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:
     """The first lines of a result: its file, what was assumed, its digest, what made it."""
-    lines = [("file", provenance.get("source") or "(data in memory)")]
-    lines += [("" if i else "assumed", note) for i, note in enumerate(notes)]
+    lines: list[tuple[str, str]] = [(say("file"), provenance.get("source") or say("(data in memory)"))]
+    lines += [("" if i else say("assumed"), note) for i, note in enumerate(notes)]
     lines += [("sha256", provenance["sha256"])] if provenance.get("sha256") else []
-    return [*lines, ("made by", f"allanite {provenance.get('allanite', '')}{method}")]
+    return [*lines, (say("made by"), join("", [f"allanite {provenance.get('allanite', '')}", method]))]
 
 
 def toml(choices: dict[str, Any]) -> str:

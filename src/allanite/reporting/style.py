@@ -5,6 +5,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,12 +14,15 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from allanite.core.errors import UsageError
 from allanite.core.files import demand_writable, write
 from allanite.terms import TERMS
 
+from . import fonts
+from .language import ENGLISH, spoken, tr
 from .sheet import printable
 
 PathLike = str | os.PathLike[str]
@@ -42,7 +46,6 @@ DARK: dict[str, str] = {
 """Colors of figures on a page: on a light ground and on a dark one."""
 
 _LOOK: dict[str, Any] = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib
     "font.size": 9.0,
     "text.color": INK,
     "axes.labelsize": 9.0,
@@ -75,13 +78,36 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
+_MADE: ContextVar[list[Figure] | None] = ContextVar("_MADE", default=None)
+"""Figures that were made within the innermost `look`."""
+
+
 @contextmanager
 def look() -> Iterator[None]:
-    """These settings and no matplotlibrc; the settings from before are restored afterwards."""
-    with mpl.rc_context():
+    """These settings and no matplotlibrc; the settings from before are restored afterwards.
+
+    Figures are drawn with phrases. Those made within this context are then in the language that is spoken.
+    """
+    lang = spoken()
+    with mpl.rc_context(), fonts.quiet(lang):
         mpl.rcdefaults()
-        mpl.rcParams.update(cast(Any, _LOOK))
-        yield
+        mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
+        if lang in fonts.FURTHER:
+            mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
+        made: list[Figure] = []
+        token = _MADE.set(made)
+        try:
+            yield
+        finally:
+            _MADE.reset(token)
+        for figure in made if lang != ENGLISH else ():
+            _translate(figure)
+
+
+def _translate(figure: Figure) -> None:
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)  # noqa: S101 - as asked for
+        text.set_text(tr(text.get_text()))
 
 
 class NotebookFigure(Figure):
@@ -95,6 +121,9 @@ def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
+    made = _MADE.get()
+    if made is not None:
+        made.append(figure)
     return figure
 
 
@@ -108,7 +137,7 @@ def grid(axes: Axes, *, fine: bool = True) -> None:
 
 def title(axes: Axes, name: str) -> None:
     """Whose panel it is; a name is the user's, and no formula."""
-    axes.set_title(printable(name), loc="left", fontweight="bold", parse_math=False)
+    axes.set_title(printable(tr(name)), loc="left", fontweight="bold", parse_math=False)
 
 
 def plain_ticks(*axes: Axis, most: float = 60.0) -> None:

@@ -1,16 +1,20 @@
 """Sheets as text for the terminal: units and numbers in ASCII, so that they can be copied into a command."""
 
 import io
-import textwrap
 from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import numpy as np
+from rich.cells import cell_len
 from rich.console import Console, RenderableType
 from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
+from allanite.core.language import say
+
+from .cells import pad, wrapped
+from .language import tr
 from .sheet import Code, Column, Face, Note, Part, Sheet, Table, printable
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
@@ -37,8 +41,10 @@ def render(face: Face, *, width: int = 120, color: bool = False) -> str:
 
 
 def _lines(face: Face, width: int) -> Iterator[RenderableType]:
-    for label, text in face.header:
-        yield from prose(text, width, first=f"{label:<{LABEL}}", indent=LABEL)
+    labels = [tr(label) for label, _ in face.header]
+    wide = max([LABEL, *(cell_len(label) + 1 for label in labels)])
+    for label, (_, text) in zip(labels, face.header, strict=True):
+        yield from prose(text, width, first=pad(label, wide), indent=wide)
     yield from _parts(face.parts, width)
     for sheet in face.sheets:
         yield Text()
@@ -50,8 +56,8 @@ def _lines(face: Face, width: int) -> Iterator[RenderableType]:
 
 def _sheet(sheet: Sheet, width: int) -> Iterator[RenderableType]:
     first, *rest = sheet.about or ("",)
-    name = Text(printable(sheet.name) or "channel", style="bold")
-    yield name + Text(f"  {printable(first)}" if first else "", style="not bold dim")
+    name = Text(_plain(sheet.name or say("channel")), style="bold")
+    yield name + Text(f"  {_plain(first)}" if first else "", style="not bold dim")
     for line in rest:
         yield from prose(line, width, first="  ", indent=2, style="dim")
     yield from _parts(sheet.parts, width)
@@ -70,20 +76,17 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
             yield from _table(part, width)
         elif isinstance(part, Code):
             yield from (
-                Text(f"  {printable(line)}") for line in ("", *filter(None, (part.title,)), *part.text.splitlines())
+                Text(f"  {_plain(line)}") for line in ("", *filter(None, (part.title,)), *part.text.splitlines())
             )
+
+
+def _plain(text: str) -> str:
+    return printable(tr(text))
 
 
 def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
     """Wrapped text; lines after the first begin with `indent` blanks."""
-    lines = textwrap.wrap(
-        printable(text),
-        max(width, 40),
-        initial_indent=first,
-        subsequent_indent=" " * indent,
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
+    lines = wrapped(_plain(text), max(width, 40), first, " " * indent)
     for line in lines:
         yield Text(line, style=style)
 
@@ -91,28 +94,33 @@ def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str
 def _table(table: Table, width: int) -> Iterator[RenderableType]:
     if table.title:
         yield Text()
-        yield Text(f"  {table.title}", style="dim")
+        yield Text(f"  {tr(table.title)}", style="dim")
     kept = spread(len(table.rows), table.most)
     for which in _blocks(table, width):
         yield Padding(_grid(table, which, kept), (0, 0, 0, 2))
     if len(kept) < len(table.rows):
-        yield Text(f"  {len(kept)} of {len(table.rows)} rows; --csv writes all", style="dim")
+        left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
+        yield Text(f"  {tr(left)}", style="dim")
 
 
 def _blocks(table: Table, width: int) -> list[list[int]]:
     """Columns that stand side by side: all, or the main ones and below them those aside."""
     every = list(range(len(table.columns)))
     aside = [i for i in every if table.columns[i].aside]
-    widths = [max(len(c.heading), *(len(r[i]) for r in table.rows), 0) for i, c in enumerate(table.columns)]
+    widths = [max(_width(c.heading), *(_width(r[i]) for r in table.rows), 0) for i, c in enumerate(table.columns)]
     if not aside or 2 * len(every) + sum(widths) <= width:
         return [every]
     return [[i for i in every if i not in aside], [0, *aside]]
 
 
+def _width(text: str) -> int:
+    return cell_len(tr(text))
+
+
 def _grid(table: Table, which: list[int], kept: list[int]) -> Grid:
     grid = Grid(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
     for column in (table.columns[i] for i in which):
-        grid.add_column(Text(column.heading), justify=_justify(column), no_wrap=True)
+        grid.add_column(Text(tr(column.heading)), justify=_justify(column), no_wrap=True)
     for i in kept:
         cells = [_cell(table.columns[j], table.rows[i][j], table.mark(i)) for j in which]
         grid.add_row(*cells, style=STYLES[table.mark(i)])
@@ -120,9 +128,10 @@ def _grid(table: Table, which: list[int], kept: list[int]) -> Grid:
 
 
 def _cell(column: Column, cell: str, mark: str) -> Text:
+    shown = _plain(cell)
     if mark == "struck" and column.kind == "number" and cell:
-        cell = f"({cell})"
-    return Text(printable(cell), style=STATUSES.get(cell, "") if column.kind == "status" else "")
+        shown = f"({shown})"
+    return Text(shown, style=STATUSES.get(cell, "") if column.kind == "status" else "")
 
 
 def _justify(column: Column) -> Literal["left", "right"]:

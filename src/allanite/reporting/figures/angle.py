@@ -11,9 +11,9 @@ from allanite.angle import Harmonics, Scan, Solution
 from allanite.angle.calibration import Result, parts_of
 from allanite.angle.harmonics import waves
 from allanite.angle.solution import quantile
+from allanite.core.language import say
 from allanite.core.units import unit_of
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
 from allanite.reporting.words import percent
 
 ARCSEC = unit_of("arcsec").factor
@@ -48,13 +48,18 @@ def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
     half = quantile(level, harmonics.freedom) * spread
     style.grid(ax)
     ax.fill_between(
-        np.degrees(angle), error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=f"{percent(level)} band"
+        np.degrees(angle),
+        error - half,
+        error + half,
+        color=style.DATA,
+        alpha=0.2,
+        lw=0,
+        label=say("{share} band", share=percent(level)),
     )
-    ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label="error")
+    ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
     ax.axhline(0, color=style.INK, lw=0.8)
-    name = printable(harmonics.name) or "angle"
-    ax.set_title(name, loc="left", fontweight="bold", parse_math=False)
-    ax.set(xlabel="angle (deg), one period", ylabel="error (arcsec)", xlim=(0, math.degrees(period)))
+    style.title(ax, harmonics.name or say("angle"))
+    ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
     ax.legend(loc="best")
 
 
@@ -69,9 +74,9 @@ def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Fig
         for ax, harmonics in zip(axes, found, strict=True):
             count = 2 * len(harmonics.orders)
             _draw_history(ax, solution, range(first, first + count), half)
-            style.title(ax, harmonics.name or "angle")
+            style.title(ax, harmonics.name or say("angle"))
             first += count
-        axes[-1].set_xlabel("samples" if _numbered(solution) else "time (min)")
+        axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
     return figure
 
 
@@ -110,14 +115,14 @@ def plot_innovations(solution: Solution) -> Figure:
         style.grid(one)
         one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
         one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
-        one.set(xlabel="sample", ylabel="innovation (standard deviations)", xlim=(1, left.size))
+        one.set(xlabel=say("sample"), ylabel=say("innovation (standard deviations)"), xlim=(1, left.size))
         style.grid(two)
         limit = 2.58 / math.sqrt(left.size)
         two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
         two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
         two.axhline(0, color=style.INK, lw=0.8)
         reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
-        two.set(xlabel="lag (samples)", ylabel="autocorrelation", ylim=(-reach, reach))
+        two.set(xlabel=say("lag (samples)"), ylabel=say("autocorrelation"), ylim=(-reach, reach))
         two.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 
@@ -129,8 +134,8 @@ def plot_scan(scan: Scan) -> Figure:
         figure = style.new_figure(7.2, 4.6)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1])
         for ax, values, label in (
-            (upper, scan.totals, "sum of expected\nstandard deviations"),
-            (lower, scan.conditions, "condition"),
+            (upper, scan.totals, say("sum of expected\nstandard deviations")),
+            (lower, scan.conditions, say("condition")),
         ):
             style.grid(ax)
             ax.plot(hours, values, "o-", ms=2.8 if hours.size > 30 else 4, lw=1.1, color=style.DATA)
@@ -140,11 +145,11 @@ def plot_scan(scan: Scan) -> Figure:
                 style.plain_ticks(ax.yaxis)
                 ax.yaxis.set_minor_formatter(_some)
             ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
-        low, high = (math.degrees(v) for v in scan.best.h)
-        best = f"best: h from {low:.1f} to {high:.1f} deg, sum {scan.best.total:.3g}".replace("-", "−")
+        low, high = (f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.best.h)
+        best = say("best: h from {low} to {high} deg, sum {total:.3g}", low=low, high=high, total=scan.best.total)
         upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
         upper.legend(loc="best")
-        lower.set_xlabel("start of the interval (h after h = 0)")
+        lower.set_xlabel(say("start of the interval (h after h = 0)"))
         _degrees_above(upper, scan)
     return figure
 
@@ -159,4 +164,4 @@ def _degrees_above(ax: Axes, scan: Scan) -> None:
     ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
     top = ax.secondary_xaxis("top")
     top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
-    top.set_xlabel("smallest h of the interval (deg)")
+    top.set_xlabel(say("smallest h of the interval (deg)"))

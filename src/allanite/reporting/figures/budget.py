@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from allanite.core.language import say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
 from allanite.signals import Budget
@@ -29,12 +30,22 @@ def _draw(ax: Axes, budget: Budget) -> None:
     for s, color, marker in zip(shown, style.SERIES * 9, style.MARKERS * 9, strict=False):
         at = s.to(s.coefficient) or 0.0
         ax.plot(bits, [at * 2.0 ** (s.stage.bits - b) for b in bits], color=color, lw=1.1)
-        ax.plot([s.stage.bits], [at], marker, color=color, ms=7, label=f"{printable(s.stage.name)}, as it is")
+        ax.plot(
+            [s.stage.bits],
+            [at],
+            marker,
+            color=color,
+            ms=7,
+            label=say("{stage}, as it is", stage=printable(s.stage.name)),
+        )
     known = first.to(first.measured if first.measured is not None else first.limit)
     if known is not None:
-        ax.axhline(known, color=style.INK, lw=1.2, label="measured" if first.measured is not None else "upper limit")
-        ax.axhline(known / 10, color=style.INK, lw=0.9, ls=(0, (5, 3)), label="a tenth of it: 1 % of the variance")
-    ax.set(yscale="log", xlabel="bits", ylabel=f"{first.symbol} by rounding ({printed_unit(first.sheet_unit)})")
+        label = say("measured") if first.measured is not None else say("upper limit")
+        ax.axhline(known, color=style.INK, lw=1.2, label=label)
+        tenth = say("a tenth of it: 1 % of the variance")
+        ax.axhline(known / 10, color=style.INK, lw=0.9, ls=(0, (5, 3)), label=tenth)
+    size = say("{symbol} by rounding ({unit})", symbol=first.symbol, unit=printed_unit(first.sheet_unit))
+    ax.set(yscale="log", xlabel=say("bits"), ylabel=size)
     style.plain_ticks(ax.yaxis)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     style.title(ax, budget.record.name)

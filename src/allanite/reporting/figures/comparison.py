@@ -12,12 +12,13 @@ from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.units import readable_unit
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS
 
-from .drawing import draw_legend
+from .drawing import TIME, draw_legend, with_unit
 from .labels import FloatArray
 
 BoolArray = NDArray[np.bool_]
@@ -50,9 +51,9 @@ def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure
         )
         for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
             draw((above, below))
-            below.set_xlabel("averaging time τ (s)")
+            below.set_xlabel(TIME)
             if not alone:
-                above.set_xlabel("averaging time τ (s)")
+                above.set_xlabel(TIME)
         draw_legend(figure, marks=False)
     return figure
 
@@ -68,11 +69,12 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     above, below = axes
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
-    for i, curve, name in zip(COLORS, (ratios.before, ratios.after), names, strict=True):
+    for i, curve, name in zip(COLORS, (ratios.before, ratios.after), map(printable, names), strict=True):
         _curve(above, curve, (i, name), level)
     _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
     _ratio(below, ratios, level, ratios.p <= pair.alpha)
-    below.set_ylabel(f"variance of {printable(names[1])}\nover {printable(names[0])}", parse_math=False)
+    before, after = map(printable, names)
+    below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
 
 def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
@@ -88,7 +90,7 @@ def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> Non
         alpha=0.16,
         lw=0,
         zorder=2,
-        label=f"{words.percent(level)} confidence" if i == 0 else None,
+        label=say("{share} confidence", share=words.percent(level)) if i == 0 else None,
     )
     ax.plot(
         shown.tau,
@@ -99,7 +101,7 @@ def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> Non
         ms=3.4,
         mew=0,
         zorder=3,
-        label=printable(name),
+        label=name,
     )
 
 
@@ -111,14 +113,14 @@ def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
     style.title(ax, name)
-    ax.set_ylabel(f"{STATISTICS[curve.statistic].title} ({printed_unit(unit)})")
+    ax.set_ylabel(with_unit(STATISTICS[curve.statistic].title, unit))
 
 
 def _ratio(ax: Axes, ratios: Ratios, level: float, apart: BoolArray) -> None:
     low, high = ratios.interval(level)
     ratio = ratios.ratio
     ax.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-    for there, color, label in ((~apart, style.OTHER, "no change"), (apart, style.ALARM, "changed")):
+    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
         if there.any():
             error = np.abs(np.array([low[there], high[there]]) - ratio[there])
             ax.errorbar(
@@ -142,9 +144,9 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked
     unit = readable_unit(whole.unit)
-    _curve(above, whole, (0, "all runs"), level)
+    _curve(above, whole, (0, say("all runs")), level)
     for name, curve in zip(names, channel.curves, strict=True):
-        color, label = (style.ALARM, "apart") if name in channel.apart else (style.OTHER, "one run")
+        color, label = (style.ALARM, say("apart")) if name in channel.apart else (style.OTHER, say("one run"))
         above.plot(curve.tau, curve.to(unit).deviation, color=color, lw=0.8, zorder=2.5, label=label)
         below.plot(curve.tau, curve.variance / whole.variance, color=color, lw=0.8, zorder=3)
     _frame(above, whole, channel.name, channel.curves)
@@ -152,8 +154,8 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     size = channel.curves[0].variance
     below.fill_between(
         whole.tau, size / high**2, size / low**2, color=style.DATA, alpha=0.16, lw=0, zorder=2,
-        label=f"where {words.percent(level)} of equal runs lie",
+        label=say("where {share} of equal runs lie", share=words.percent(level)),
     )  # fmt: skip
     below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
     _ratio_frame(below, np.concatenate([curve.variance / whole.variance for curve in channel.curves]))
-    below.set_ylabel("variance of a run\nover that of all")
+    below.set_ylabel(say("variance of a run\nover that of all"))

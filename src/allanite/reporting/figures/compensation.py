@@ -8,11 +8,12 @@ from matplotlib.figure import Figure
 
 from allanite.compensation.compensated import Compensated
 from allanite.core.curve import Curve
+from allanite.core.language import say
 from allanite.core.units import unit_of
 from allanite.reporting import style
-from allanite.reporting.sheet import printed_unit
 from allanite.reporting.words import percent
 
+from .drawing import with_unit
 from .labels import FloatArray
 
 BEFORE, AFTER, TAKEN = style.OTHER, style.SERIES[0], style.SERIES[1]
@@ -29,19 +30,19 @@ def plot_compensated(channels: Sequence[Compensated], level: float) -> Figure:
         for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
             _draw_curves(top, channel, level)
             _draw_rates(bottom, channel)
-            style.title(top, channel.record.name or "channel")
+            style.title(top, channel.record.name or say("channel"))
     return figure
 
 
 def _draw_curves(ax: Axes, channel: Compensated, level: float) -> None:
     unit = channel.record.signal.sheet[0]
     style.grid(ax)
-    for curve, color, label in ((channel.before, BEFORE, "before"), (channel.after, AFTER, "after")):
+    for curve, color, label in ((channel.before, BEFORE, say("before")), (channel.after, AFTER, say("after"))):
         if curve is not None:
             _draw_curve(ax, curve.to(unit), color, label, level)
-    ax.set(xscale="log", yscale="log", xlabel="averaging time (s)", ylabel=f"Allan deviation ({printed_unit(unit)})")
+    ax.set(xscale="log", yscale="log", xlabel=say("averaging time (s)"), ylabel=with_unit(say("Allan deviation"), unit))
     style.plain_ticks(ax.xaxis, ax.yaxis)
-    ax.legend(loc="best", title=f"with {percent(level)} bands", title_fontsize=8)
+    ax.legend(loc="best", title=say("with {share} bands", share=percent(level)), title_fontsize=8)
 
 
 def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) -> None:
@@ -62,11 +63,12 @@ def _draw_rates(ax: Axes, channel: Compensated) -> None:
     m = max(1, y.size // POINTS)
     t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
     style.grid(ax)
-    ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label="before")
-    ax.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label="after")
-    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label="correction")
-    means = f", means of {m / channel.record.rate:.3g} s" if m > 1 else ""
-    ax.set(xlabel="time (min)", ylabel=f"rate less the bias ({printed_unit(unit)}){means}")
+    ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label=say("before"))
+    ax.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label=say("after"))
+    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label=say("correction"))
+    rest = with_unit(say("rate less the bias"), unit)
+    means = say("{quantity}, means of {length:.3g} s", quantity=rest, length=m / channel.record.rate)
+    ax.set(xlabel=say("time (min)"), ylabel=means if m > 1 else rest)
     ax.legend(loc="best")
 
 

@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.units import convert
 from allanite.reporting import style, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import STATISTICS
 
-from .drawing import draw_grade, draw_label, draw_legend, fractions, shade
+from .drawing import TIME, draw_grade, draw_label, draw_legend, fractions, shade, with_unit
 from .labels import Box, FloatArray
 from .panels import Panel, Points, columns_of, points, span
 from .terms import draw_model
@@ -76,7 +77,7 @@ def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], ranges: Span, le
         style.plain_ticks(ax.yaxis, most=3000)
         _draw_panel(ax, panel, level)
         ax.tick_params(labelbottom=ax is axes[-1])
-    axes[-1].set_xlabel("averaging time τ (s)")
+    axes[-1].set_xlabel(TIME)
 
 
 def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
@@ -93,7 +94,7 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     between = "\n" if len(name) + len(panel.facts) > LONGEST else "   "
     ax.set_title(between.join(filter(None, (name, printable(panel.facts)))), loc="left", fontweight="bold",
                  fontsize=9.5, parse_math=False)  # fmt: skip
-    ax.set_ylabel(f"{STATISTICS[panel.curve.statistic].title} ({printed_unit(panel.unit)})")
+    ax.set_ylabel(with_unit(STATISTICS[panel.curve.statistic].title, panel.unit))
     if panel.fit is not None:
         draw_grade(ax, panel.fit)
 
@@ -107,8 +108,10 @@ def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> No
     factor = convert(1.0, readings.unit, panel.unit)
     deviation = readings.minimum.deviation * factor
     number = digits(deviation, low * factor, high * factor).pretty()
-    kind = "minimum" if readings.inside else "minimum at most"
-    text = f"{kind} {number} {printed_unit(panel.unit)}\nat τ = {words.duration(readings.minimum.tau)}"
+    size = {"value": f"{number} {printed_unit(panel.unit)}", "tau": words.duration(readings.minimum.tau)}
+    text = say("minimum {value}\nat τ = {tau}", **size)
+    if not readings.inside:
+        text = say("minimum at most {value}\nat τ = {tau}", **size)
     ax.plot(readings.minimum.tau, deviation, "v", ms=6.5, color=style.INK, zorder=5)
     anchor = fractions(ax, np.array([[readings.minimum.tau, deviation]]))
     placed.append(draw_label(ax, ("", text), anchor, _lines(ax), placed))
@@ -146,7 +149,7 @@ def _draw_landmarks(ax: Axes) -> list[Box]:
 
 def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
     if drawn.low is not None and drawn.high is not None:
-        label = f"{words.percent(level)} interval"
+        label = words.interval(level)
         ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.18, lw=0, zorder=2, label=label)
     # an unknown number of degrees of freedom is not many
     few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
@@ -155,5 +158,5 @@ def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
     dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
     ax.plot(drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=title, **dots)
     if few.any():
-        label = f"below {FEW:g} degrees of freedom"
+        label = say("below {count:g} degrees of freedom", count=FEW)
         ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)

@@ -7,14 +7,29 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from rich.cells import cell_len
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import Phrase, join, say
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
+from allanite.reporting.language import tr
+from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 
 from .labels import Box, FloatArray, IntArray, nearest, place
+
+TIME = say("averaging time τ (s)")
+"""What the abscissa of a deviation is called."""
+
+MODEL, EXPECTED = say("model"), say("expected by the model")
+"""Labels of lines that the legend explains."""
+
+
+def with_unit(quantity: str, unit: str) -> Phrase:
+    """What an axis shows, and in which unit."""
+    return say("{quantity} ({unit})", quantity=quantity, unit=printed_unit(unit))
 
 
 def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
@@ -49,7 +64,7 @@ def draw_grade(ax: Axes, fit: Fit, before: str = "") -> None:
     """Say at the right above a panel how well the model explains the record."""
     said = words.grade(fit)
     if said:
-        ax.set_title("; ".join(filter(None, (before, said))), loc="right", color=GRADES[fit.validity], fontsize=8.5)
+        ax.set_title(join("; ", filter(None, (before, said))), loc="right", color=GRADES[fit.validity], fontsize=8.5)
 
 
 def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
@@ -58,7 +73,7 @@ def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
     for low, high in spans:
         a, b = max(low, left), min(high, right)
         if a < b:
-            ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label="not used by the fit")
+            ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=say("not used by the fit"))
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
@@ -83,7 +98,7 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
 
 def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``."""
-    return f"{words.symbol(estimate)} = {words.in_print(estimate, estimate.sheet_unit, level)}"
+    return join(" = ", (words.symbol(estimate), words.in_print(estimate, estimate.sheet_unit, level)))
 
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:
@@ -93,9 +108,9 @@ def _size(ax: Axes, text: str) -> tuple[float, float]:
     assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
     rows, columns = spec.get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
-    lines = text.splitlines()
+    lines = tr(text).splitlines()
     # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
-    wide, high = max(map(len, lines)) * 5.3, 11.5 * len(lines)
+    wide, high = max(map(cell_len, lines)) * 5.3, 11.5 * len(lines)
     return wide / (72 * 0.86 * width / columns), high / (72 * 0.8 * height / rows)
 
 
@@ -116,13 +131,13 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
     for ax in figure.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    if "model" in entries:
-        entries["each term alone"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+    if MODEL in entries:
+        entries[say("each term alone")] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
         if marks:
             mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
-            entries["where its coefficient is read off"] = mark
-    if "expected by the model" in entries:
-        entries["expected by the model"] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+            entries[say("where its coefficient is read off")] = mark
+    if EXPECTED in entries:
+        entries[EXPECTED] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
     legend = figure.legend(
         list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6
@@ -133,9 +148,10 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
 
 def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:
     """So many columns of a legend as are not wider than `width`, in points; it is filled column by column."""
+    # points of a label of 8 points with its line and the space beside it
+    points = [4.9 * cell_len(tr(label)) + 45 for label in labels]
     for count in range(min(most, len(labels)), 1, -1):
-        # points of a label of 8 points with its line and the space beside it
-        widths = [max(4.9 * len(label) + 45 for label in column) for column in np.array_split(labels, count)]
+        widths = [float(column.max()) for column in np.array_split(points, count)]
         if sum(widths) <= width:
             return count
     return 1

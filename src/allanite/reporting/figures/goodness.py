@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.fit import Goodness
+from allanite.core.language import join, say
 from allanite.core.scope import UNEXPLAINED
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
@@ -30,12 +31,12 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
     with style.look():
         figure = style.new_figure(7.2, 3.6)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-        title = f"{printable(name)}   goodness of fit p = {goodness.p:.2g}".strip()
+        title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
         color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
         upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
         draw_ratio(upper, goodness)
         draw_surprise(lower, goodness)
-        lower.set_xlabel("frequency (Hz)")
+        lower.set_xlabel(say("frequency (Hz)"))
         lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
         style.plain_ticks(lower.xaxis)
     return figure
@@ -43,7 +44,7 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
 
 def draw_ratio(ax: Axes, goodness: Goodness) -> None:
     """Observed over expected power of every cell."""
-    ax.set(xscale="log", yscale="log", ylabel="observed /\nexpected power")
+    ax.set(xscale="log", yscale="log", ylabel=say("observed /\nexpected power"))
     style.grid(ax, fine=False)
     ax.axhline(1.0, color=style.INK, lw=1.0, zorder=2)
     low, high = goodness.frequency[:-1], goodness.frequency[1:]
@@ -63,7 +64,7 @@ def draw_ratio(ax: Axes, goodness: Goodness) -> None:
 
 def draw_surprise(ax: Axes, goodness: Goodness) -> None:
     """The same in standard deviations."""
-    ax.set(xscale="log", ylabel="standard\ndeviations")
+    ax.set(xscale="log", ylabel=say("standard\ndeviations"))
     style.grid(ax, fine=False)
     ax.axhspan(-2, 2, color=style.DATA, alpha=0.14, lw=0, zorder=1)
     ax.axhline(0.0, color=style.INK, lw=1.0, zorder=2)

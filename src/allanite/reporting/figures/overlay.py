@@ -6,11 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.language import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS
 
-from .drawing import draw_legend, stacked
+from .drawing import EXPECTED, TIME, draw_legend, stacked, with_unit
 from .panels import Panel, points, span
 
 MOST_BANDS = 3
@@ -31,7 +32,7 @@ def plot_overlay(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
             for ax, group in zip(axes, column, strict=True):
                 ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
                 _draw_group(ax, group, level)
-            axes[-1].set_xlabel("averaging time τ (s)")
+            axes[-1].set_xlabel(TIME)
         draw_legend(figure, marks=False)
     return figure
 
@@ -54,11 +55,12 @@ def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
     names, titles = (dict.fromkeys(found) for found in zip(*map(_called, group), strict=True))
     for i, panel in enumerate(group):
         name, title = _called(panel)
-        label = ", ".join(part for part, known in ((name, names), (title, titles)) if len(known) > 1) or title or name
+        told = [part for part, known in ((name, names), (title, titles)) if len(known) > 1]
+        label = join(", ", told) or title or name
         _draw_curve(ax, panel, (i, label), level if len(group) <= MOST_BANDS else None)
     ax.set_title(next(iter(names)) if len(names) == 1 else "", loc="left", fontweight="bold", parse_math=False)
-    what = next(iter(titles)) if len(titles) == 1 else "deviation"
-    ax.set_ylabel(f"{what} ({printed_unit(group[0].unit)})")
+    what = next(iter(titles)) if len(titles) == 1 else say("deviation")
+    ax.set_ylabel(with_unit(what, group[0].unit))
 
 
 def _called(panel: Panel) -> tuple[str, str]:
@@ -76,4 +78,4 @@ def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | N
     if panel.fit is not None and panel.fit.valid is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
         expected = panel.expected(panel.fit.valid, tau)
-        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label="expected by the model")
+        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=EXPECTED)

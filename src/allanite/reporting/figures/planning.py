@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.language import say
 from allanite.planning.plan import RecordingPlan
 from allanite.reporting import style, words
 
@@ -22,12 +23,12 @@ def plot_plans(plans: Sequence[tuple[str, RecordingPlan]]) -> Figure:
         for ax, (name, plan) in zip(axes, plans, strict=True):
             _draw(ax, plan)
             style.title(ax, name or str(plan.model))
-        axes[-1].set_xlabel("length of the record")
+        axes[-1].set_xlabel(say("length of the record"))
     return figure
 
 
 def _draw(ax: Axes, plan: RecordingPlan) -> None:
-    ax.set(xscale="log", yscale="log", ylabel="relative standard error (%)")
+    ax.set(xscale="log", yscale="log", ylabel=say("relative standard error (%)"))
     for name, errors, needed in zip(plan.names, plan.errors, plan.needed.tolist(), strict=True):
         tau, error = _points(plan, errors, needed)
         symbol, _, parameter = name.partition(" ")

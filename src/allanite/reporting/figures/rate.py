@@ -6,10 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.language import say
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment
 from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
+
+from .drawing import with_unit
 
 MOST_MARKED = 40
 """Intervals up to which each is marked."""
@@ -39,7 +42,7 @@ def _draw_errors(ax: Axes, found: Experiment) -> None:
     marker = "o" if t.size <= MOST_MARKED else ""
     for method, errors in zip(found.methods, found.errors / unit_of(unit).factor, strict=True):
         ax.plot(t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
-    ax.set(xlabel="time after the start of the record (min)", ylabel=f"error ({printed_unit(unit)})")
+    ax.set(xlabel=say("time after the start of the record (min)"), ylabel=with_unit(say("error"), unit))
     ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
 
 
@@ -56,6 +59,6 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
         ax.plot(times, measured, "o", color=RATE_ESTIMATORS[method].color, ms=3.5, label=method, zorder=4)
         if np.isfinite(predicted).any():
             ax.plot(times, predicted, color=RATE_ESTIMATORS[method].color, lw=1.0, zorder=3)
-    ax.set(xscale="log", yscale="log", xlabel="measuring time (s)")
-    ax.set_ylabel(f"standard deviation ({printed_unit(unit)})\npoints measured, lines predicted")
+    ax.set(xscale="log", yscale="log", xlabel=say("measuring time (s)"))
+    ax.set_ylabel(say("standard deviation ({unit})\npoints measured, lines predicted", unit=printed_unit(unit)))
     style.plain_ticks(ax.xaxis, ax.yaxis)

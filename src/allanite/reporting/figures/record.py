@@ -3,11 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.reporting import style
 from allanite.reporting.sheet import printed_unit
 
+from .drawing import TIME
 from .labels import FloatArray
 from .panels import Panel, points
 
@@ -36,14 +38,14 @@ def plot_record(record: Record) -> Figure:
         figure = style.new_figure(7.2, 2.0)
         ax = figure.subplots()
         style.grid(ax, fine=False)
-        ax.fill_between(middle, low, high, color=style.DATA, alpha=0.3, lw=0, label="range")
-        ax.plot(middle, mean, color=style.DATA, lw=0.9, label="mean")
+        ax.fill_between(middle, low, high, color=style.DATA, alpha=0.3, lw=0, label=say("range"))
+        ax.plot(middle, mean, color=style.DATA, lw=0.9, label=say("mean"))
         missing = np.isnan(values)
         gaps = middle[np.add.reduceat(missing, edges[:-1]) > 0]
         if gaps.size:
-            ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label="missing samples",
+            ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
                     transform=ax.get_xaxis_transform())  # fmt: skip
-        ax.set(xlabel=f"time ({name})", ylabel=printed_unit(unit), xlim=(0, record.duration / size))
+        ax.set(xlabel=say("time ({unit})", unit=name), ylabel=printed_unit(unit), xlim=(0, record.duration / size))
         style.title(ax, record.name)
         ax.legend(loc="upper right", ncols=3)
     return figure
@@ -68,7 +70,7 @@ def plot_strip(panel: Panel, *, level: float = 0.95) -> Figure:
     with style.look():
         figure = style.new_figure(7.2, 1.9)
         ax = figure.subplots()
-        ax.set(xscale="log", yscale="log", xlabel="averaging time τ (s)", ylabel="observed /\nexpected")
+        ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=say("observed /\nexpected"))
         style.grid(ax, fine=False)
         ax.axhline(1.0, color=style.INK, lw=1.0)
         if drawn.low is not None and drawn.high is not None:

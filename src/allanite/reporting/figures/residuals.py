@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import chance
+from allanite.core.language import join, say
 from allanite.core.residuals import Residuals
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.reporting import style
@@ -53,13 +54,13 @@ def plot_residuals(residuals: Residuals) -> Figure:
         above, below = halves
         said = residuals.statement
         color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
-        title = f"{printable(residuals.name)}   {graded(said.grade)}".strip()
         if residuals.goodness is not None:
             upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-            title += f", goodness of fit {chance(residuals.goodness.p)}"
+            title = say("{grade}, goodness of fit {p}", grade=graded(said.grade), p=chance(residuals.goodness.p))
+            title = join("   ", filter(None, (printable(residuals.name), title)))
             draw_ratio(upper, residuals.goodness)
             draw_surprise(lower, residuals.goodness)
-            lower.set(xlabel="frequency (Hz)", xlim=residuals.goodness.frequency[[0, -1]])
+            lower.set(xlabel=say("frequency (Hz)"), xlim=residuals.goodness.frequency[[0, -1]])
             style.plain_ticks(lower.xaxis)
             upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
         _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
@@ -89,8 +90,13 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
         ax.stairs(level, edges, baseline=None, color=color, lw=1.4)
         ax.errorbar((edges[:-1] + edges[1:]) / 2, level, error, fmt="none", ecolor=color, lw=1.0)
     reach = max(5.0, 1.1 * float(max(residuals.high.max(), -residuals.low.min())))
-    ax.set(xlabel=f"time ({unit})", ylabel="standard deviations", xlim=(0, length / size), ylim=(-reach, reach))
-    ax.set_title("over time", loc="left")
+    ax.set(
+        xlabel=say("time ({unit})", unit=unit),
+        ylabel=say("standard deviations"),
+        xlim=(0, length / size),
+        ylim=(-reach, reach),
+    )
+    ax.set_title(say("over time"), loc="left")
 
 
 def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
@@ -101,9 +107,9 @@ def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
     ax.axhline(0.0, color=style.INK, lw=1.0)
     ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
     reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
-    ax.set(xlabel="lag (samples)", xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
+    ax.set(xlabel=say("lag (samples)"), xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
-    ax.set_title("autocorrelation", loc="left")
+    ax.set_title(say("autocorrelation"), loc="left")
 
 
 def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
@@ -114,5 +120,5 @@ def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
     ax.plot(
         residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
     )
-    ax.set(xlabel="normal quantile", xticks=range(-4, 5, 2))
-    ax.set_title("quantiles", loc="left")
+    ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
+    ax.set_title(say("quantiles"), loc="left")

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.spectrum import SIDES, Spectrum
 from allanite.core.units import readable_unit
@@ -17,6 +18,7 @@ from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 
 from .drawing import (
+    MODEL,
     by_share,
     color_of,
     dashes,
@@ -33,6 +35,10 @@ from .labels import Box, FloatArray
 
 MOST_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
+
+
+SIDED = {"one": say("one-sided"), "two": say("two-sided")}
+"""Words for the sides of a spectrum."""
 
 
 def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95) -> Figure:
@@ -56,7 +62,7 @@ def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level:
             for ax, spectrum in zip(axes, column, strict=True):
                 ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
                 _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
-            axes[-1].set_xlabel("frequency (Hz)")
+            axes[-1].set_xlabel(say("frequency (Hz)"))
         draw_legend(figure, marks=False, columns=4)
     return figure
 
@@ -70,10 +76,10 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     style.grid(ax)
     if f.size <= MOST_POINTS:
         low, high = (np.sqrt(limit) for limit in spectrum.interval(level))
-        label = f"{words.percent(level)} interval"
+        label = words.interval(level)
         ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
     size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
-    ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label="spectrum")
+    ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label=say("spectrum"))
     style.title(ax, spectrum.name)
     ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
     if fit is not None:
@@ -82,14 +88,14 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
             shade(ax, fit.scope.unread if fit.scope else ())
             _draw_model(ax, spectrum, fit, level)
     unit = printed_unit(spectrum.amplitude_unit)
-    ax.set_ylabel(f"{spectrum.sides}-sided amplitude spectral density ({unit})")
+    ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=SIDED[spectrum.sides], unit=unit))
 
 
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
     assert fit.valid is not None  # noqa: S101 - the caller has looked
     whole = _expected(spectrum, fit.valid, f) * np.sqrt(_gain(fit, spectrum.rate, f))
-    ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label="model")
+    ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=MODEL)
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
         ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
@@ -101,7 +107,7 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(seen):
-            text = label_of(e, level) + (_level(spectrum, e) if e.symbol == "N" else "")
+            text = join("", (label_of(e, level), _level(spectrum, e) if e.symbol == "N" else ""))
             placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
 
 
@@ -110,7 +116,8 @@ def _level(spectrum: Spectrum, white: Estimate) -> str:
     factor = math.sqrt(SIDES[spectrum.sides])
     name = "N" if factor == 1 else "√2 N"
     size = factor * white.to(spectrum.amplitude_unit)
-    return f"\n{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}, {spectrum.sides}-sided"
+    level = f"{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}"
+    return join("", ("\n", join(", ", (level, SIDED[spectrum.sides]))))
 
 
 def _gain(fit: Fit, rate: float, f: FloatArray) -> FloatArray:

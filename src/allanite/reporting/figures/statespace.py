@@ -7,11 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.curve import Curve
+from allanite.core.language import join, say, say_count
 from allanite.core.units import convert
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printable
 from allanite.statespace import StateSpace
 from allanite.statistics import expected
+
+from .drawing import TIME, with_unit
 
 PER_OCTAVE = 4
 """Averaging times of the lines."""
@@ -26,8 +29,9 @@ def plot_state_spaces(spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]],
             for curve in curves:
                 _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
             _draw(above, below, space)
-            title = f"{len(space.states)} states at {space.rate:g} Hz"
-            named = f"{printable(name)}: {title}" if name else title
+            count = len(space.states)
+            title = say_count(count, "{count} state at {rate:g} Hz", "{count} states at {rate:g} Hz", rate=space.rate)
+            named = join(": ", (printable(name), title)) if name else title
             above.set_title(named, loc="left", fontweight="bold", parse_math=False)
     return figure
 
@@ -38,15 +42,15 @@ def _draw(above: Axes, below: Axes, space: StateSpace) -> None:
     m = _grid(space)
     tau = m / space.rate
     own, whole = np.sqrt(space.allan(m)), np.sqrt(expected(space.model, "oadev", tau))
-    above.plot(tau, whole * factor, color=style.INK, lw=1.3, label="model")
-    above.plot(tau, own * factor, "o", ms=3.2, mew=0, color=style.SERIES[1], label="state space", zorder=4)
-    above.set(xscale="log", yscale="log", ylabel=f"Allan deviation ({printed_unit(unit)})")
+    above.plot(tau, whole * factor, color=style.INK, lw=1.3, label=say("model"))
+    above.plot(tau, own * factor, "o", ms=3.2, mew=0, color=style.SERIES[1], label=say("state space"), zorder=4)
+    above.set(xscale="log", yscale="log", ylabel=with_unit(say("Allan deviation"), unit))
     below.plot(tau, 100 * (own / whole - 1), color=style.SERIES[1], lw=1.2)
     below.axhline(0.0, color=style.INK, lw=0.8)
     largest = max(3 * 100 * space.ripple, 1.0)
-    below.set(ylim=(-largest, largest), ylabel="difference (%)", xlabel="averaging time τ (s)")
+    below.set(ylim=(-largest, largest), ylabel=say("difference (%)"), xlabel=TIME)
     for ax in (above, below):
-        ax.axvspan(*space.tau, color="#9AA3AD", alpha=0.15, lw=0, label="where they are matched")
+        ax.axvspan(*space.tau, color="#9AA3AD", alpha=0.15, lw=0, label=say("where they are matched"))
         style.grid(ax)
     style.plain_ticks(above.xaxis, above.yaxis)
     above.legend(loc="best")
@@ -61,4 +65,6 @@ def _grid(space: StateSpace) -> np.ndarray:
 def _draw_measured(ax: Axes, curve: Curve, level: float) -> None:
     if curve.law is not None:
         ax.fill_between(curve.tau, *curve.interval(level), color=style.DATA, alpha=0.2, lw=0)
-    ax.plot(curve.tau, curve.deviation, color=style.DATA, lw=0.9, label=printable(f"measured {curve.name}".strip()))
+    name = printable(curve.name)
+    label = say("measured {channel}", channel=name) if name else say("measured")
+    ax.plot(curve.tau, curve.deviation, color=style.DATA, lw=0.9, label=label)

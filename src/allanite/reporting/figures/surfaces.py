@@ -12,12 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 
+from .drawing import TIME, with_unit
 from .labels import FloatArray
 
 TIME_COLORS, RATIO_COLORS = "cividis", "RdBu_r"
@@ -49,14 +50,16 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
     unit, size = _time_unit(surface.time[-1])
     norm = Normalize(0, (surface.time[-1] + surface.window / 2) / size)
     _draw_curves(left, tau, deviation, surface.time / size, norm)
-    left.set(xlabel="averaging time τ (s)")
-    left.set_ylabel(f"{STATISTICS[surface.statistic].title} ({printed_unit(surface.unit)})")
+    left.set(xlabel=TIME)
+    left.set_ylabel(with_unit(STATISTICS[surface.statistic].title, surface.unit))
     style.title(left, surface.name)
     _draw_time_scale(figure, left, norm, unit)
     left.legend(loc="upper right")
     mesh = _draw_ratios(right, tau, deviation, surface.time / size)
-    right.set(xlabel=f"time ({unit})", ylabel="averaging time τ (s)")
-    right.set_title(f"windows of {words.duration(surface.window)}", loc="right", fontsize=8, color=style.OTHER)
+    right.set(xlabel=say("time ({unit})", unit=unit), ylabel=TIME)
+    right.set_title(
+        say("windows of {length}", length=words.duration(surface.window)), loc="right", fontsize=8, color=style.OTHER
+    )
     _mark_few(right, surface.window)
     _draw_ratio_scale(figure, right, mesh)
 
@@ -83,13 +86,13 @@ def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
         "rasterized": True,
     }
     ax.add_collection(LineCollection(lines, array=time, **look))
-    ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label="median over time")
+    ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 
 
 def _draw_time_scale(figure: Figure, ax: Axes, norm: Normalize, unit: str) -> None:
     scale = mpl.cm.ScalarMappable(norm=norm, cmap=TIME_COLORS)
     bar = figure.colorbar(scale, cax=ax.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")
-    bar.ax.set_title(f"time ({unit})", fontsize=7.5, pad=3)
+    bar.ax.set_title(say("time ({unit})", unit=unit), fontsize=7.5, pad=3)
     bar.ax.tick_params(labelsize=7)
 
 
@@ -112,7 +115,7 @@ def _mark_few(ax: Axes, window: float) -> None:
     if low < window / FEW_WINDOWS < high:
         ax.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
         ax.annotate(
-            f"above: few degrees of freedom (τ > window/{FEW_WINDOWS})", (0.01, window / FEW_WINDOWS),
+            say("above: few degrees of freedom (τ > window/{part})", part=FEW_WINDOWS), (0.01, window / FEW_WINDOWS),
             xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
         )  # fmt: skip
@@ -125,7 +128,7 @@ def _draw_ratio_scale(figure: Figure, ax: Axes, mesh: QuadMesh) -> None:
     bar.ax.yaxis.set_major_locator(FixedLocator([*(1 / r for r in up), 1.0, *up]))
     bar.ax.yaxis.set_minor_locator(NullLocator())
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"× {v:.2g}"))
-    bar.set_label("deviation / its median over time")
+    bar.set_label(say("deviation / its median over time"))
 
 
 def _edges(centres: FloatArray) -> FloatArray:

@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 
-from .drawing import by_share, color_of, dashes, draw_label, fractions, label_of, pairs
+from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, label_of, pairs
 from .labels import Box, FloatArray, freedom
 from .panels import Panel, Points
 
@@ -38,7 +39,7 @@ def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: 
     lines = _lines(ax, panel, fit.valid)
     shortest = fit.scope.times[0] if fit.scope else 0.0
     inside = (lines.tau >= max(drawn.tau[0] / 1.01, shortest)) & (lines.tau <= drawn.tau[-1] * 1.01)
-    ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label="model")
+    ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label=MODEL)
     for symbol, line in lines.parts.items():
         ax.plot(lines.tau, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
     points = [pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])]
@@ -89,7 +90,7 @@ def _lines_label(
     symbol, line = named
     top = path[int(np.nanargmax(line[np.isfinite(line)]))]
     if ((top > 0.01) & (top < 0.99)).all():
-        placed.append(draw_label(ax, (symbol, "sinusoids taken out"), top[None, :], curves, placed))
+        placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
 
 
 def _draw_slope(ax: Axes, symbol: str, path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
@@ -102,7 +103,7 @@ def _draw_slope(ax: Axes, symbol: str, path: FloatArray, curves: FloatArray, pla
     box = max(boxes, key=lambda box: freedom(box, curves, placed))
     placed.append(box)
     ax.text(
-        box.x, box.y, f"slope {said}", transform=ax.transAxes, ha="center", va="center", fontsize=8,
+        box.x, box.y, say("slope {slope}", slope=said), transform=ax.transAxes, ha="center", va="center", fontsize=8,
         color=color_of(symbol), zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
     )  # fmt: skip
 
@@ -116,10 +117,11 @@ def _label(panel: Panel, e: Estimate, line: FloatArray, how: tuple[tuple[float, 
         # 0.664 in the Allan deviation; other statistics have other levels
         flat_at = float(np.nanmedian(line))
         factor = flat_at / abs(e.to(panel.unit))
-        return f"{factor:.3g} {e.symbol} = {flat_at:.3g} {unit}\n{text}"
+        return join("\n", (f"{factor:.3g} {e.symbol} = {flat_at:.3g} {unit}", text))
     if mark is None:
         return text
-    return f"{text}\nat τ = {words.duration(mark[0])}: {mark[1]:.3g} {unit}"
+    at, size = words.duration(mark[0]), f"{mark[1]:.3g} {unit}"
+    return say("{coefficient}\nat τ = {tau}: {deviation}", coefficient=text, tau=at, deviation=size)
 
 
 def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:

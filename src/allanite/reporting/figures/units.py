@@ -7,13 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.language import say
 from allanite.core.model import Term
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
-from .drawing import draw_legend, stacked
+from .drawing import TIME, draw_legend, stacked, with_unit
 from .panels import Panel, span, thinned
 
 MOST_NAMED = len(style.SERIES) - 1
@@ -53,7 +54,7 @@ def plot_units(curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | 
         for column, axes in zip(columns.values(), grid, strict=True):
             for ax, (name, group) in zip(axes, column.items(), strict=True):
                 _draw(ax, group, (limits or {}).get(name, ()))
-            axes[-1].set_xlabel("averaging time τ (s)")
+            axes[-1].set_xlabel(TIME)
         draw_legend(figure, marks=False)
     return figure
 
@@ -66,14 +67,15 @@ def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[Line]) -> None:
     style.grid(ax)
     first = group[0].panel
     style.title(ax, first.name)
-    ax.set_ylabel(f"{STATISTICS[first.curve.statistic].title} ({printed_unit(first.unit)})")
+    ax.set_ylabel(with_unit(STATISTICS[first.curve.statistic].title, first.unit))
     marked = [curve for curve in group if curve.marked]
     for curve in group:
         if not curve.marked:
-            _plot(ax, curve.panel, style.SERIES[0], "units", 0.45)
+            _plot(ax, curve.panel, style.SERIES[0], say("units"), 0.45)
     for i, curve in enumerate(marked):
         named = i < MOST_NAMED
-        color, label = (style.SERIES[i + 1], printable(curve.name)) if named else (style.ALARM, "others beyond a limit")
+        label = printable(curve.name) if named else say("others beyond a limit")
+        color = style.SERIES[i + 1] if named else style.ALARM
         _plot(ax, curve.panel, color, label, 1.0)
     for line in limits:
         _draw_limit(ax, first, line)
@@ -97,4 +99,4 @@ def _draw_limit(ax: Axes, panel: Panel, line: Line) -> None:
         if signal is None:
             return
         shown = panel.expected(Term(line.symbol, line.value, signal), tau)
-    ax.plot(tau, shown, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2.5, label="limits")
+    ax.plot(tau, shown, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2.5, label=say("limits"))

@@ -1,0 +1,75 @@
+"""The language that results are shown in: English, or one with a catalogue in `locale`.
+
+What is shown is made of phrases (`core.language`), and stays English until `tr` says it in the language of the context.
+"""
+
+import gettext
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.core.language import Catalogue, translate
+
+LANGUAGES = {"en": "English", "ru": "русский", "zh": "中文"}
+"""Codes of the languages, and their names in themselves; each but English has a catalogue, ``locale/<code>.po``."""
+
+ENGLISH = "en"
+
+_SPOKEN: ContextVar[str] = ContextVar("_SPOKEN", default=ENGLISH)
+
+
+@cache
+def catalogue(lang: str) -> Catalogue:
+    """The translations into a language; what is not translated yet stays English.
+
+    Raises
+    ------
+    UsageError
+        The language is unknown.
+    """
+    if lang not in LANGUAGES:
+        known = ", ".join(f"{code} ({name})" for code, name in LANGUAGES.items())
+        raise UsageError(f"unknown language {lang!r}; reports are written in {known}")
+    if lang == ENGLISH:
+        return gettext.NullTranslations()
+    # for this alone, and only where it is wanted
+    from babel.messages.mofile import write_mo
+    from babel.messages.pofile import read_po
+
+    compiled = io.BytesIO()
+    with (files("allanite.reporting") / "locale" / f"{lang}.po").open("rb") as file:
+        write_mo(compiled, read_po(file, locale=lang))
+    compiled.seek(0)
+    return gettext.GNUTranslations(compiled)
+
+
+@contextmanager
+def speaking(lang: str) -> Iterator[None]:
+    """Whatever is rendered within this context is in this language.
+
+    Raises
+    ------
+    UsageError
+        The language is unknown.
+    """
+    catalogue(lang)
+    token = _SPOKEN.set(lang)
+    try:
+        yield
+    finally:
+        _SPOKEN.reset(token)
+
+
+def spoken() -> str:
+    """The code of the language of this context."""
+    return _SPOKEN.get()
+
+
+def tr(value: Any) -> Any:
+    """A phrase in the language of this context; anything else, such as the name of a channel, unchanged."""
+    return translate(value, catalogue(_SPOKEN.get()))

@@ -1,0 +1,236 @@
+"""Nothing that is shown stays English: every result in letters that are not Latin, and the words left over."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.text import Text
+
+import allanite as al
+from allanite.cli import VERBS, deliver, main
+from allanite.identification.front import METHODS
+from allanite.rate import RATE_ESTIMATORS
+from allanite.reporting import html, language, text
+from allanite.reporting.sheet import Code, Fold
+from allanite.reporting.views import level_of, view_of
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
+
+LETTERS = {ord(latin): ord("а") + i for i, latin in enumerate("abcdefghijklmnopqrstuvwxyz")}
+LETTERS |= {ord(chr(latin).upper()): ord(chr(other).upper()) for latin, other in LETTERS.items()}
+FIELD = re.compile(r"(\{\{|\}\}|\{[^{}]*\})")
+
+
+class Pseudo:
+    """A catalogue that has every template, in letters that are not Latin."""
+
+    def gettext(self, message):
+        """The template with its fields."""
+        parts = FIELD.split(message)
+        parts[::2] = [part.translate(LETTERS) for part in parts[::2]]
+        return "".join(parts)
+
+    def ngettext(self, one, many, count):
+        """The same of a number."""
+        return self.gettext(one if count == 1 else many)
+
+
+DATA = [
+    r"(?<![\w-])--[a-z][\w-]*(=\S+)?",  # options
+    r"\ballanite \w+ .*?(?=[;:)]|\s\s|$)",  # commands
+    r"\ballanite\b|\bsha256\b|\b[0-9a-f]{12,}\b|\.dev\w+",  # the program, digests
+    r"(?<!\w)/\S+|\b[\w-]+\.(csv|toml|json|html|npz|py)\b",  # files
+    r"\b(al|prepare|planning)\.\w+(\.\w+)*(\([^)]*\))?",  # calls
+    r"\b(ISO|IEEE|IEC|NIST|RFC|PDF|CSV|JSON|TOML|DCT-II|Std|SP) ?[\d-]*",  # standards and formats
+    r"'time \[s\]'",  # a column
+]
+"""What is no word of a sentence."""
+
+UNITS = "deg rad arcsec sqrt Hz kHz min ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
+SYMBOLS = "GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
+NAMES = "gx gy gz ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
+CODES = {"ru", "zh", "en"}
+
+
+def allowed():
+    """Words of Latin letters that are names, units or symbols."""
+    known = {*UNITS.split(), *SYMBOLS.split(), *NAMES.split(), *CODES, *TERMS, *STATISTICS, *METHODS, *RATE_ESTIMATORS}
+    return known | {p.letter or p.name for row in TERMS.values() for p in row.parameters}
+
+
+def left(shown: Iterable[str]) -> list[str]:
+    """Lines with words that are still English, each with these words before it."""
+    known, found = allowed(), {}
+    for line in shown:
+        rest = re.sub("|".join(DATA), " ", line)
+        words = [word for word in re.findall(r"[A-Za-z]{2,}", rest) if word not in known]
+        if words:
+            found.setdefault(" ".join(dict.fromkeys(words)), " ".join(line.split())[:160])
+    return [f"{words}   <- {line}" for words, line in found.items()]
+
+
+class Shown(HTMLParser):
+    """What a reader of a page sees or hears, without code and styles."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.texts, self.inside = [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        """Collect titles and labels."""
+        if tag in ("style", "pre", "code", "math"):
+            self.inside.append(tag)
+        self.texts += [value or "" for name, value in attrs if name in ("aria-label", "title", "alt", "data-label")]
+
+    def handle_endtag(self, tag):
+        """Leave code."""
+        if self.inside and self.inside[-1] == tag:
+            self.inside.pop()
+
+    def handle_data(self, data):
+        """Collect text."""
+        if not self.inside:
+            self.texts.append(data)
+
+
+def without_code(parts):
+    """The same parts with nothing that is to be copied into a program."""
+    kept = [replace(part, parts=without_code(part.parts)) if isinstance(part, Fold) else part for part in parts]
+    return [replace(part, text="") if isinstance(part, Code) else part for part in kept]
+
+
+def words_of(figure):
+    """The texts of a figure."""
+    return [artist.get_text() for artist in figure.findobj(Text)]
+
+
+def shown(value, monkeypatch, drawn):
+    """Everything that terminal, page and figures show of a value; `drawn`: it has a figure for print."""
+    level, found = level_of(value), []
+    with language.speaking("xx"):
+        face = view_of(value).face(value, level)
+        sheets = [replace(sheet, parts=without_code(sheet.parts)) for sheet in face.sheets]
+        parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
+        face = replace(face, sheets=sheets, choices="", **parts)
+        found += text.render(face).splitlines()
+        monkeypatch.setattr(html, "drawer", lambda: lambda drawing: found.extend(words_of(drawing.draw())) or "")
+        found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
+        found += [html.tr(drawn.label) for drawn in drawings(face)]
+    if drawn and view_of(value).plot is not None:
+        found += words_of(al.plot(value, lang="xx"))
+    return found
+
+
+def drawings(face):
+    """The figures of a page, in its folds too."""
+    pile = [*face.parts, *face.close, *face.how, *(part for sheet in face.sheets for part in sheet.parts)]
+    while pile:
+        part = pile.pop()
+        pile += part.parts if isinstance(part, Fold) else ()
+        if hasattr(part, "label"):
+            yield part
+
+
+def recording(path, seed, n=2000, **more):
+    """A gyroscope at 20 Hz."""
+    rng = np.random.default_rng(seed)
+    model = al.N(0.1, "deg/sqrt(h)") + al.K(20.0, "deg/h/sqrt(h)")
+    rate = np.degrees(al.simulate(model, n, 20.0, rng=rng).values) * 3600
+    temp = 25 + 5 * np.sin(np.arange(n) / 300) + 0.02 * rng.standard_normal(n)
+    columns = {"time [s]": np.arange(n) / 20.0, "gx [deg/h]": rate + 3 * temp, "temp [degC]": temp, **more}
+    head = ",".join(columns)
+    np.savetxt(path, np.column_stack(list(columns.values())), "%.9g", ",", header=head, comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Small inputs, by name."""
+    folder = tmp_path_factory.mktemp("in")
+    rng = np.random.default_rng(3)
+    found = {"a": recording(folder / "a.csv", 1), "b": recording(folder / "b.csv", 2)}
+    found["short"] = recording(folder / "short.csv", 3, n=40)
+    wild = {"gy [deg/h]": 90 * rng.standard_normal(2000).cumsum(), "gz [deg/h]": np.zeros(2000)}
+    found["wild"] = recording(folder / "wild.csv", 4, **wild)
+    found["limits"] = folder / "limits.toml"
+    found["limits"].write_text('[limits]\nN = { max = "0.01 deg/sqrt(h)" }\nB = { max = "90 deg/h" }\n')
+    volts = np.round(rng.standard_normal(4000) * 100) * 0.01
+    found["current"] = folder / "current.csv"
+    np.savetxt(found["current"], np.column_stack([np.arange(4000) / 1000, volts]), "%.9g", ",",
+               header="time [s],ux [V]", comments="")  # fmt: skip
+    true = np.linspace(0, 12.5, 2000)
+    measured = true + 1e-4 * np.sin(128 * true) + 1e-5 * rng.standard_normal(2000)
+    found["encoder"] = folder / "encoder.csv"
+    np.savetxt(found["encoder"], np.degrees(np.column_stack([measured, true])), "%.10g", ",",
+               header="enc [deg],ref [deg]", comments="")  # fmt: skip
+    found["hour"], found["made"] = folder / "hour.csv", folder / "made.csv"
+    run("angle simulate {hour} --latitude 60 --duration 3600 --start 7200 --error h:128=3,-1.5", found)
+    return found
+
+
+TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
+RUNS = {
+    "info": ["{a}", "{short}", "{wild}"],
+    "analyze": [
+        "{a} --channels gx --device fog --about operator=x", "{wild} --channels gx,gy,gz",
+        "{a} --channels gx --method slopes", "{a} {b} --channels gx --limits {limits}",
+    ],
+    "deviation": ["{a} --channels gx --statistic oadev,hdev"],
+    "spectrum": ["{a} --channels gx"],
+    "dynamic": ["{a} --channels gx"],
+    "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx"],
+    "rate": ["{a} --channels gx --interval 20"],
+    "angle": [
+        "calibrate {encoder} --measured enc --reference ref",
+        "estimate {hour} --difference difference --latitude 60 --rho rho",
+        "plan --latitude 60 --duration 3600", "plan --latitude 60 --duration 3600 --start 0",
+    ],
+    "simulate": ["{made} --sensor mems --rate 20 --samples 2000 --force"],
+    "plan": ["--sensor fog --rate 10", "{a} --channels gx"],
+    "selfcheck": ["--sensor mems --rate 20 --samples 1000 --records 3"],
+    "statespace": ["--sensor fog --rate 10"],
+    "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
+    "compensate": ["{a} --regressors temp --channels gx"],
+}  # fmt: skip
+"""Arguments of each verb, which between them show most of what it can say."""
+
+
+def run(line, files):
+    """Run a command line."""
+    words = [word.format(**files, stage="--stage=ADC 12 5V") for word in line.split()]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code in (0, 3, 4, 5), (line, done.output)
+    return done
+
+
+@pytest.fixture
+def pseudo(monkeypatch):
+    """The language "xx"."""
+    one = Pseudo()
+    monkeypatch.setattr(
+        language, "catalogue", lambda lang: one if lang == "xx" else language.gettext.NullTranslations()
+    )
+
+
+def test_every_verb_is_run():
+    assert list(RUNS) == list(VERBS)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monkeypatch):
+    values = []
+    monkeypatch.setattr(deliver, "print_result", lambda value, lang: values.append(value))
+    for line in RUNS[verb]:
+        run(f"{verb} {line}", files)
+    assert len(values) == len(RUNS[verb])
+    found = left(
+        part
+        for one, line in zip(values, RUNS[verb], strict=True)
+        for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
+    )
+    assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)

@@ -1,0 +1,173 @@
+"""Languages of reports: the catalogues are complete, the words fit, and letters that a machine lacks are not drawn."""
+
+import subprocess
+import sys
+import warnings
+from string import Formatter
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.text import Text
+from rich.cells import cell_len
+from tests.unit.reporting.test_report import channel_of, study_of
+
+import allanite as al
+import catalogues
+from allanite.cli import main
+from allanite.core.errors import UsageError
+from allanite.core.language import join, say, say_count
+from allanite.reporting import fonts, page, style, table
+from allanite.reporting.cells import pad, wrapped
+from allanite.reporting.language import LANGUAGES, speaking, tr
+from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
+from allanite.reporting.text import render
+
+TRANSLATED = [lang for lang in LANGUAGES if lang != "en"]
+SOURCE = catalogues.templates()
+
+
+def fields(text):
+    """Names and formats of the fields of a template, in any order."""
+    return sorted((name, form, how or "") for _, name, form, how in Formatter().parse(text) if name is not None)
+
+
+@pytest.fixture(scope="module", params=TRANSLATED)
+def stored(request):
+    return catalogues.stored(request.param)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return study_of(channel_of("gx"))
+
+
+WORDS = {"file": "文件", "assumed": "假设", "averaging time τ (s)": "平均时间 τ (s)", "channel": "通道"}
+
+
+class Chinese:
+    """A catalogue of a few words."""
+
+    def gettext(self, message):
+        return WORDS.get(message, message)
+
+    def ngettext(self, one, many, count):
+        return one if count == 1 else many
+
+
+@pytest.fixture
+def chinese(monkeypatch):
+    monkeypatch.setattr("allanite.reporting.language.catalogue", lambda lang: Chinese())
+
+
+@pytest.mark.parametrize("lang", TRANSLATED)
+def test_a_catalogue_has_the_templates_of_the_source_and_no_others(lang):
+    path = catalogues.LOCALE / f"{lang}.po"
+    assert path.read_text(encoding="utf-8") == catalogues.text_of(catalogues.renewed(lang, SOURCE)), "make catalogues"
+
+
+def test_every_template_is_translated(stored):
+    left = [message.id for message in catalogues.unfinished(stored)]
+    assert not left, f"{len(left)} templates have no translation into {stored.locale}, or a fuzzy one: {left}"
+
+
+def test_a_translation_has_the_fields_of_its_template(stored):
+    wrong = [
+        (message.id, text)
+        for message in stored
+        for text in catalogues.strings(message)
+        if message.id and text and fields(text) != fields(message.id if isinstance(message.id, str) else message.id[1])
+    ]
+    assert not wrong
+
+
+def test_a_translation_has_every_plural_form(stored):
+    plurals = [message for message in stored if message.pluralizable]
+    assert plurals
+    assert {len(catalogues.strings(message)) for message in plurals} == {stored.num_plurals}
+
+
+@pytest.mark.parametrize("lang", TRANSLATED)
+def test_what_is_not_translated_is_shown_in_english(lang):
+    with speaking(lang):
+        assert tr(say("{a} that nobody has translated", a=1)) == "1 that nobody has translated"
+        assert tr(join("; ", [])) == ""
+        assert tr(say_count(2, "{count} of one", "{count} of those")) == "2 of those"
+        assert tr("file") == "file"  # a name, not a phrase
+
+
+def test_an_unknown_language_is_refused_with_the_known_ones(study, tmp_path):
+    for refused in (al.plot, al.report, page, table):
+        with pytest.raises(UsageError, match=r"unknown language 'xx'; .* ru \(русский\)"):
+            refused(study, *([tmp_path / "a.html"] if refused is al.report else []), lang="xx")
+    done = CliRunner().invoke(main, ["analyze", "missing.csv", "--lang", "xx"])
+    assert (done.exit_code, "unknown language" in done.stderr) == (2, True)
+
+
+def test_the_language_is_that_of_the_call_alone(study, chinese):
+    plain = table(study)
+    with speaking("zh"):
+        assert table(study) == plain
+    assert "文件" in table(study, lang="zh")
+    assert '<html lang="zh">' in page_of(study, "zh")
+
+
+def page_of(study, lang):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fonts.FontWarning)
+        return page(study, lang=lang)
+
+
+def test_english_needs_no_catalogue():
+    code = "import sys, allanite.reporting.language as l; l.catalogue('en'); sys.exit('babel' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_columns_line_up_where_characters_are_wide(chinese):
+    cells = Table((Column(say("channel"), "name"), Column("m")), [["a", "1"], ["bb", "22"]])
+    face = Face(
+        "", "", [Sheet("gx", (), [cells, Note(say("channel"))])], [(say("file"), "a.csv"), (say("assumed"), "b")]
+    )
+    with speaking("zh"):
+        first, second, _, _, head, *rows, _ = render(face, width=60).splitlines()
+    assert cell_len(first.removesuffix("a.csv")) == cell_len(second.removesuffix("b")) == 10
+    assert {cell_len(line) for line in (head, *rows)} == {10}
+
+
+def test_chinese_is_wrapped_by_cells_and_not_before_a_stop():
+    text = "零偏不稳定性，速率随机游走。角度 N 0.3 deg/h"
+    lines = wrapped(text, 14, "- ", "  ")
+    assert all(cell_len(line) <= 14 for line in lines)
+    assert not any(line.strip()[0] in "，。" for line in lines)
+    assert "".join(line[2:] for line in lines).replace(" ", "") == text.replace(" ", "")
+    assert pad("文件", 10) == "文件      "
+
+
+@pytest.fixture
+def no_fonts(monkeypatch):
+    monkeypatch.setattr(fonts, "further", lambda lang: "")
+
+
+def test_a_figure_whose_letters_are_missing_is_english_and_says_so(study, chinese, no_fonts, tmp_path):
+    with pytest.warns(fonts.FontWarning, match="in English, because no font .* install Noto Sans CJK SC"):
+        figure = al.plot(study, path=tmp_path / "a.png", lang="zh")
+    assert "averaging time τ (s)" in {text.get_text() for text in figure.findobj(Text)}
+
+
+def test_a_page_leaves_letters_that_are_missing_to_the_browser(study, chinese, no_fonts):
+    with pytest.warns(fonts.FontWarning, match="install Noto Sans CJK SC"):
+        written = page(study, lang="zh")
+    assert "平均时间 τ (s)</text>" in written
+
+
+@pytest.mark.skipif(not fonts.further("zh"), reason="no font with Chinese characters is installed")
+@pytest.mark.parametrize("form", ["png", "svg", "pdf"])
+def test_a_figure_has_chinese_letters(study, chinese, form):
+    with speaking("zh"):
+        figure = al.plot(study, lang="zh")
+        assert "平均时间 τ (s)" in {text.get_text() for text in figure.findobj(Text)}
+        data = style.encode(figure, form)  # a letter that is missing is a warning, and that an error
+    assert len(data) < 400_000
+
+
+def test_the_words_of_a_figure_are_phrases_until_it_is_done(study, chinese):
+    assert "averaging time τ (s)" in {text.get_text() for text in al.plot(study).findobj(Text)}
