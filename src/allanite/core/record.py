@@ -11,20 +11,24 @@ from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
+from .language import join, say
 from .plain import Value
 from .units import Signal, signal_with, unit_of
 
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
-    "rate": (0, 0, "the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)"),
+    "rate": (0, 0, say("the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)")),
     "increment": (
         1,
         0,
-        "the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)",
+        say("the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)"),
     ),
-    "angle": (1, 1, "the integrated angle at each instant, one point more than there are intervals"),
-    "count": (1, 0, "integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)"),
+    "angle": (1, 1, say("the integrated angle at each instant, one point more than there are intervals")),
+    "count": (1, 0, say("integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)")),
 }
+
+KIND_WORDS = {"rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count")}
+"""What each kind of record is called."""
 
 
 SHORTEST = 200
@@ -33,7 +37,7 @@ SHORTEST = 200
 
 def explain_kinds() -> str:
     """One sentence for each kind of record, for error messages."""
-    return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
+    return join("; ", (say("{kind!r} is {meaning}", kind=kind, meaning=row[2]) for kind, row in KINDS.items()))
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:

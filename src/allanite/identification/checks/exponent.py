@@ -13,7 +13,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.core.fit import EXPLAINED
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
@@ -158,12 +158,12 @@ def other_law(found: Found, plain: Found) -> Exponent | None:
 
 def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
     """The finding that the bias drift is not flicker."""
-    harm: str = say("B, K and Q are not meaningful as coefficients")
+    harm = say("B, K and Q are not meaningful as coefficients")
     begins = say("towards low frequencies")
     if law.corner:
         unit = signal.sheet[TERMS["N"].power]
         value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
-        harm += f"; N = {value:.4g} ± {error:.2g} {unit}"
+        harm = join("; ", (harm, f"N = {value:.4g} ± {error:.2g} {unit}"))
         begins = say("below {frequency:.2g} Hz", frequency=min(law.corner, found.seen.rate / 2))
     return Finding(
         "flicker exponent",
