@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from allanite.terms import TERMS
 
-from .estimate import Estimate
+from .estimate import STATUS_WORDS, Estimate
 from .fit import Fit
 from .language import Phrase, say
 from .readings import Readings, stability_over
@@ -76,18 +76,6 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
-REMARKS = {
-    "identified": "",
-    "weak": say("weak"),
-    "absent": say("not identified"),
-    "not valid": say("not valid"),
-    "not observable": say("not observable"),
-    "reported": say("reported"),
-    "negative": say("negative"),
-}
-"""Remark on a coefficient by its status."""
-
-
 def _name(e: Estimate) -> Phrase:
     return say("{term} {symbol}", term=title_of(e.symbol, e.signal), symbol=e.symbol)
 
@@ -111,7 +99,7 @@ def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
     scale = factor * convert(1.0, e.unit, unit)
-    remark = REMARKS[e.status]
+    remark = {"identified": "", "absent": say("not identified")}.get(e.status, STATUS_WORDS[e.status])
     if e.status == "not valid" or e.value is None:
         most = None if e.upper is None or e.status == "not valid" else e.upper * scale
         return Entry(quantity, None, None, most, unit, None, remark)

@@ -17,6 +17,17 @@ from .units import Signal, shown_unit
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""
 
+STATUS_WORDS = {
+    "identified": say("identified"),
+    "weak": say("weak"),
+    "absent": say("absent"),
+    "not observable": say("not observable"),
+    "not valid": say("not valid"),
+    "reported": say("reported"),
+    "negative": say("negative"),
+}
+"""Every status as it is shown."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Estimate(Value):

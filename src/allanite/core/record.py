@@ -209,12 +209,18 @@ def _plain(values: Any, unit: str) -> NDArray[Any]:
 def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
     if values.ndim != 1:
         raise DataError(
-            f"a record is one channel of shape (n,), not {values.shape}; make a Record of each column ({name})"
+            say(
+                "a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
+                shape=values.shape,
+                name=name,
+            )
         )
     if values.dtype.kind not in "fiub":
-        raise DataError(f"the samples of {name!r} are of type {values.dtype}, not real numbers")
+        raise DataError(
+            say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=values.dtype)
+        )
     if len(values) - KINDS[kind][1] < 2:
-        raise DataError(f"{name!r} has {len(values)} samples: too few for any statistic")
+        raise DataError(say("{name!r} has {count} samples: too few for any statistic", name=name, count=len(values)))
 
 
 def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
@@ -223,14 +229,19 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
         return np.ascontiguousarray(values, dtype=np.float64)
     if values.dtype.kind == "f":
         if not np.all(np.abs(values) < 2.0**63):
-            raise DataError(f"counts of {name!r} are not all finite 64-bit integers")
+            raise DataError(say("counts of {name!r} are not all finite 64-bit integers", name=name))
         if not np.all(values == np.floor(values)):
             first = int(np.argmax(values != np.floor(values)))
             raise DataError(
-                f"counts must be integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
+                say(
+                    "counts must be integers, but sample {first} of {name!r} is {value:g}; use kind='increment'",
+                    first=first,
+                    name=name,
+                    value=values[first],
+                )
             )
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
-        raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")
+        raise DataError(say("counts of {name!r} exceed the range of 64-bit integers", name=name))
     return np.ascontiguousarray(values, dtype=np.int64)
 
 
@@ -260,7 +271,7 @@ class Recording(Value):
     def __post_init__(self) -> None:
         names = self.channels
         if not names:
-            raise DataError("a recording needs at least one channel")
+            raise DataError(say("a recording needs at least one channel"))
         if len(set(names)) < len(names):
             raise UsageError(f"channel names must differ: {', '.join(names)}")
 

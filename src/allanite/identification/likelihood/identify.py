@@ -56,7 +56,7 @@ def whittle(
     """
     why = refusal(record)
     if why:
-        raise DataError(f"{record.name or 'the record'}: {why}")
+        raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
     asked = None if isinstance(band, str) else band
     found = look(record, terms, asked, rival=rival)
