@@ -37,7 +37,7 @@ METHODS: dict[str, Method] = {
     "joint": Method(
         say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record, joint,
         efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
-        statistic="oadev and ohdev", taus="octave",
+        statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
     ),
     "nnls": Method(
         say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
