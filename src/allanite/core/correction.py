@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from .arrays import FloatArray
+from .language import say
 from .plain import Value
 from .record import Record, Recording
 
@@ -60,4 +61,4 @@ class Correction(Value, ABC):
         Counts become increments of the same size, since corrected counts are not integers.
         """
         values = record.values - self.error(record, along) / record.factor
-        return record.with_values(values, f"corrected: {self.what}", start=record.start)
+        return record.with_values(values, say("corrected: {what}", what=self.what), start=record.start)

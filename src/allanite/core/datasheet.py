@@ -6,13 +6,17 @@ from typing import NamedTuple
 
 from allanite.terms import TERMS
 
-from .estimate import Estimate
+from .estimate import STATUS_WORDS, Estimate
 from .fit import Fit
-from .readings import Readings
+from .language import Phrase, say
+from .readings import Readings, stability_over
+from .titles import title_of
 from .units import convert
 
 ONE_SIDED = math.sqrt(2)
 """One-sided over two-sided amplitude spectral density."""
+
+BANDWIDTH = say("bandwidth (-3 dB)")
 
 
 class Entry(NamedTuple):
@@ -72,17 +76,17 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
-def _name(e: Estimate) -> str:
-    words = TERMS[e.symbol].title.replace("angle", e.signal.integral)
-    return f"{words if e.signal.name != 'accelerometer' else words.replace('rate', 'acceleration')} {e.symbol}"
+def _name(e: Estimate) -> Phrase:
+    return say("{term} {symbol}", term=title_of(e.symbol, e.signal), symbol=e.symbol)
 
 
 def _white(e: Estimate, level: float) -> Iterator[Entry]:
     for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS["N"].power])):
         yield _entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit)
-    for sides, factor, symbol in (("two", 1.0, "N"), ("one", ONE_SIDED, "sqrt(2) N")):
+    two, one = say("noise density, two-sided"), say("noise density, one-sided")
+    for quantity, factor, symbol in ((two, 1.0, "N"), (one, ONE_SIDED, "sqrt(2) N")):
         for unit in e.signal.density:
-            found = _entry(e, f"noise density, {sides}-sided", unit, level, factor)
+            found = _entry(e, quantity, unit, level, factor)
             yield found if found.remark else found._replace(remark=symbol)
 
 
@@ -90,12 +94,12 @@ def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
     yield _entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True)
     if e.symbol == "B":
         floor = math.sqrt(TERMS["B"].level)
-        yield _entry(e, f"flicker floor, {floor:.3f} B", e.sheet_unit, level, floor)
+        yield _entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor)
 
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
     scale = factor * convert(1.0, e.unit, unit)
-    remark = {"identified": "", "absent": "not identified"}.get(e.status, e.status)
+    remark = {"identified": "", "absent": say("not identified")}.get(e.status, STATUS_WORDS[e.status])
     if e.status == "not valid" or e.value is None:
         most = None if e.upper is None or e.status == "not valid" else e.upper * scale
         return Entry(quantity, None, None, most, unit, None, remark)
@@ -109,8 +113,10 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
-    remark = "minimum of the Allan deviation" if readings.inside else "upper limit: still falling"
-    yield Entry("in-run bias stability", point.deviation * factor, low * factor, high * factor, unit, point.tau, remark)
+    remark = say("minimum of the Allan deviation") if readings.inside else say("upper limit: still falling")
+    yield Entry(
+        say("in-run bias stability"), point.deviation * factor, low * factor, high * factor, unit, point.tau, remark
+    )
 
 
 def _stability(readings: Readings | None) -> Iterator[Entry]:
@@ -119,13 +125,15 @@ def _stability(readings: Readings | None) -> Iterator[Entry]:
     unit = readings.shown_unit(0)
     for means in readings.means:
         value = convert(means.value, readings.unit, unit)
-        yield Entry(f"{means.seconds:.4g} s stability", value, None, None, unit, means.seconds, f"{means.count} means")
+        remark = say("{count} means", count=means.count)
+        yield Entry(stability_over(means.seconds), value, None, None, unit, means.seconds, remark)
 
 
 def _bandwidth(fit: Fit, rate: float) -> Entry:
     behind = fit.scope.filter if fit.scope else None
     if behind is not None:
-        return Entry("bandwidth (-3 dB)", behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
+        return Entry(BANDWIDTH, behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
     if fit.scope is None or not fit.scope.whole:
-        return Entry("bandwidth (-3 dB)", None, None, None, "", None, "not determined")
-    return Entry("bandwidth (-3 dB)", None, None, None, "", None, f"no roll-off up to {rate / 2:.6g} Hz")
+        return Entry(BANDWIDTH, None, None, None, "", None, say("not determined"))
+    remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2)
+    return Entry(BANDWIDTH, None, None, None, "", None, remark)

@@ -8,6 +8,7 @@ from typing import Any
 from allanite.terms import TERMS
 
 from .encoding import finite
+from .language import Phrase, say
 from .limits import demand_level
 from .model import coefficient_factor
 from .plain import Value
@@ -15,6 +16,17 @@ from .units import Signal, shown_unit
 
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""
+
+STATUS_WORDS = {
+    "identified": say("identified"),
+    "weak": say("weak"),
+    "absent": say("absent"),
+    "not observable": say("not observable"),
+    "not valid": say("not valid"),
+    "reported": say("reported"),
+    "negative": say("negative"),
+}
+"""Every status as it is shown."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,15 +126,23 @@ class Estimate(Value):
         unit = unit or self.sheet_unit
         scale = 1 / coefficient_factor(self.symbol, unit, self.signal)
         if self.status == "not observable":
-            return f"not observable: {self.reason}"
-        if self.status == "not valid":
-            shown = "" if self.value is None else f" ({self.value * scale:.4g} {unit})"
-            return f"not valid{shown}: {self.reason}"
+            return say("not observable: {reason}", reason=self.reason)
         if self.value is None:
-            return "not identified" if self.upper is None else f"not identified, below {self.upper * scale:.3g} {unit}"
+            return self._missing(scale, unit)
+        if self.status == "not valid":
+            value = self.value * scale
+            return say("not valid ({value:.4g} {unit}): {reason}", value=value, unit=unit, reason=self.reason)
         low, high = self.interval(level)
         around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
         return f"{self.value * scale:.4g}{around} {unit}"
+
+    def _missing(self, scale: float, unit: str) -> Phrase:
+        """Why there is no value, and its limit."""
+        if self.status == "not valid":
+            return say("not valid: {reason}", reason=self.reason)
+        if self.upper is None:
+            return say("not identified")
+        return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from .language import join
 from .plain import Value
 
 
@@ -31,7 +32,7 @@ class Finding(Value):
     fatal: bool = False
 
     def __str__(self) -> str:
-        return "; ".join(part for part in (self.what, self.consequence, self.remedy) if part)
+        return join("; ", filter(None, (self.what, self.consequence, self.remedy)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,7 +44,7 @@ class Quality(Value):
     @property
     def refusal(self) -> str:
         """Why the record cannot support the job; empty if it can."""
-        return ". ".join(str(f) for f in self.findings if f.fatal)
+        return join(". ", (str(f) for f in self.findings if f.fatal))
 
     @property
     def warnings(self) -> tuple[Finding, ...]:

@@ -12,6 +12,7 @@ from .curve import Curve
 from .errors import UsageError
 from .estimate import Estimate
 from .finding import Finding
+from .language import Phrase, join, say
 from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
@@ -20,13 +21,20 @@ from .units import Signal
 EXPLAINED = 0.01
 """p-value of the goodness of fit below which the model does not explain the record."""
 
-REJECTED = "the model does not explain the record"
+REJECTED = say("the model does not explain the record")
 """Reason why the coefficients are not valid if the model does not explain the record."""
 
 
 def chance(p: float) -> str:
     """A p-value as text: ``p = 0.19``."""
     return f"p = {p:.2g}" if p > 1e-12 else "p < 1e-12"
+
+
+def tested(grade: str, scope: Scope | None, good: "Goodness | None") -> Phrase:
+    """A grade with the p-value of its test: ``explained (goodness of fit p = 0.29)``."""
+    if good is None:
+        return graded(grade, scope)
+    return say("{grade} (goodness of fit {p})", grade=graded(grade, scope), p=chance(good.p))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,7 +66,7 @@ class Goodness(Value):
     @property
     def verdict(self) -> str:
         """A sentence that states the grade."""
-        return "; ".join((f"{graded(self.grade)} (goodness of fit {chance(self.p)})", *self.reasons, *self.remarks))
+        return join("; ", (tested(self.grade, None, self), *self.reasons, *self.remarks))
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,9 +98,10 @@ class Line(Value):
         """Frequency and amplitude: ``12 Hz (amplitude 0.31 ± 0.02 deg/h)``."""
         unit = self.signal.sheet[0]
         size = coefficient_factor("Sine", unit, self.signal)
-        return (
-            f"{self.frequency:.6g} Hz (amplitude {self.amplitude / size:.3g} ± {self.standard_error / size:.2g} {unit})"
-        )
+        return say(
+            "{frequency:.6g} Hz (amplitude {amplitude:.3g} ± {error:.2g} {unit})",
+            frequency=self.frequency, amplitude=self.amplitude / size, error=self.standard_error / size, unit=unit,
+        )  # fmt: skip
 
     @property
     def unit(self) -> str:

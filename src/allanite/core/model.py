@@ -12,6 +12,7 @@ from allanite.terms import TERMS, NoiseTerm
 
 from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
+from .language import join, say
 from .plain import Value, demand_type
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
@@ -79,13 +80,13 @@ class Term(Value):
 
     def __str__(self) -> str:
         sheet = self.signal.sheet[self.row.power]
-        words = [f"{self.symbol} = {self.to(sheet):.4g} {sheet}"]
-        words += [
-            f"{p.name.replace('_', ' ')} {value:.4g} {p.unit}"
+        size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
+        shape = [
+            say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
             for p, value in zip(self.row.parameters, self.shape, strict=True)
             if value != p.default
         ]
-        return " with ".join(words[:2]) + "".join(f", {word}" for word in words[2:])
+        return say("{term} with {shape}", term=size, shape=join(", ", shape)) if shape else size
 
     _summary = __str__
 
@@ -239,7 +240,7 @@ class Model(Value):
         return iter(self.terms)
 
     def __str__(self) -> str:
-        return ", ".join(map(str, self.terms))
+        return join(", ", map(str, self.terms))
 
     _summary = __str__
 

@@ -8,8 +8,10 @@ from typing import Any, NamedTuple
 from allanite.terms import TERMS
 
 from .encoding import finite, plain
+from .language import Phrase, say
 from .limits import demand_level, quantile
 from .plain import Value
+from .titles import title_of
 from .units import Signal, convert, shown_unit
 
 WHITE = 0.1
@@ -81,7 +83,7 @@ class Quantity(NamedTuple):
 MINIMUM = "minimum"
 """Stands for the minimum of the Allan deviation where a coefficient has its symbol."""
 
-MINIMUM_TITLE = "minimum (in-run bias stability)"
+MINIMUM_TITLE = say("minimum (in-run bias stability)")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,26 +148,48 @@ class Readings(Value):
 
     def quantities(self, level: float = 0.95) -> list[Quantity]:
         """All values as the lines of a table."""
-        walk = TERMS["N"].title.replace("angle", self.signal.integral)
+        walk = title_of("N", self.signal)
         tau, root = self.usual.tau, math.sqrt(self.usual.tau)
-        there = "slope unknown there" if self.around is None else f"slope {self.around.value:.2f} there"
-        wrong = "" if self.white else ", not -0.5: not valid"
         found = [
-            _quantity(f"deviation at {tau:.4g} s", self.usual, level),
-            _quantity(f"as {walk}", self.usual, level, root, there + wrong)._replace(power=0.5),
+            _quantity(say("deviation at {tau:.4g} s", tau=tau), self.usual, level),
+            _quantity(say("as {walk}", walk=walk), self.usual, level, root, self._slope_there())._replace(power=0.5),
         ]
         if self.minimum is not None:
-            at = f"at {self.minimum.tau:.4g} s" + ("" if self.inside else ", the last point: an upper limit")
-            found.append(_quantity(MINIMUM_TITLE, self.minimum, level, 1.0, at))
-            found.append(_quantity("minimum / 0.664", self.minimum, level, FLICKER, "bias instability at most"))
+            tau = self.minimum.tau
+            inside, last = (
+                say("at {tau:.4g} s", tau=tau),
+                say("at {tau:.4g} s, the last point: an upper limit", tau=tau),
+            )
+            found.append(_quantity(MINIMUM_TITLE, self.minimum, level, 1.0, inside if self.inside else last))
+            most = say("bias instability at most")
+            found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
         found += [
-            Quantity(f"{m.seconds:.4g} s stability", m.seconds, m.value, math.nan, math.nan, 0, f"of {m.count} means")
+            Quantity(
+                stability_over(m.seconds),
+                m.seconds,
+                m.value,
+                math.nan,
+                math.nan,
+                0,
+                say("of {count} means", count=m.count),
+            )
             for m in self.means
         ]
         return found + [
-            Quantity(f"slope, {s.start:.4g} to {s.end:.4g} s", s.start, s.value, *s.interval(level), None)
+            Quantity(
+                say("slope, {start:.4g} to {end:.4g} s", start=s.start, end=s.end), s.start, s.value,
+                *s.interval(level), None,
+            )
             for s in self.slopes
-        ]
+        ]  # fmt: skip
+
+    def _slope_there(self) -> Phrase:
+        """The slope where the angle random walk is read."""
+        if self.around is None:
+            return say("slope unknown there, not -0.5: not valid")
+        if self.white:
+            return say("slope {slope:.2f} there", slope=self.around.value)
+        return say("slope {slope:.2f} there, not -0.5: not valid", slope=self.around.value)
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, data sheet and SI side by side."""
@@ -188,6 +212,11 @@ class Readings(Value):
     def _summary(self) -> str:
         unit = self.shown_unit(0)
         return f"{convert(self.usual.deviation, self.unit, unit):.4g} {unit} at {self.usual.tau:.4g} s"
+
+
+def stability_over(seconds: float) -> Phrase:
+    """The name of N-second stability."""
+    return say("{seconds:.4g} s stability", seconds=seconds)
 
 
 def _quantity(title: str, point: Reading, level: float, factor: float = 1.0, remark: str = "") -> Quantity:

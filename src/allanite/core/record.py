@@ -11,20 +11,24 @@ from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
+from .language import join, say
 from .plain import Value
 from .units import Signal, signal_with, unit_of
 
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
-    "rate": (0, 0, "the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)"),
+    "rate": (0, 0, say("the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)")),
     "increment": (
         1,
         0,
-        "the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)",
+        say("the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)"),
     ),
-    "angle": (1, 1, "the integrated angle at each instant, one point more than there are intervals"),
-    "count": (1, 0, "integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)"),
+    "angle": (1, 1, say("the integrated angle at each instant, one point more than there are intervals")),
+    "count": (1, 0, say("integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)")),
 }
+
+KIND_WORDS = {"rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count")}
+"""What each kind of record is called."""
 
 
 SHORTEST = 200
@@ -33,7 +37,7 @@ SHORTEST = 200
 
 def explain_kinds() -> str:
     """One sentence for each kind of record, for error messages."""
-    return "; ".join(f"{kind!r} is {meaning}" for kind, (_, _, meaning) in KINDS.items())
+    return join("; ", (say("{kind!r} is {meaning}", kind=kind, meaning=row[2]) for kind, row in KINDS.items()))
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
@@ -205,12 +209,18 @@ def _plain(values: Any, unit: str) -> NDArray[Any]:
 def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
     if values.ndim != 1:
         raise DataError(
-            f"a record is one channel of shape (n,), not {values.shape}; make a Record of each column ({name})"
+            say(
+                "a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
+                shape=values.shape,
+                name=name,
+            )
         )
     if values.dtype.kind not in "fiub":
-        raise DataError(f"the samples of {name!r} are of type {values.dtype}, not real numbers")
+        raise DataError(
+            say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=values.dtype)
+        )
     if len(values) - KINDS[kind][1] < 2:
-        raise DataError(f"{name!r} has {len(values)} samples: too few for any statistic")
+        raise DataError(say("{name!r} has {count} samples: too few for any statistic", name=name, count=len(values)))
 
 
 def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
@@ -219,14 +229,19 @@ def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
         return np.ascontiguousarray(values, dtype=np.float64)
     if values.dtype.kind == "f":
         if not np.all(np.abs(values) < 2.0**63):
-            raise DataError(f"counts of {name!r} are not all finite 64-bit integers")
+            raise DataError(say("counts of {name!r} are not all finite 64-bit integers", name=name))
         if not np.all(values == np.floor(values)):
             first = int(np.argmax(values != np.floor(values)))
             raise DataError(
-                f"counts must be integers, but sample {first} of {name!r} is {values[first]:g}; use kind='increment'"
+                say(
+                    "counts must be integers, but sample {first} of {name!r} is {value:g}; use kind='increment'",
+                    first=first,
+                    name=name,
+                    value=values[first],
+                )
             )
     elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
-        raise DataError(f"counts of {name!r} exceed the range of 64-bit integers")
+        raise DataError(say("counts of {name!r} exceed the range of 64-bit integers", name=name))
     return np.ascontiguousarray(values, dtype=np.int64)
 
 
@@ -256,7 +271,7 @@ class Recording(Value):
     def __post_init__(self) -> None:
         names = self.channels
         if not names:
-            raise DataError("a recording needs at least one channel")
+            raise DataError(say("a recording needs at least one channel"))
         if len(set(names)) < len(names):
             raise UsageError(f"channel names must differ: {', '.join(names)}")
 

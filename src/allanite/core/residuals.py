@@ -5,9 +5,10 @@ from typing import Any
 
 from .arrays import FloatArray
 from .finding import Finding
-from .fit import REJECTED, Fit, Goodness, chance
+from .fit import REJECTED, Fit, Goodness, chance, tested
+from .language import Phrase, join, say
 from .plain import Value
-from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, graded, worst
+from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, worst
 from .wording import spelled
 
 SURE = 1e-3
@@ -136,7 +137,7 @@ class Statement:
     points: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return "; ".join(filter(None, (self.head, *self.points)))
+        return join("; ", filter(None, (self.head, *self.points)))
 
 
 def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
@@ -145,20 +146,21 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
         return Statement("")
     good = fit.goodness if fit is not None else left.goodness if left is not None else None
     scope = None if fit is None else fit.scope
-    test = "" if good is None else f" (goodness of fit {chance(good.p)})"
     why = left.reasons if left is not None else good.reasons if good is not None else ()
     remarks = () if good is None else good.remarks
     told = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
-    wrong = tuple(f"{e.symbol} is not valid: {e.reason}" for e in told)
+    wrong = tuple(say("{symbol} is not valid: {reason}", symbol=e.symbol, reason=e.reason) for e in told)
     if grade == UNEXPLAINED:
         if good is not None and good.grade != UNEXPLAINED:  # a p-value that does not reject the model is omitted
-            said = f"{graded(grade)}, although the spectrum fits"
+            said = say("not explained, although the spectrum fits")
             return Statement(grade, said, (*why, *wrong, *remarks))
-        said = f"{graded(grade)}: no model of these terms explains the record{test}"
+        said = say("not explained: no model of these terms explains the record")
+        if good is not None:
+            said = say("{said} (goodness of fit {p})", said=said, p=chance(good.p))
         return Statement(grade, said, (*why, *wrong, *_tried(scope), *remarks))
-    widened = ("the intervals allow for the misfit",) if scope is not None and scope.misfit else ()
+    widened = (say("the intervals allow for the misfit"),) if scope is not None and scope.misfit else ()
     supposed = () if scope is None else scope.sentences
-    return Statement(grade, graded(grade, scope) + test, (*wrong, *widened, *why, *supposed, *remarks))
+    return Statement(grade, tested(grade, scope, good), (*wrong, *widened, *why, *supposed, *remarks))
 
 
 def _tried(scope: Scope | None) -> tuple[str, ...]:
@@ -167,12 +169,18 @@ def _tried(scope: Scope | None) -> tuple[str, ...]:
         return ()
     if scope.choice == "auto":
         return (
-            (
+            say(
                 "low-pass filters, masks and frequency bands were tried; with none of them do these terms explain the "
                 "record"
             ),
         )
-    return ("let the fit detect a filter and choose the band: " + spelled("--band auto", "band='auto'"),)
+    return (try_band(),)
+
+
+def try_band() -> Phrase:
+    """What to try if a band was chosen by hand."""
+    option = spelled("--band auto", "band='auto'")
+    return say("let the fit detect a filter and choose the band: {option}", option=option)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

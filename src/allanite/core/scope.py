@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from .arrays import FloatArray
 from .errors import UsageError
+from .language import Phrase, join, say
 from .plain import Value
 
 Band = str | tuple[float, float]
@@ -24,13 +25,13 @@ def worst(*grades: str) -> str:
     return max(filter(None, grades), key=GRADES.index, default="")
 
 
-def graded(grade: str, scope: "Scope | None" = None) -> str:
+def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
     """A grade as text: "explained", "explained within 4 %", "explained, with a reservation", "not explained"."""
     if grade == UNEXPLAINED:
-        return "not explained"
+        return say("not explained")
     if scope is not None and scope.misfit:
-        return f"explained within {100 * scope.within:.2g} %"
-    return "explained, with a reservation" if grade == APPROXIMATE else grade
+        return say("explained within {share:.2g} %", share=100 * scope.within)
+    return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
 
 
 def demand_band(band: object) -> None:
@@ -74,8 +75,12 @@ class LowPass(Value):
 
     def words(self) -> str:
         """The filter as text: ``2nd-order low-pass, -3 dB at 25.1 Hz (24.8 .. 25.4)``."""
-        folded = ", above half the sampling rate" if self.cutoff > self.rate / 2 else ""
-        return f"{self.title}, -3 dB at {self.cutoff:.3g} Hz ({self.low:.3g} .. {self.high:.3g}){folded}"
+        where = {"filter": self.title, "cutoff": self.cutoff, "low": self.low, "high": self.high}
+        if self.cutoff > self.rate / 2:
+            return say(
+                "{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g}), above half the sampling rate", **where
+            )
+        return say("{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g})", **where)
 
     def _summary(self) -> str:
         return self.words()
@@ -150,25 +155,34 @@ class Scope(Value):
     @property
     def sentences(self) -> tuple[str, ...]:
         """The assumptions beyond the terms, as text; empty if there are none."""
-        said = (
-            [(f"the samples are low-pass filtered: {self.filter.words()}; the model includes the filter")]
-            if self.filter
-            else []
-        )
+        said = []
+        if self.filter:
+            found = self.filter.words()
+            said.append(say("the samples are low-pass filtered: {filter}; the model includes the filter", filter=found))
         if self.masks:
-            out = [(f"{low:.3g} to {high:.3g} Hz", self._loud(low, high)) for low, high in self.masks]
+            out = [
+                (say("{low:.3g} to {high:.3g} Hz", low=low, high=high), self._loud(low, high))
+                for low, high in self.masks
+            ]
             loud, stop = ([where for where, one in out if one is kind] for kind in (True, False))
             reasons = (
-                (loud, "excess power there: vibration or a resonance"),
-                (stop, "stop band of the filter"),
+                (loud, say("excess power there: vibration or a resonance")),
+                (stop, say("stop band of the filter")),
             )
-            said += [f"excluded from the fit: {', '.join(where)} ({why})" for where, why in reasons if where]
+            said += [
+                say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
+                for where, why in reasons
+                if where
+            ]
         if self.limited:
             low, high = self.band
-            slowest = f"{0.25 / low:.3g} s" if low else "the whole record"
+            slowest = f"{0.25 / low:.3g} s" if low else say("the whole record")
             said.append(
-                f"the model holds from {low:.3g} to {high:.3g} Hz, that is, from {0.5 / high:.2g} s to {slowest}"
-            )
+                say(
+                    "the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to {slowest}",
+                    low=low, high=high, fastest=0.5 / high, slowest=slowest,
+                )
+            )  # fmt: skip
         return (*said, *self.remarks)
 
     def _loud(self, low: float, high: float) -> bool:

@@ -10,6 +10,7 @@ from .arrays import FloatArray, IntArray
 from .curve import Curve, Law
 from .encoding import plain
 from .errors import UsageError
+from .language import say
 from .model import Model
 from .plain import Value
 from .units import convert
@@ -84,7 +85,7 @@ class Surface(Value):
             unit=self.unit,
             rate=self.rate,
             name=self.name,
-            history=(*self.history, f"window of {self.window:g} s at {self.time[i]:g} s"),
+            history=(*self.history, say("window of {length:g} s at {time:g} s", length=self.window, time=self.time[i])),
             noise=self.noise,
             law=self.law if there.all() else None,
             supposes=self.supposes if there.all() else None,

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from .errors import UnitError
+from .language import say
 
 Dimension = tuple[float, ...]
 """Powers of the quantities in `BASES`: halves and quarters, which a float represents exactly."""
@@ -189,7 +190,9 @@ def convert(value: float, unit: str, to: str) -> float:
 
 @dataclass(frozen=True)
 class Signal:
-    """A type of sensor output, its SI unit, and the SI and data-sheet units of signal x time^p by the power p.
+    """A type of sensor output: its SI unit, what it and its integral are called, and its other units.
+
+    `si` and `sheet` are the SI and data-sheet units of signal x time^p by the power p.
 
     `inertial`: the output of a gyro or accelerometer; the other types are recorded along with them, or converted to a
     rate. `density` are the units in which data sheets give the amplitude spectral density of white noise.
@@ -197,6 +200,7 @@ class Signal:
 
     name: str
     unit: str
+    quantity: str
     integral: str
     si: dict[float, str]
     sheet: dict[float, str]
@@ -213,37 +217,45 @@ class Signal:
         return signal_named, (self.name,)
 
 
-def _plain(name: str, unit: str) -> Signal:
+def _plain(name: str, unit: str, quantity: str) -> Signal:
     """A signal whose noise has no data-sheet units of its own."""
     units = {1: f"{unit}*s", 0.5: f"{unit}*sqrt(s)", 0: unit, -0.5: f"{unit}/sqrt(s)", -1: f"{unit}/s"}
-    return Signal(name, unit, f"integrated {name}", units, units, density=(f"{unit}/sqrt(Hz)",))
+    return Signal(
+        name,
+        unit,
+        quantity,
+        say("integrated {quantity}", quantity=quantity),
+        units,
+        units,
+        density=(f"{unit}/sqrt(Hz)",),
+    )
 
 
 SIGNALS = (
     Signal(
-        "gyro", "rad/s", "angle",
+        "gyro", "rad/s", say("rate"), say("angle"),
         {1: "rad", 0.5: "rad/sqrt(s)", 0: "rad/s", -0.5: "rad/s^1.5", -1: "rad/s^2"},
         {1: "arcsec", 0.5: "deg/sqrt(h)", 0: "deg/h", -0.5: "deg/h/sqrt(h)", -1: "deg/h^2"},
         inertial=True,
         density=("deg/s/sqrt(Hz)", "deg/h/sqrt(Hz)"),
     ),
     Signal(
-        "accelerometer", "m/s^2", "velocity",
+        "accelerometer", "m/s^2", say("acceleration"), say("velocity"),
         {1: "m/s", 0.5: "m/s^1.5", 0: "m/s^2", -0.5: "m/s^2.5", -1: "m/s^3"},
         {1: "m/s", 0.5: "m/s/sqrt(h)", 0: "ug", -0.5: "ug/sqrt(h)", -1: "ug/h"},
         inertial=True,
         density=("ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"),
     ),
     Signal(
-        "dimensionless", "1", "time",
+        "dimensionless", "1", say("signal"), say("time"),
         {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
         {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
     ),
-    _plain("current", "A"),
-    _plain("voltage", "V"),
-    _plain("temperature", "K"),
-    _plain("displacement", "m"),
-    _plain("flux density", "T"),
+    _plain("current", "A", say("current")),
+    _plain("voltage", "V", say("voltage")),
+    _plain("temperature", "K", say("temperature")),
+    _plain("displacement", "m", say("displacement")),
+    _plain("flux density", "T", say("flux density")),
 )  # fmt: skip
 
 

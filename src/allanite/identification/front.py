@@ -7,6 +7,7 @@ from typing import Any, TypedDict, Unpack, overload
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
 from allanite.core.scope import Band, demand_band
 from allanite.core.wording import spelled
@@ -24,38 +25,39 @@ from .methods import Method, symbols_of
 
 METHODS: dict[str, Method] = {
     "whittle": Method(
-        "Whittle likelihood of binned cosine-transform powers, intervals averaged over models", Record, whittle,
-        efficiency="0.93 to 1.14 times the Cramer-Rao bound",
+        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record, whittle,
+        efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
         options=("band", "lines", "rival"), shapes=True, signed=True,
     ),
     "gls": Method(
-        "generalized least squares of a curve with the covariance of its points under the model", Curve, gls,
-        efficiency="0.96 to 1.19 times the Cramer-Rao bound",
+        say("generalized least squares of a curve with the covariance of its points under the model"), Curve, gls,
+        efficiency=say("0.96 to 1.19 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
-        "non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom", Record, joint,
-        efficiency="0.96 to 1.38 times the Cramer-Rao bound",
-        statistic="oadev and ohdev", taus="octave",
+        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record, joint,
+        efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
+        statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
     ),
     "nnls": Method(
-        "non-negative least squares with equal relative weights up to T/10 (for comparison with programs)", Curve, nnls,
-        efficiency="1.11 to 9.73 times the Cramer-Rao bound",
+        say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
+        Curve, nnls,
+        efficiency=say("1.11 to 9.73 times the Cramer-Rao bound"),
         statistic="oadev", taus="log", reads=lambda row: row.readable,
     ),
     "piecewise": Method(
-        "lines of the textbook slopes through ranges of averaging times (for comparison)", Curve, piecewise,
-        efficiency="3.91 to 84.9 times the Cramer-Rao bound",
+        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve, piecewise,
+        efficiency=say("3.91 to 84.9 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
     ),
     "ls": Method(
-        "unweighted least squares of the Allan variance (for comparison with papers)", Curve, least_squares,
-        efficiency="1.13 to 151 times the Cramer-Rao bound",
+        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve, least_squares,
+        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
     "slopes": Method(
-        "lines of the textbook slopes on the Allan deviation (for comparison)", Curve, slopes,
-        efficiency="1.85 to 65100 times the Cramer-Rao bound",
+        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
+        efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
 }  # fmt: skip
@@ -215,7 +217,7 @@ def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str,
         except DataError as error:
             refusals.append(str(error))
     if not fits:
-        raise DataError("; ".join(refusals))
+        raise DataError(join("; ", refusals))
     return fits
 
 
@@ -223,9 +225,8 @@ def _noted(fit: Fit, found: robust.Outliers, record: Record) -> Fit:
     """The fit with a note on the outliers that it excludes."""
     if not found.at.size:
         return fit
-    note = (
-        f"{found.words(record)}: excluded from the fit ("
-        + spelled("--outliers keep", "outliers='keep'")
-        + " includes them)"
-    )
+    note = say(
+        "{outliers}: excluded from the fit ({option} includes them)",
+        outliers=found.words(record), option=spelled("--outliers keep", "outliers='keep'"),
+    )  # fmt: skip
     return replace(fit, notes=(*fit.notes, note))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from allanite.core.finding import Finding, Quality
+from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.wording import spelled
 
@@ -45,12 +46,19 @@ def _moved(carried: list[int], records: Sequence[Record], qualities: Sequence[Qu
     worst = min(motions, key=lambda i: (not motions[i].fatal, i))
     same_size = len({(records[i].size, records[i].rate) for i in carried}) == 1
     cure = still_words([records[i] for i in carried]) if same_size else motions[worst].remedy
+    option = spelled("--channels", "channels=...")
     told = replace(
-        motions[worst], name="body moved", what=f"the body moved: {records[worst].name or 'a channel'} "
-        f"{motions[worst].what}", remedy=
-            f"{cure}; leave out channels that are not part of this body ({spelled('--channels', 'channels=...')})"
-        ,
-    )  # fmt: skip
+        motions[worst],
+        name="body moved",
+        what=say(
+            "the body moved: {channel} {motion}",
+            channel=records[worst].name or say("a channel"),
+            motion=motions[worst].what,
+        ),
+        remedy=say(
+            "{remedy}; leave out channels that are not part of this body ({option})", remedy=cure, option=option
+        ),
+    )
     result = []
     for i in carried:
         own = [replace(f, remedy=cure) if f.name == "moving" else f for f in qualities[i].findings]
@@ -66,8 +74,11 @@ def _levels(at: int, carried: list[int], records: Sequence[Record], qualities: S
         return []
     name, first = changes[0]
     others = ", ".join(other for other, _ in changes[1:])
-    what = f"{name or 'another channel'}, on the same body: {first.what}"
-    what += f"; so does that of {others}" if others else ""
+    what = say("{channel}, on the same body: {level}", channel=name or say("another channel"), level=first.what)
+    if others:
+        what = join("; ", (what, say("so does that of {channels}", channels=others)))
     return [
-        Finding("body level", what, "a disturbance of one axis may also affect the others", first.remedy, first.place)
+        Finding(
+            "body level", what, say("a disturbance of one axis may also affect the others"), first.remedy, first.place
+        )
     ]

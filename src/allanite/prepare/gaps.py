@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.language import join, say
 from allanite.core.record import SHORTEST, Record
 from allanite.core.wording import windowing
 from allanite.terms import NoiseTerm
@@ -18,7 +19,7 @@ from allanite.terms import NoiseTerm
 EXACT = 64
 """Number of coefficients for which the positions of the joints matter; above, their average effect is used."""
 
-FEW = f"too few for noise coefficients (at least {SHORTEST})"
+FEW = say("too few for noise coefficients (at least {count})", count=SHORTEST)
 
 LEAST = 0.1
 """Share of the samples that must remain."""
@@ -157,29 +158,40 @@ def refusal(record: Record) -> str:
     '850 of 1000 samples are missing; 150 remain, too few for noise coefficients (at least 200)'
     """
     if record.size < SHORTEST:
-        return f"{record.size} samples are {FEW}"
+        return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
     if record.values.dtype.kind != "f" or np.isfinite(record.values.sum(dtype=np.float64)):
         return ""
     infinite = np.isinf(record.values)
     if infinite.any():
-        return (
-            f"{infinite.sum()} of {infinite.size} samples are infinite, the first at sample "
-            f"{int(infinite.argmax())}; if they are missing, replace them by NaN"
+        return say(
+            "{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
+            "missing, replace them by NaN",
+            infinite=infinite.sum(),
+            size=infinite.size,
+            first=int(infinite.argmax()),
         )
     gaps = joined(record)[1]
     left, pieces = gaps.size, gaps.at.size + 1
-    lost = f"{record.size - left} of {record.size} samples are missing"
+    lost = say("{lost} of {size} samples are missing", lost=record.size - left, size=record.size)
     reasons = (
-        (left < SHORTEST, f"{left} remain, {FEW}"),
+        (left < SHORTEST, say("{left} remain, {too_few}", left=left, too_few=FEW)),
         (
             left < LEAST * record.size,
-            f"less than a tenth remains, too little to determine slow noise; choose a window ({windowing()})",
+            say(
+                "less than a tenth remains, too little to determine slow noise; choose a window ({choice})",
+                choice=windowing(),
+            ),
         ),
         (
             left - pieces < NEIGHBOURS * left,
-            f"of {left} that remain, {left - pieces} are followed by the next one: isolated samples cannot separate "
-            f"rate noise from angle noise; choose a window ({windowing()}); if only one of several samples was "
-            "recorded, give the rate of the recorded ones",
+            say(
+                "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
+                "rate noise from angle noise; choose a window ({choice}); if only one of several samples was "
+                "recorded, give the rate of the recorded ones",
+                left=left,
+                followed=left - pieces,
+                choice=windowing(),
+            ),
         ),
     )
-    return next((f"{lost}; {reason}" for holds, reason in reasons if holds), "")
+    return next((join("; ", (lost, reason)) for holds, reason in reasons if holds), "")

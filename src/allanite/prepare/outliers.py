@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
+from allanite.core.language import say, say_count
 from allanite.core.limits import quantile
 from allanite.core.record import Record
 
@@ -49,9 +50,14 @@ class Outliers:
 
     def words(self, record: Record) -> str:
         """``3 outliers beyond 5.6 standard deviations, the first at 12.34 s, the largest 31``."""
-        count = f"{self.at.size} outlier" + ("s" if self.at.size > 1 else "")
-        first = f"the first at {record.cut + self.at[0] / record.rate:.6g} s"
-        return f"{count} beyond {self.limit:.2g} standard deviations, {first}, the largest {self.largest:.3g}"
+        return say_count(
+            self.at.size,
+            "{count} outlier beyond {limit:.2g} standard deviations, the first at {first:.6g} s, the largest "
+            "{largest:.3g}",
+            "{count} outliers beyond {limit:.2g} standard deviations, the first at {first:.6g} s, the largest "
+            "{largest:.3g}",
+            limit=self.limit, first=record.cut + self.at[0] / record.rate, largest=self.largest,
+        )  # fmt: skip
 
 
 def outliers(record: Record) -> Outliers:
@@ -97,7 +103,7 @@ def marked(record: Record, found: Outliers) -> Record:
     """
     if not found.at.size:
         return record
-    what = f"{found.words(record)}: marked as missing"
+    what = say("{outliers}: marked as missing", outliers=found.words(record))
     points = _wrong_points(record, found.at)
     if points.size:
         values = record.values.copy()

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.finding import Finding, Quality
+from allanite.core.language import say, say_count
 from allanite.core.record import SHORTEST, Record
-from allanite.core.wording import between, percent, plural
+from allanite.core.wording import between, percent
 
 from .gaps import refusal
 from .readings import clipped, outliers, quantized, stuck
@@ -45,18 +46,22 @@ def _out_of_range(record: Record) -> Finding | None:
             return None
     bad = ~np.isfinite(record.values)
     if bad.all():
-        what = f"{bad.sum()} of {bad.size} samples are not finite"
-        return Finding("not finite", what, remedy="check the column and the reader's options", fatal=True)
+        what = say("{bad} of {size} samples are not finite", bad=bad.sum(), size=bad.size)
+        return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
     if not bad.any():
-        what = "the samples are too large to be summed"
-        return Finding("range", what, remedy="check the unit and type", fatal=True)
+        what = say("the samples are too large to be summed")
+        return Finding("range", what, remedy=say("check the unit and type"), fatal=True)
     return None
 
 
 def _too_little(record: Record) -> Finding | None:
     why = refusal(record)
     name = "too short" if record.size < SHORTEST else "too little left"
-    return Finding(name, why, remedy="record for longer" if record.size < SHORTEST else "", fatal=True) if why else None
+    return (
+        Finding(name, why, remedy=say("record for longer") if record.size < SHORTEST else "", fatal=True)
+        if why
+        else None
+    )
 
 
 def _constant(record: Record) -> Finding | None:
@@ -65,8 +70,10 @@ def _constant(record: Record) -> Finding | None:
         steps = steps[np.isfinite(steps)]
         if not steps.size or steps.min() != steps.max():
             return None
-    what = f"the signal never changes (always {steps[0]:.10g})"
-    return Finding("constant", what, remedy="check that the sensor is connected and this is its column", fatal=True)
+    what = say("the signal never changes (always {value:.10g})", value=steps[0])
+    return Finding(
+        "constant", what, remedy=say("check that the sensor is connected and this is its column"), fatal=True
+    )
 
 
 def _gaps(view: View) -> Finding | None:
@@ -83,11 +90,19 @@ def _gaps(view: View) -> Finding | None:
     start, end, first, last = (view.record.cut + at / view.rate for at in (start, end, first, last + 1))
     return Finding(
         "gaps",
-        f"{lost} of {size} samples are missing ({percent(lost / size)}), in {plural(holes.size, 'gap')}, the first "
-        f"from {start:.6g} s",
-        "gaps are not filled: the fit joins the remaining samples and accounts for the joints, curves use complete "
-        "windows only",
-        f"the longest stretch without a gap: {between(first, last)}",
+        say(
+            "{lost} of {size} samples are missing ({share}), in {gaps}, the first from {start:.6g} s",
+            lost=lost,
+            size=size,
+            share=percent(lost / size),
+            gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
+            start=start,
+        ),
+        say(
+            "gaps are not filled: the fit joins the remaining samples and accounts for the joints, curves use "
+            "complete windows only"
+        ),
+        say("the longest stretch without a gap: {selection}", selection=between(first, last)),
         (start, end),
     )
 
@@ -97,9 +112,9 @@ def _short(view: View) -> Finding | None:
         return None
     return Finding(
         "short",
-        f"the record is only {view.record.duration:.4g} s long",
-        "bias instability, rate random walk and ramp are rarely identified in less than ten minutes",
-        "record for longer",
+        say("the record is only {duration:.4g} s long", duration=view.record.duration),
+        say("bias instability, rate random walk and ramp are rarely identified in less than ten minutes"),
+        say("record for longer"),
     )
 
 

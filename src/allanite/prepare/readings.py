@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from allanite.core.finding import Finding
-from allanite.core.wording import percent, plural, spelled, windowing
+from allanite.core.language import join, say, say_count
+from allanite.core.wording import percent, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding
@@ -33,10 +34,15 @@ def stuck(view: View) -> Finding | None:
     lost = int((bad[:, 1] - bad[:, 0]).sum())
     return Finding(
         "stuck",
-        f"the output is stuck in {plural(len(bad), 'place')}, the first from {view.seconds(first):.6g} s to "
-        f"{view.seconds(last):.6g} s; {lost} samples in all",
-        "repeated values of a sensor or logger make the noise look smaller",
-        f"choose a window without it ({windowing()})",
+        say(
+            "the output is stuck in {places}, the first from {first:.6g} s to {last:.6g} s; {lost} samples in all",
+            places=say_count(len(bad), "{count} place", "{count} places"),
+            first=view.seconds(first),
+            last=view.seconds(last),
+            lost=lost,
+        ),
+        say("repeated values of a sensor or logger make the noise look smaller"),
+        say("choose a window without it ({choice})", choice=windowing()),
         (view.seconds(first), view.seconds(last)),
     )
 
@@ -44,7 +50,7 @@ def stuck(view: View) -> Finding | None:
 def clipped(view: View) -> Finding | None:
     """The largest or smallest value occurs more often than the next one."""
     y = view.steps
-    for edge, side in ((y.max(), "upper"), (y.min(), "lower")):
+    for edge, side in ((y.max(), say("upper")), (y.min(), say("lower"))):
         at = y == edge
         count = int(at.sum())
         if count < 10:
@@ -55,10 +61,17 @@ def clipped(view: View) -> Finding | None:
             first, last = int(at.argmax()), at.size - 1 - int(at[::-1].argmax())
             return Finding(
                 "clipped",
-                f"{count} samples are equal to the {side} value, {float(edge):.6g}, the first at "
-                f"{view.seconds(first):.6g} s, the last at {view.seconds(last):.6g} s",
-                "the noise beyond the range of the sensor is missing, and the coefficients are too small",
-                f"use a larger range, or a window without it ({windowing()})",
+                say(
+                    "{count} samples are equal to the {side} value, {edge:.6g}, the first at {first:.6g} s, the last "
+                    "at {last:.6g} s",
+                    count=count,
+                    side=side,
+                    edge=float(edge),
+                    first=view.seconds(first),
+                    last=view.seconds(last),
+                ),
+                say("the noise beyond the range of the sensor is missing, and the coefficients are too small"),
+                say("use a larger range, or a window without it ({choice})", choice=windowing()),
                 (view.seconds(first), view.seconds(last + 1)),
             )
     return None
@@ -70,27 +83,34 @@ def quantized(view: View) -> Finding | None:
     if not found.coarse:
         return None
     size = found.step * (view.record.scale or 1.0)
-    what = f"{found.counted}quantized to {size:.4g} {view.record.unit}, fast noise {found.noise:.2g} step"
+    step = say(
+        "quantized to {size:.4g} {unit}, fast noise {noise:.2g} step",
+        size=size, unit=view.record.unit, noise=found.noise,
+    )  # fmt: skip
+    what = join(", ", filter(None, (found.counted, step)))
     if found.undithered:
         return Finding(
             "no dither",
             what,
-            "the rounding error depends on the signal and is not a noise; N and Q are not meaningful",
-            "use a finer output of the sensor, or add dither before rounding",
+            say("the rounding error depends on the signal and is not a noise; N and Q are not meaningful"),
+            say("use a finer output of the sensor, or add dither before rounding"),
         )
     return Finding(
         "quantized",
         what,
-        "rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q",
-        "use a finer output of the sensor if N matters",
+        say("rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q"),
+        say("use a finer output of the sensor if N matters"),
     )
 
 
 def _why(view: View, found: Outliers) -> str:
     """Why samples beyond the limit are not outliers."""
     if found.heavy > MOST * view.steps.size:
-        return f"more than {percent(MOST)} of all: another noise rather than single outliers"
-    return f"and more than Gaussian noise has beyond {TAIL * found.limit:.2g}: heavy tails rather than single outliers"
+        return say("more than {share} of all: another noise rather than single outliers", share=percent(MOST))
+    return say(
+        "and more than Gaussian noise has beyond {tail:.2g}: heavy tails rather than single outliers",
+        tail=TAIL * found.limit,
+    )
 
 
 def outliers(view: View) -> Finding | None:
@@ -99,9 +119,14 @@ def outliers(view: View) -> Finding | None:
     if found.heavy:
         return Finding(
             "heavy tails",
-            f"{plural(found.heavy, 'sample')} beyond {found.limit:.2g} standard deviations, {_why(view, found)}",
-            "the noise is not Gaussian, or its level changes quickly: the intervals are too narrow",
-            "inspect the samples; none are excluded",
+            say(
+                "{samples} beyond {limit:.2g} standard deviations, {why}",
+                samples=say_count(found.heavy, "{count} sample", "{count} samples"),
+                limit=found.limit,
+                why=_why(view, found),
+            ),
+            say("the noise is not Gaussian, or its level changes quickly: the intervals are too narrow"),
+            say("inspect the samples; none are excluded"),
         )
     if not found.at.size:
         return None
@@ -109,8 +134,11 @@ def outliers(view: View) -> Finding | None:
     return Finding(
         "outliers",
         found.words(view.record),
-        "each of them adds to curves and spectra at all short averaging times",
-        f"exclude them there, too ({spelled('--outliers mark', 'prepare.mark_outliers')}), or choose a window without "
-        f"them ({windowing()})",
+        say("each of them adds to curves and spectra at all short averaging times"),
+        say(
+            "exclude them there, too ({option}), or choose a window without them ({choice})",
+            option=spelled("--outliers mark", "prepare.mark_outliers"),
+            choice=windowing(),
+        ),
         (cut + float(found.at[0]) / view.rate, cut + float(found.at[-1] + 1) / view.rate),
     )

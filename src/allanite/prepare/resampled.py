@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.wording import percent
 
 from .view import View
@@ -18,10 +19,10 @@ DEPTH = 0.08
 0.3.
 """
 
-CONSEQUENCE = (
+CONSEQUENCE = say(
     "successive samples are not independent, and the results at the shortest averaging times reflect the resampling"
 )
-REMEDY = "analyze the original output of the sensor, at its own rate"
+REMEDY = say("analyze the original output of the sensor, at its own rate")
 
 
 def resampled(view: View) -> Finding | None:
@@ -43,9 +44,11 @@ def _held(view: View) -> Finding | None:
     if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
         return None
     rate = view.rate * (1 - same.size / view.steps.size)
-    what = (
-        f"every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at "
-        f"{view.rate:.6g} Hz"
+    what = say(
+        "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
+        usual=usual,
+        rate=rate,
+        sampled=view.rate,
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 
@@ -67,9 +70,12 @@ def _interpolated(view: View) -> Finding | None:
     if spectrum[at] < 30 * around or depth < max(DEPTH, 3 * _narrow(bends)):
         return None
     beat = at * view.rate / power.size
-    what = (
-        f"the power of the fast noise is modulated at {beat:.5g} Hz by {percent(depth)}: the samples were "
-        f"interpolated, from {view.rate - beat:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz"
+    what = say(
+        "the power of the fast noise is modulated at {beat:.5g} Hz by {share}: the samples were "
+        "interpolated, from {rate:.6g} Hz or another rate that differs by a multiple of {beat:.5g} Hz",
+        beat=beat,
+        share=percent(depth),
+        rate=view.rate - beat,
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
 

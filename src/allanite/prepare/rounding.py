@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 
 COARSE = 0.5
 """Quantization step over the standard deviation of the fast noise above which the step affects the results."""
@@ -57,8 +58,8 @@ class Rounding:
 
     @property
     def counted(self) -> str:
-        """``3 distinct values, `` if there are few."""
-        return f"{self.codes} distinct values, " if self.codes <= FEW_CODES else ""
+        """``3 distinct values`` if there are few."""
+        return say("{count} distinct values", count=self.codes) if self.codes <= FEW_CODES else ""
 
 
 def rounding(y: NDArray[Any], fast: float) -> Rounding:

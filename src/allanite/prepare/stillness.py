@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.core.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
@@ -22,7 +23,7 @@ MOVING = 20.0
 TOO_BUSY = 0.02
 """Share of moving blocks above which the record cannot support an analysis."""
 
-AT_REST = "noise can be determined only from a static recording"
+AT_REST = say("noise can be determined only from a static recording")
 
 PARTS = 8
 """Number of parts of a record whose noise levels are compared."""
@@ -39,8 +40,12 @@ def moving(view: View) -> Finding | None:
     first = int(loud.argmax()) * view.span
     return Finding(
         "moving",
-        f"moves from {view.seconds(first):.4g} s (RMS over {MOVING:g} times that of the quietest tenth in "
-        f"{percent(float(loud.mean()))} of the blocks)",
+        say(
+            "moves from {first:.4g} s (RMS over {times:g} times that of the quietest tenth in {share} of the blocks)",
+            first=view.seconds(first),
+            times=MOVING,
+            share=percent(float(loud.mean())),
+        ),
         AT_REST,
         still_words([view.record]),
         (view.seconds(first), view.seconds((loud.size - int(loud[::-1].argmax())) * view.span)),
@@ -63,9 +68,9 @@ def still_words(records: Sequence[Record]) -> str:
     """The choice that selects the longest static stretch of these records."""
     found = still_stretch(records)
     if found is None:
-        return "no stretch of it is static: record again with the sensor at rest"
+        return say("no stretch of it is static: record again with the sensor at rest")
     start, end = found
-    return f"the longest static stretch: {between(start, end)}"
+    return say("the longest static stretch: {selection}", selection=between(start, end))
 
 
 def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
@@ -129,10 +134,15 @@ def level(view: View) -> Finding | None:
     lowest, highest = math.sqrt(ratio.min()), math.sqrt(ratio.max())
     return Finding(
         "level",
-        f"the noise level changes by a factor of {highest / lowest:.3g} between parts; it differs from "
-        f"{view.seconds(odd[0]):.4g} s to {view.seconds(odd[1]):.4g} s",
-        "one set of coefficients describes neither part",
-        f"analyze the parts separately ({windowing()})",
+        say(
+            "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
+            "to {end:.4g} s",
+            ratio=highest / lowest,
+            start=view.seconds(odd[0]),
+            end=view.seconds(odd[1]),
+        ),
+        say("one set of coefficients describes neither part"),
+        say("analyze the parts separately ({choice})", choice=windowing()),
         (view.seconds(odd[0]), view.seconds(odd[1])),
     )
 
@@ -163,9 +173,9 @@ def lines(view: View) -> Finding | None:
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
         "lines",
-        f"spectral lines at {named} Hz contain {percent(share)} of the power",
-        "vibration or sway makes humps in the curve that no noise term describes",
-        "isolate the sensor",
+        say("spectral lines at {frequencies} Hz contain {share} of the power", frequencies=named, share=percent(share)),
+        say("vibration or sway makes humps in the curve that no noise term describes"),
+        say("isolate the sensor"),
     )
 
 
@@ -226,9 +236,16 @@ def slope(view: View) -> Finding | None:
     tau = factors[last + 1] / record.rate
     return Finding(
         "slope",
-        f"slope near {slopes[last]:.1f} at {tau:.3g} s, {before[last]:+.1f} before: no five-term model has such a "
-        "curve",
-        "N is not meaningful here",
-        f"look for motion or vibration; choose a quieter window ({spelled('--quiet-window', 'prepare.quiet_window')})",
+        say(
+            "slope near {slope:.1f} at {tau:.3g} s, {before:+.1f} before: no five-term model has such a curve",
+            slope=slopes[last],
+            tau=tau,
+            before=before[last],
+        ),
+        say("N is not meaningful here"),
+        say(
+            "look for motion or vibration; choose a quieter window ({option})",
+            option=spelled("--quiet-window", "prepare.quiet_window"),
+        ),
         (0.0, record.duration),
     )

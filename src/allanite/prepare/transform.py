@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.errors import UsageError, given
+from allanite.core.language import say
 from allanite.core.record import KINDS, Record
 from allanite.statistics.table import statistic_named
 
@@ -45,7 +46,7 @@ def detrend(record: Record, statistic: str) -> Record:
     y = np.asarray(record.values, dtype=np.float64)
     t = np.arange(y.size) - (y.size - 1) / 2
     slope = float(t @ y / (t @ t))
-    what = f"ramp of {slope * record.rate:.6g} {record.unit} per second removed"
+    what = say("ramp of {slope:.6g} {unit} per second removed", slope=slope * record.rate, unit=record.unit)
     return record.with_values(y - slope * t, what, start=record.start)
 
 
@@ -64,7 +65,9 @@ def block_means(record: Record, m: int) -> Record:
         blocks = record.values[: count * m].reshape(count, m)
         kept = blocks.mean(axis=1) if record.kind == "rate" else blocks.sum(axis=1)
     left = record.size - (len(kept) - KINDS[record.kind][1]) * m
-    what = f"blocks of {m} samples" + (f", the last {left} samples omitted" if left else "")
+    what = say("blocks of {size} samples", size=m)
+    if left:
+        what = say("blocks of {size} samples, the last {left} samples omitted", size=m, left=left)
     return replace(record, values=kept, rate=record.rate / m, history=(*record.history, what))
 
 
@@ -84,7 +87,11 @@ def decimate(record: Record, factor: int) -> Record:
     offset = record.constant
     filtered = oaconvolve(np.asarray(record.values, dtype=np.float64) - offset, taps, mode="valid") + offset
     start = (record.start or 0.0) + (taps.size // 2) / record.rate
-    what = f"low-pass filtered at {0.4 * record.rate / factor:.6g} Hz and every {factor}th sample kept"
+    what = say(
+        "low-pass filtered at {frequency:.6g} Hz and every {factor}th sample kept",
+        frequency=0.4 * record.rate / factor,
+        factor=factor,
+    )
     return replace(
         record,
         values=np.ascontiguousarray(filtered[:: int(factor)]),

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.record import Record, Recording
 
 
@@ -41,11 +42,17 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
     first, last = round(start * record.rate), round(end * record.rate)
     if last - first < 2:
         raise DataError(
-            f"the window from {start:.10g} s to {end:.10g} s contains {last - first} samples of {record.name!r}"
+            say(
+                "the window from {start:.10g} s to {end:.10g} s contains {count} samples of {channel!r}",
+                start=start,
+                end=end,
+                count=last - first,
+                channel=record.name,
+            )
         )
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
-    what = f"cut from {record.cut + start:g} s to {record.cut + end:g} s"
+    what = say("cut from {start:g} s to {end:g} s", start=record.cut + start, end=record.cut + end)
     part = record.with_values(record.values[first : last + extra], what, start=origin)
     return replace(part, cut=record.cut + first / record.rate)
 

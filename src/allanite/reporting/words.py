@@ -1,14 +1,17 @@
 """Sentences of the table, the page and the figures."""
 
 import math
+from collections.abc import Mapping
+from typing import Any, Self
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
+from allanite.core.language import Catalogue, Phrase, join, say, say_count
 from allanite.core.model import coefficient_factor
-from allanite.core.record import Record
+from allanite.core.record import KIND_WORDS, Record
 from allanite.core.scope import UNEXPLAINED, graded
-from allanite.core.units import Signal
+from allanite.core.titles import title_of
 from allanite.core.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.identification.front import METHODS
 from allanite.terms import TERMS
@@ -17,29 +20,42 @@ from .digits import Digits, digits
 from .sheet import printed_unit
 
 SENSORS = {
-    "gyro": "gyroscope",
-    "accelerometer": "accelerometer",
-    "dimensionless": "sensor of a dimensionless signal",
-    "current": "current sensor",
-    "voltage": "voltmeter",
-    "temperature": "thermometer",
-    "displacement": "displacement sensor",
-    "flux density": "magnetometer",
+    "gyro": say("gyroscope"),
+    "accelerometer": say("accelerometer"),
+    "dimensionless": say("sensor of a dimensionless signal"),
+    "current": say("current sensor"),
+    "voltage": say("voltmeter"),
+    "temperature": say("thermometer"),
+    "displacement": say("displacement sensor"),
+    "flux density": say("magnetometer"),
 }
-RATES = {"gyro": "rate", "accelerometer": "acceleration", "dimensionless": "signal"} | {
-    name: name for name in ("current", "voltage", "temperature", "displacement", "flux density")
+A_SENSOR = {
+    "gyro": say("a gyroscope"),
+    "accelerometer": say("an accelerometer"),
+    "dimensionless": say("a sensor of a dimensionless signal"),
+    "current": say("a current sensor"),
+    "voltage": say("a voltmeter"),
+    "temperature": say("a thermometer"),
+    "displacement": say("a displacement sensor"),
+    "flux density": say("a magnetometer"),
 }
+"""The sensor of a signal, alone and with an article."""
 
 STATUS = {
-    "identified": "relative standard error at most 25 %",
-    "weak": "relative standard error above 25 %: an order of magnitude, not a specification",
-    "absent": "not identified; the limit is the one-sided 95 % upper limit",
-    "not observable": "cannot be determined from the part of the record that was used, for the reason given",
-    "not valid": "the model does not explain the record, or its measured curve contradicts the value: not a result",
-    "reported": "by a method that gives no evidence for the term: it may be absent",
-    "negative": "the estimated square of the coefficient is negative: the method finds no such term",
+    "identified": say("relative standard error at most 25 %"),
+    "weak": say("relative standard error above 25 %: an order of magnitude, not a specification"),
+    "absent": say("not identified; the limit is the one-sided 95 % upper limit"),
+    "not observable": say("cannot be determined from the part of the record that was used, for the reason given"),
+    "not valid": say(
+        "the model does not explain the record, or its measured curve contradicts the value: not a result"
+    ),
+    "reported": say("by a method that gives no evidence for the term: it may be absent"),
+    "negative": say("the estimated square of the coefficient is negative: the method finds no such term"),
 }
 """What each status means."""
+
+
+title = title_of
 
 
 def grade(fit: Fit) -> str:
@@ -49,13 +65,35 @@ def grade(fit: Fit) -> str:
         return ""
     # where the coefficients or the residuals say no, the p value of the spectrum is no reason
     shown = fit.validity != UNEXPLAINED or good.grade == UNEXPLAINED
-    return graded(fit.validity, fit.scope) + (f", {chance(good.p)}" if shown else "")
+    return join(", ", (graded(fit.validity, fit.scope), *([chance(good.p)] if shown else [])))
 
 
-def title(symbol: str, signal: Signal) -> str:
-    """The name of a term for its sensor: an accelerometer has a velocity random walk."""
-    words = TERMS[symbol].title.replace("rate", RATES[signal.name])
-    return words.replace("angle", signal.integral)
+class Capital(Phrase):
+    """A phrase that begins with a capital letter, in any language."""
+
+    __slots__ = ()
+
+    def __new__(cls, templates: tuple[str, ...], fields: Mapping[str, Any]) -> Self:
+        """As for a phrase."""
+        made = str.__new__(cls, _capital(Phrase(templates, fields)))
+        made.templates, made.fields = templates, fields
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Capital, (self.templates, dict(self.fields))
+
+    def within(self, catalogue: Catalogue) -> str:
+        """The phrase in the language of a catalogue."""
+        return _capital(super().within(catalogue))
+
+
+def capital(text: str) -> Capital:
+    """A text that begins with a capital letter."""
+    return Capital(("{text}",), {"text": text})
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def symbol(estimate: Estimate) -> str:
@@ -76,17 +114,17 @@ def _ramp(estimate: Estimate) -> bool:
 
 def named(estimate: Estimate, level: float) -> str:
     """The name of an estimate's term, and its shape if it has one."""
-    return ", ".join((title(estimate.symbol, estimate.signal), *shapes(estimate, level)))
+    return join(", ", (title(estimate.symbol, estimate.signal), *shapes(estimate, level)))
 
 
 def shapes(estimate: Estimate, level: float) -> list[str]:
     """The shape parameters of an estimate: ``T = 20 (15 .. 28) s``."""
     limits = estimate.shape_limits(level) if estimate.shape_limits else ((math.nan, math.nan),) * len(estimate.shape)
-    parts = []
+    parts = list[str]()
     for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
         number, interval = digits(value, low, high).plain()
-        letter = parameter.letter or parameter.name.replace("_", " ")
-        parts.append(f"{letter} = {number}{f' ({interval})' if interval else ''} {parameter.unit}")
+        shown = f"{number}{f' ({interval})' if interval else ''} {parameter.unit}"
+        parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
     return parts
 
 
@@ -106,9 +144,9 @@ def limit(estimate: Estimate, unit: str) -> Digits | None:
     return digits(estimate.upper / coefficient_factor(estimate.symbol, unit, estimate.signal), figures=2)
 
 
-def below(estimate: Estimate) -> str:
-    """The word before a limit: a ramp has a sign, its size is limited."""
-    return "size below" if _ramp(estimate) else "below"
+def below(estimate: Estimate, most: str) -> Phrase:
+    """A limit with the word before it: a ramp has a sign, its size is limited."""
+    return say("size below {limit}", limit=most) if _ramp(estimate) else say("below {limit}", limit=most)
 
 
 def in_print(estimate: Estimate, unit: str, level: float) -> str:
@@ -116,16 +154,23 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
     number, most = shown(estimate, unit, level), limit(estimate, unit)
     if number is not None:
         return f"{number.pretty()} {printed_unit(unit)}"
-    return f"{below(estimate)} {most.pretty()} {printed_unit(unit)}" if most else ""
+    return below(estimate, f"{most.pretty()} {printed_unit(unit)}") if most else ""
 
 
 def about(record: Record | Header) -> str:
     """The record of a channel: ``gyroscope, rate in deg/h, 100 Hz, 360000 samples, 1 h``."""
     sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
-    length = duration(record.duration)
-    kind = RATES[record.signal.name] if record.kind == "rate" and not record.signal.inertial else record.kind
-    return f"{sensor}, {kind} in {scale}{record.unit}, {record.rate:.8g} Hz, {record.size} samples, {length}"
+    plain = record.kind == "rate" and not record.signal.inertial
+    return say(
+        "{sensor}, {kind} in {unit}, {rate:.8g} Hz, {samples}, {length}",
+        sensor=sensor,
+        kind=record.signal.quantity if plain else KIND_WORDS[record.kind],
+        unit=f"{scale}{record.unit}",
+        rate=record.rate,
+        samples=say_count(record.size, "{count} sample", "{count} samples"),
+        length=duration(record.duration),
+    )
 
 
 def percent(share: float, figures: int = 6) -> str:
@@ -135,7 +180,7 @@ def percent(share: float, figures: int = 6) -> str:
 
 def interval(level: float) -> str:
     """The heading of confidence limits: ``95 % interval``."""
-    return f"{percent(level)} interval"
+    return say("{share} interval", share=percent(level))
 
 
 def probability(p: float, least: float = 1e-12) -> str:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.errors import UnitError, UsageError, given
-from allanite.core.model import ModelLike, model_of
+from allanite.core.language import Phrase, say
+from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.record import Record
 from allanite.statistics.row import FloatArray
 
@@ -92,8 +93,7 @@ def simulate(
     y -= y.mean()
     if rounded is not None:
         y = _rounded(y, rounded.value * math.sqrt(12) * rate, rng)
-    said = f"simulated: {model}" + (f", {rounded.symbol} by rounding" if rounded is not None else "")
-    record = Record(y, rate, unit or model.signal.unit, name=name, history=(said,))
+    record = Record(y, rate, unit or model.signal.unit, name=name, history=(_story(model, rounded),))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
     y /= record.factor
@@ -155,3 +155,10 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
     if walk:
         noise[1:] += walk * np.cumsum(rng.standard_normal(n - 1))
     return noise
+
+
+def _story(model: Model, rounded: Term | None) -> Phrase:
+    """What the history says of a simulated record."""
+    if rounded is None:
+        return say("simulated: {model}", model=str(model))
+    return say("simulated: {model}, {symbol} by rounding", model=str(model), symbol=rounded.symbol)

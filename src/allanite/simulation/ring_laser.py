@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.model import Model, N, Q
 from allanite.core.record import Record
 from allanite.statistics.row import FloatArray
@@ -144,7 +145,7 @@ def simulate_ring_laser(
         kind="count",
         scale=gyro.pulse,
         name=name,
-        history=(f"simulated ring laser turning at {turning:g} deg/h: {gyro}",),
+        history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning, gyro=str(gyro)),),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
+from allanite.core.language import join, say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, model_of
 from allanite.core.record import Record
@@ -198,8 +199,10 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     whole = count > 0
     if (named and whole.any()) or whole.all():
         return whole
-    largest = f"; the largest with one is {m[whole].max()}" if whole.any() else ""
-    raise DataError(f"the gaps leave no complete window of {row.name} at averaging factor {m[~whole].min()}{largest}")
+    none = say("the gaps leave no complete window of {statistic} at averaging factor {m}", statistic=row.name,
+               m=m[~whole].min())  # fmt: skip
+    largest = [say("the largest with one is {m}", m=m[whole].max())] if whole.any() else []
+    raise DataError(join("; ", (none, *largest)))
 
 
 def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
@@ -217,7 +220,12 @@ def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) 
         return told
     first = int(np.flatnonzero(~told)[0])
     raise DataError(
-        f"where samples are missing the angle is open, and angle noise makes {row.name} {1 / factor[first]:.3g} "
-        f"times that of the record without gaps at averaging factor {m[first]}, so that it carries no information; "
-        "use shorter times, or a record of the angle"
+        say(
+            "where samples are missing the angle is open, and angle noise makes {statistic} {factor:.3g} times "
+            "that of the record without gaps at averaging factor {m}, so that it carries no information; use "
+            "shorter times, or a record of the angle",
+            statistic=row.name,
+            factor=1 / factor[first],
+            m=m[first],
+        )
     )

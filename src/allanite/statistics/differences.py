@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from allanite.core.language import say
 from allanite.statistics.fast.everytau import dense, split
 
 from .row import FloatArray, IntArray, Statistic, Window, binomial_window, constant, interleaved
@@ -22,7 +23,7 @@ def _window(m: int) -> Window:
 
 OADEV = Statistic(
     name="oadev",
-    title="overlapping Allan deviation",
+    title=say("overlapping Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} (x_{i+2m} - 2x_{i+m} + x_i)^2",
     reference="NIST SP 1065 eq. 11; IEEE Std 952",
     meaning="The typical change of the mean rate over tau from one interval to the next.",
@@ -43,7 +44,7 @@ OADEV = Statistic(
 ADEV = replace(
     OADEV,
     name="adev",
-    title="Allan deviation",
+    title=say("Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (J-2)} \sum_{j=0}^{J-3} (x_{(j+2)m} - 2x_{(j+1)m} + x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
     reference="D. W. Allan, Proc. IEEE 54, 1966; NIST SP 1065 eq. 8; IEEE Std 952",
@@ -58,7 +59,7 @@ ADEV = replace(
 HAAR = replace(
     OADEV,
     name="haar",
-    title="Haar wavelet (MODWT) deviation",
+    title=say("Haar wavelet (MODWT) deviation"),
     formula=r"\nu^2(\tau) = \tfrac12\,\mathrm{OAVAR}(\tau), \quad \tau = 2^{j-1} \tau_0 \text{ at level } j",
     reference="D. B. Percival & A. T. Walden, Wavelet Methods for Time Series Analysis, 2000, section 8.6",
     meaning="The wavelet variance of the Haar filter: the variance of the rate by time scale.",
@@ -69,7 +70,7 @@ HAAR = replace(
 
 OHDEV = Statistic(
     name="ohdev",
-    title="overlapping Hadamard deviation",
+    title=say("overlapping Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (n+1-3m)} \sum_{i=0}^{n-3m} (x_{i+3m} - 3x_{i+2m} + 3x_{i+m} - x_i)^2",
     reference="NIST SP 1065 eq. 18; R. A. Baugh, 1971",
     meaning="Like the Allan deviation, but of the change of the rate: a constant ramp of the rate cancels.",
@@ -90,7 +91,7 @@ OHDEV = Statistic(
 HDEV = replace(
     OHDEV,
     name="hdev",
-    title="Hadamard deviation",
+    title=say("Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (J-3)} \sum_{j=0}^{J-4} (x_{(j+3)m} - 3x_{(j+2)m} + 3x_{(j+1)m} - x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
     reference="NIST SP 1065 eq. 17; R. A. Baugh, 1971",
@@ -104,7 +105,7 @@ HDEV = replace(
 
 MDEV = Statistic(
     name="mdev",
-    title="modified Allan deviation",
+    title=say("modified Allan deviation"),
     formula=r"\frac{1}{2\tau^2 m^2 (n+2-3m)} \sum_{j=0}^{n+1-3m} \Bigl[ \sum_{i=j}^{j+m-1} "
     r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2",
     reference="D. W. Allan & J. A. Barnes, 1981; NIST SP 1065 eq. 14",
@@ -128,7 +129,7 @@ MDEV = Statistic(
 TDEV = replace(
     MDEV,
     name="tdev",
-    title="time deviation (TDEV) of the angle",
+    title=say("time deviation (TDEV) of the angle"),
     formula=r"\frac{\tau^2}{3}\,\mathrm{MVAR}(\tau)",
     reference="NIST SP 1065 eq. 15",
     meaning="The angle error that accumulates over tau, in the unit of the angle.",

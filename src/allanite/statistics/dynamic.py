@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import KINDS, Record
 from allanite.core.surface import Surface
@@ -118,7 +119,9 @@ def _samples(record: Record, window: float | None, step: float | None) -> tuple[
 
 def _part(record: Record, start: int, samples: int) -> Record:
     stop = start + samples + KINDS[record.kind][1]
-    return record.with_values(record.values[start:stop], f"window of {samples} samples at sample {start}")
+    return record.with_values(
+        record.values[start:stop], say("window of {count} samples at sample {start}", count=samples, start=start)
+    )
 
 
 def _complete(record: Record, samples: int) -> Record:
@@ -150,7 +153,14 @@ def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve, threads: 
                 continue
             found.variance[i], found.number[i], found.factor[i] = one
     if reason is not None and not found.number.any():
-        raise DataError(f"no window of {parts[0].name!r} supports {row.name}: {reason}") from None
+        raise DataError(
+            say(
+                "no window of {channel!r} supports {statistic}: {reason}",
+                channel=parts[0].name,
+                statistic=row.name,
+                reason=reason,
+            )
+        ) from None
     return found
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.wording import windowing
 
@@ -62,7 +63,10 @@ def integrated(record: Record, order: int) -> Angle:
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
         raise DataError(
-            f"{record.name!r} has no two successive samples that are finite; no differences can be computed"
+            say(
+                "{channel!r} has no two successive samples that are finite; no differences can be computed",
+                channel=record.name,
+            )
         )
     return Angle(long, record.size, record.factor * (record.interval if record.kind == "rate" else 1.0))
 
@@ -111,8 +115,12 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
         raise DataError(
-            f"{row.name} folds the record back at its ends and is not defined for a record with gaps; use another "
-            f"statistic (oadev, theo1, mtotdev), or select a window without gaps ({windowing()})"
+            say(
+                "{statistic} folds the record back at its ends and is not defined for a record with gaps; use "
+                "another statistic (oadev, theo1, mtotdev), or select a window without gaps ({choice})",
+                statistic=row.name,
+                choice=windowing(),
+            )
         )
     if m.size > 1 and not np.all(m[1:] >= m[:-1]):
         order = np.argsort(m, kind="stable")
@@ -179,12 +187,15 @@ def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -
     last = (angle.size + 1) // divisor - 3
     if last < 0:
         raise DataError(
-            f"TheoBR needs at least {3 * divisor - 1} samples for its bias ratio, but there are {angle.size}; use "
-            "theo1, or oadev"
+            say(
+                "TheoBR needs at least {least} samples for its bias ratio, but there are {size}; use theo1, or oadev",
+                least=3 * divisor - 1,
+                size=angle.size,
+            )
         )
     i = np.arange(last + 1)
     allan, theo = (windows(row, angle, m, threads) for row, m in ((OADEV, 9 + 3 * i), (theo1, 12 + 4 * i)))
     both = (allan.number > 0) & (theo.number > 0)
     if not both.any():
-        raise DataError("the gaps leave no window of 12 samples for the bias ratio of TheoBR; use oadev")
+        raise DataError(say("the gaps leave no window of 12 samples for the bias ratio of TheoBR; use oadev"))
     return float(np.mean(allan.variance[both] / theo.variance[both]))

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 
@@ -75,8 +76,14 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     blocks = int(whole.sum())
     if blocks < 2:
         raise DataError(
-            f"{record.name!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
-            f"possible time is {record.duration / 2:g} s"
+            say(
+                "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
+                "possible time is {longest:g} s",
+                channel=record.name,
+                blocks=blocks,
+                seconds=seconds,
+                longest=record.duration / 2,
+            )
         )
     value = float(np.std(means[whole], ddof=1))
     expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
@@ -109,7 +116,7 @@ def minimum(curve: Curve) -> Minimum:
     """
     known = curve.edf >= KNOWN if curve.law is not None else np.ones(curve.tau.size, dtype=bool)
     if not known.any():
-        raise DataError(f"no point of the curve has {KNOWN:g} degrees of freedom; record longer")
+        raise DataError(say("no point of the curve has {least:g} degrees of freedom; record longer", least=KNOWN))
     lowest = int(np.where(known, curve.deviation, np.inf).argmin())
     last = int(np.flatnonzero(known)[-1])
     value = float(curve.deviation[lowest])

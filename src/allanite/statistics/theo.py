@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.language import say
 from allanite.statistics.fast.theofft import split, theo1_sums
 from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
 
@@ -39,7 +40,7 @@ def _kept(slope: float, share: float) -> float:
 
 THEO1 = Statistic(
     name="theo1",
-    title="Theo1 deviation",
+    title=say("Theo1 deviation"),
     formula=r"\frac{1}{0.75 (n+1-m) (m\tau_0)^2} \sum_{i=0}^{n-m} \sum_{d=0}^{m/2-1} \frac{1}{m/2-d} "
     r"\bigl[ (x_i - x_{i-d+m/2}) + (x_{i+m} - x_{i+d+m/2}) \bigr]^2, \quad \tau = 0.75\,m\,\tau_0",
     reference="D. A. Howe & T. K. Peppler, 2003; D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 eq. 30 "
@@ -85,7 +86,7 @@ THEO1 = Statistic(
 THEOBR = replace(
     THEO1,
     name="theobr",
-    title="TheoBR deviation (Theo1, bias removed)",
+    title=say("TheoBR deviation (Theo1, bias removed)"),
     formula=r"k_f\,\mathrm{Theo1}(\tau), \quad k_f = \frac{1}{p+1} \sum_{i=0}^{p} "
     r"\frac{\mathrm{OAVAR}(m = 9+3i)}{\mathrm{Theo1}(m = 12+4i)}, \quad p = \lfloor (n+1)/30 - 3 \rfloor",
     reference="D. A. Howe, Metrologia 43, 2006; J. A. Taylor & D. A. Howe, 2010",
@@ -102,7 +103,7 @@ THEOBR = replace(
 THEOH = replace(
     THEOBR,
     name="theoh",
-    title="TheoH deviation (oadev, then TheoBR)",
+    title=say("TheoH deviation (oadev, then TheoBR)"),
     formula=r"\mathrm{OAVAR}(\tau) \text{ for } \tau \le 0.2\,T, \quad \mathrm{TheoBR}(\tau) \text{ beyond}",
     reference="J. A. Taylor & D. A. Howe, 2010; NIST SP 1065 section 5.2.16",
     meaning="One curve from the sample interval to three quarters of the record.",

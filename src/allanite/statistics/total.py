@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.language import say
+
 from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
@@ -54,7 +56,7 @@ def _rate_window(m: int) -> Window:
 
 TOTDEV = Statistic(
     name="totdev",
-    title="total deviation",
+    title=say("total deviation"),
     formula=r"\frac{1}{2\tau^2 (n-1)} \sum_{i=1}^{n-1} (x^*_{i-m} - 2x^*_i + x^*_{i+m})^2, \quad "
     r"x^*_{-j} = 2x_0 - x_j, \quad x^*_{n+j} = 2x_n - x_{n-j}",
     reference="D. A. Howe, 1995; C. A. Greenhall, D. A. Howe & D. B. Percival, IEEE UFFC 46, 1999; NIST SP 1065 eq. 25",
@@ -82,7 +84,7 @@ TOTDEV = Statistic(
 
 MTOTDEV = Statistic(
     name="mtotdev",
-    title="modified total deviation",
+    title=say("modified total deviation"),
     formula=r"\frac{1}{2\tau^2 (n+2-3m)} \sum_{k=0}^{n+1-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{window of } 3m \text{ points less its half-mean "
     r"slope, folded back at both ends}",
@@ -112,7 +114,7 @@ MTOTDEV = Statistic(
 TTOTDEV = replace(
     MTOTDEV,
     name="ttotdev",
-    title="time total deviation (TTOTDEV) of the angle",
+    title=say("time total deviation (TTOTDEV) of the angle"),
     formula=r"\frac{\tau^2}{3}\,\mathrm{MTOT}(\tau)",
     reference="NIST SP 1065 eq. 28 (which prints tau^3: a misprint)",
     meaning="The time deviation with every window extended by reflection.",
@@ -125,7 +127,7 @@ TTOTDEV = replace(
 HTOTDEV = replace(
     MTOTDEV,
     name="htotdev",
-    title="Hadamard total deviation",
+    title=say("Hadamard total deviation"),
     formula=r"\frac{1}{6 (n+1-3m)} \sum_{k=0}^{n-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{as in mtotdev, of the rate}",
     reference="D. A. Howe et al., FCS 2000; NIST SP 1065 eq. 29",

@@ -12,6 +12,7 @@ from allanite.core.encoding import read as read_plain
 from allanite.core.encoding import write
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding, Quality
+from allanite.core.language import join, say
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.record import Record, Recording
 from allanite.core.version import __version__
@@ -213,7 +214,7 @@ def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
 def _result(
     seen: Inspected, work: Callable[[Inspected], Result], refused: Callable[[Inspected, str], Result], fatal: str
 ) -> Result:
-    why = fatal or "; ".join(f"{which}{q.refusal}" for which, q in seen.numbered if q.refusal)
+    why = fatal or join("; ", (join("", (which, q.refusal)) for which, q in seen.numbered if q.refusal))
     if why:
         return refused(seen, why)
     try:
@@ -271,7 +272,12 @@ def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
         reasons: dict[str, list[str]] = {}
         for name, result in zip(names, results, strict=True):
             reasons.setdefault(result.refusal, []).append(name or "the record")
-        raise DataError("; ".join(f"{', '.join(which)}: {why}" for why, which in reasons.items()))
+        raise DataError(
+            join(
+                "; ",
+                (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items()),
+            )
+        )
 
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:

@@ -9,6 +9,7 @@ import numpy as np
 from allanite import statistics
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.identification import identify
@@ -140,17 +141,17 @@ def of_record(record: Record) -> Supposed:
         except DataError as error:
             why = str(error)
     noise, words = supposed("auto")
-    return Supposed(noise, f"{words}: the noise was not identified, {why}")
+    return Supposed(noise, say("{intervals}: the noise was not identified, {reason}", intervals=words, reason=why))
 
 
 def _unfit(record: Record) -> str:
     """Why the noise of a record is not identified; empty if it can be tried."""
     if record.signal.name == "dimensionless":
-        return "as these are frequency stability data"
+        return say("as these are frequency stability data")
     quality = inspect(record)
     if quality.refusal:
         return quality.refusal
     steps = record.steps
     if record.kind == "rate" and np.mean(steps[1:] == steps[:-1]) > REPEATED:
-        return "as most samples repeat the previous one"
+        return say("as most samples repeat the previous one")
     return next((finding.what for finding in quality.findings if finding.name == "resampled"), "")

@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Sequence
 
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.core.wording import percent
 from allanite.prepare.drift import follows
@@ -34,10 +35,14 @@ def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -
             found.append(
                 Finding(
                     "drift",
-                    f"the drift of {', '.join(shares)} follows {other.name}, up to {percent(largest)} of the variance "
-                    "of block means",
-                    "B, K and R partly represent the sensitivity to it",
-                    f"remove it: {compensation(recording.source, recipe, other.name)}",
+                    say(
+                        "the drift of {channels} follows {column}, up to {share} of the variance of block means",
+                        channels=", ".join(shares),
+                        column=other.name,
+                        share=percent(largest),
+                    ),
+                    say("B, K and R partly represent the sensitivity to it"),
+                    say("remove it: {command}", command=compensation(recording.source, recipe, other.name)),
                 )
             )
     return tuple(found)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from allanite.core.finding import Quality
+from allanite.core.language import join, say
 from allanite.core.record import Record
 
 
@@ -30,10 +31,12 @@ class Inspected:
     @property
     def alerts(self) -> tuple[str, ...]:
         """The findings to report with the results, with the number of the record if there are several."""
-        return tuple(f"{which}{finding}" for which, q in self.numbered for finding in q.warnings)
+        return tuple(join("", (which, str(finding))) for which, q in self.numbered for finding in q.warnings)
 
     @property
     def numbered(self) -> list[tuple[str, Quality]]:
         """The findings about each record, and their prefix: the number of the record if there are several."""
         many = len(self.records) > 1
-        return [(f"record {i}: " if many else "", quality) for i, quality in enumerate(self.qualities, 1)]
+        return [
+            (say("record {number}: ", number=i) if many else "", quality) for i, quality in enumerate(self.qualities, 1)
+        ]

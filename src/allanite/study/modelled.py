@@ -13,6 +13,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.plain import Value, from_dict
 from allanite.core.record import Record
@@ -69,7 +70,7 @@ class Modelled(Value):
         absent = (
             e for e in self.fit or () if e.value is None and (e.upper is not None or e.status == "not observable")
         )
-        return ", ".join(f"{e.symbol} {e.words()}" for e in absent)
+        return join(", ", (say("{symbol} {words}", symbol=e.symbol, words=e.words()) for e in absent))
 
     @cached_property
     def curve(self) -> Curve | None:
@@ -166,7 +167,7 @@ def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe,
     bias = settings.bias(noise.model.signal.unit)
     if noise.size is not None and not bias and all(t.symbol == "N" for t in noise.model):
         raise DataError(
-            "only white noise was identified, which belongs to the measurement: a filter needs no states for it"
+            say("only white noise was identified, which belongs to the measurement: a filter needs no states for it")
         )
     low, high = settings.tau
     return state_space(
@@ -237,7 +238,7 @@ def run_model_job(
         record, noise = seen.record, noise_of(seen.record, recipe)
         model = noise.fit.valid or noise.fit.model
         if not any(t.row.waveform is None and t.value for t in model):
-            raise DataError("no noise was identified")
+            raise DataError(say("no noise was identified"))
         result = work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name))
         alerts = (*noise.doubts, *_left_out(noise), *seen.alerts)
         return Modelled(record.name, record.rate, record, seen.quality, noise, result, alerts)
@@ -248,7 +249,14 @@ def run_model_job(
 def _left_out(noise: Noise) -> list[str]:
     """Terms that the model lacks because their coefficients are not valid; of an unexplained record it has them all."""
     wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
-    return [f"{e.symbol} is left out of the model because its coefficient is not valid: {e.reason}" for e in wrong]
+    return [
+        say(
+            "{symbol} is left out of the model because its coefficient is not valid: {reason}",
+            symbol=e.symbol,
+            reason=e.reason,
+        )
+        for e in wrong
+    ]
 
 
 def _refused(seen: Inspected, why: str) -> Modelled:

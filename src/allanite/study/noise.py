@@ -9,6 +9,7 @@ from allanite.core.encoding import plain, read, write
 from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
+from allanite.core.language import say
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.record import Record, header_dict
@@ -119,7 +120,12 @@ def noise_of(
         lines=lines,
     )
     if row is not None and row.allowed and not readable:
-        note = f"method {recipe.method!r} cannot fit {recipe.statistic}: the coefficients are those of {row.statistic}"
+        note = say(
+            "method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
+            method=recipe.method,
+            statistic=recipe.statistic,
+            other=row.statistic,
+        )
         fit = replace(fit, notes=(*fit.notes, note))
     if fit.goodness is None:
         return Noise(fit)

@@ -8,6 +8,7 @@ from typing import Any
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
@@ -206,5 +207,5 @@ def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...
     try:
         noise = noise_of(record, recipe)
     except DataError as error:
-        return None, (f"noise not identified, so no model is shown: {error}",)
+        return None, (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
     return noise, noise.doubts

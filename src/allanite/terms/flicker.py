@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from allanite.core.language import say
+
 from .row import FloatArray, NoiseTerm
 
 LN2 = math.log(2.0)
@@ -81,8 +83,8 @@ def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
 
 FLICKER = NoiseTerm(
     symbol="B",
-    title="bias instability",
-    meaning="flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B",
+    title=say("bias instability"),
+    meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
     formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
     reference="IEEE Std 952",
     power=0.0,

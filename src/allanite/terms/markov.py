@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.core.language import say
+
 from .row import Block, FloatArray, NoiseTerm, Parameter
 
 SMALL = 0.05
@@ -99,10 +101,10 @@ def gauss_markov(T: float) -> NoiseTerm:
     functions = _Markov(T)
     return NoiseTerm(
         symbol="GM",
-        title="Gauss-Markov noise",
-        meaning="exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T",
+        title=say("Gauss-Markov noise"),
+        meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
-        reference="IEEE Std 952; s is the RMS rate, q = s sqrt(2/T) the driving noise",
+        reference=say("IEEE Std 952; s is the RMS rate, q = s sqrt(2/T) the driving noise"),
         power=0.0,
         slope=math.nan,
         read_at=math.nan,
@@ -113,7 +115,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         increments=functions.increments,
         spectrum=functions.spectrum,
         dct=functions.dct,
-        parameters=(Parameter("time_constant", "s", least=0.0, letter="T", typical=20.0),),
+        parameters=(Parameter("time_constant", say("time constant"), "s", least=0.0, letter="T", typical=20.0),),
         shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",
@@ -139,7 +141,7 @@ def markov_block(size: float, T: float, h: float) -> Block:
     var_mean = size**2 * _mean_variance(u)
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
     return Block(
-        names=((f"Gauss-Markov rate, T = {T:.6g} s", 0),),
+        names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
         F=np.array([[-1 / T]]),
         Qc=np.array([[2 * size**2 / T]]),
         Phi=np.array([[math.exp(-u)]]),

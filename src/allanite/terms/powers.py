@@ -5,6 +5,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from allanite.core.language import say
+
 from .row import Block, FloatArray, NoiseTerm
 
 
@@ -88,7 +90,7 @@ def angle_noise(Q: float, h: float) -> Block:
     A state of discrete time: the error of the angle at the end of the interval, new in every interval.
     """
     return Block(
-        names=(("angle error", 1),),
+        names=((say("angle error"), 1),),
         F=np.zeros((1, 1)),
         Qc=np.zeros((1, 1)),
         Phi=np.zeros((1, 1)),
@@ -96,17 +98,19 @@ def angle_noise(Q: float, h: float) -> Block:
         Q=Q**2 * np.array([[1.0, 1 / h], [1 / h, 1 / h**2]]),
         P0=np.array([[Q**2]]),
         output=np.zeros(1),
-        note="quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends "
-        "on the angle itself, is neglected",
+        note=say(
+            "quantization is modelled as white Gaussian angle noise; that it is bounded by half a step, and depends on "
+            "the angle itself, is neglected"
+        ),
     )
 
 
 QUANTIZATION = NoiseTerm(
     symbol="Q",
-    title="quantization noise",
-    meaning="white noise of the angle: rounding of the angle output, or timing jitter of the readout",
+    title=say("quantization noise"),
+    meaning=say("white noise of the angle: rounding of the angle output, or timing jitter of the readout"),
     formula=r"\sigma^2(\tau) = 3 Q^2 / \tau^2",
-    reference="IEEE Std 952; Q = LSB / sqrt(12) for a dithered angle quantizer",
+    reference=say("IEEE Std 952; Q = LSB / sqrt(12) for a dithered angle quantizer"),
     power=1.0,
     slope=-1.0,
     read_at=math.sqrt(3.0),
@@ -138,8 +142,10 @@ QUANTIZATION = NoiseTerm(
 
 ANGLE_RANDOM_WALK = NoiseTerm(
     symbol="N",
-    title="angle random walk",
-    meaning="white noise of the rate; the angle error grows as N sqrt(t)",
+    title=say("angle random walk"),
+    titles={"accelerometer": say("velocity random walk")},
+    general=lambda _, integral: say("{integral} random walk", integral=integral),
+    meaning=say("white noise of the rate; the angle error grows as N sqrt(t)"),
     formula=r"\sigma^2(\tau) = N^2 / \tau",
     reference="IEEE Std 952",
     power=0.5,
@@ -172,10 +178,12 @@ ANGLE_RANDOM_WALK = NoiseTerm(
 
 RATE_RANDOM_WALK = NoiseTerm(
     symbol="K",
-    title="rate random walk",
-    meaning="random walk of the rate; the bias drifts as K sqrt(t)",
+    title=say("rate random walk"),
+    titles={"accelerometer": say("acceleration random walk")},
+    general=lambda quantity, _: say("{quantity} random walk", quantity=quantity),
+    meaning=say("random walk of the rate; the bias drifts as K sqrt(t)"),
     formula=r"\sigma^2(\tau) = K^2 \tau / 3",
-    reference="IEEE Std 952; the rate is the mean over each sample interval",
+    reference=say("IEEE Std 952; the rate is the mean over each sample interval"),
     power=-0.5,
     slope=0.5,
     read_at=3.0,
@@ -198,14 +206,16 @@ RATE_RANDOM_WALK = NoiseTerm(
     dash=(3.2, 1.6),
     alpha=-2,
     automatic=True,
-    block=lambda K, shape, h: integrators(("bias, random walk" if K else "bias",), h, density=K**2),
+    block=lambda K, shape, h: integrators((say("bias, random walk") if K else say("bias"),), h, density=K**2),
 )
 
 
 RAMP = NoiseTerm(
     symbol="R",
-    title="rate ramp",
-    meaning="a linear drift of the rate, with a sign",
+    title=say("rate ramp"),
+    titles={"accelerometer": say("acceleration ramp")},
+    general=lambda quantity, _: say("{quantity} ramp", quantity=quantity),
+    meaning=say("a linear drift of the rate, with a sign"),
     formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
     reference="IEEE Std 952",
     power=-1.0,
@@ -231,9 +241,9 @@ RAMP = NoiseTerm(
     dash=(11, 2.6),
     automatic=True,
     block=lambda R, shape, h: integrators(
-        ("bias", "rate ramp"),
+        (say("bias"), say("rate ramp")),
         h,
         start=R,
-        note="the ramp is a state whose initial standard deviation is |R|, without driving noise",
+        note=say("the ramp is a state whose initial standard deviation is |R|, without driving noise"),
     ),
 )

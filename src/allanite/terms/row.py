@@ -1,7 +1,7 @@
 """Definition of a noise term: a row of the table, and its state-space form."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,12 @@ WHITE = -0.5
 class Parameter:
     """What a term has beside its coefficient.
 
-    `least` is what its value must exceed, None if it may be anything; `default` stands where none is given; `letter`
-    is what it is called in print, and `typical` a value for examples.
+    `title` is its name as text, `least` what its value must exceed, None if it may be anything; `default` stands where
+    none is given; `letter` is what it is called in print, and `typical` a value for examples.
     """
 
     name: str
+    title: str
     unit: str
     least: float | None = None
     default: float | None = None
@@ -81,7 +82,11 @@ class NoiseTerm:
     Attributes
     ----------
     symbol, title, meaning, formula, reference
-        Names, description, LaTeX formula (Allan variance) and source.
+        Names, description, LaTeX formula (Allan variance) and source; the title is that for a gyro.
+    titles : {name of a signal: title}
+        Where it is called otherwise.
+    general : (quantity, its integral) -> title, or None
+        For any other signal; None if the title is the same for all.
     power : float
         The coefficient is a signal times time to this power.
     slope : float
@@ -169,3 +174,5 @@ class NoiseTerm:
     automatic: bool = False
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
+    titles: Mapping[str, str] = field(default_factory=dict)
+    general: Callable[[str, str], str] | None = None

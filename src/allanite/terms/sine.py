@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from allanite.core.language import say
+
 from .row import Block, FloatArray, NoiseTerm, Parameter
 
 
@@ -38,10 +40,10 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
 
     return NoiseTerm(
         symbol="Sine",
-        title="sinusoid",
-        meaning="a sinusoid of the rate, with an amplitude and a frequency",
+        title=say("sinusoid"),
+        meaning=say("a sinusoid of the rate, with an amplitude and a frequency"),
         formula=r"\sigma^2(\tau) = A^2 \sin^4(\pi f \tau) / (\pi f \tau)^2",
-        reference="IEEE Std 952; the mean over all phases",
+        reference=say("IEEE Std 952; the mean over all phases"),
         power=0.0,
         slope=math.nan,
         read_at=math.nan,
@@ -55,8 +57,8 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         waveform=waveform,
         periodic=True,
         parameters=(
-            Parameter("frequency", "Hz", least=0.0, letter="f", typical=0.02),
-            Parameter("phase", "rad", default=0.0, typical=0.0),
+            Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02),
+            Parameter("phase", say("phase"), "rad", default=0.0, typical=0.0),
         ),
         shape=(frequency, phase),
         shaped=lambda shape, rate: sine(shape[0] / rate, shape[1]),
@@ -78,7 +80,10 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
     w = 2 * math.pi * frequency
     sine, cosine = math.sin(w * h), math.cos(w * h)
     return Block(
-        names=((f"sinusoid of {frequency:.6g} Hz", 0), (f"sinusoid of {frequency:.6g} Hz, quadrature", 0)),
+        names=(
+            (say("sinusoid of {frequency:.6g} Hz", frequency=frequency), 0),
+            (say("sinusoid of {frequency:.6g} Hz, quadrature", frequency=frequency), 0),
+        ),
         F=np.array([[0.0, w], [-w, 0.0]]),
         Qc=np.zeros((2, 2)),
         Phi=np.array([[cosine, sine], [-sine, cosine]]),
@@ -86,7 +91,7 @@ def oscillator(amplitude: float, frequency: float, h: float) -> Block:
         Q=np.zeros((3, 3)),
         P0=np.eye(2) * amplitude**2 / 2,
         output=np.array([1.0, 0.0]),
-        note="a sinusoid is an oscillator without noise: its frequency must be known and constant",
+        note=say("a sinusoid is an oscillator without noise: its frequency must be known and constant"),
     )
 
 

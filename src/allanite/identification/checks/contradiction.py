@@ -6,6 +6,7 @@ from allanite.core.arrays import BoolArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.statistics import expected
 from allanite.terms import TERMS
@@ -53,7 +54,9 @@ def _exceeds(estimate: Estimate, curve: Curve, upper: np.ndarray[tuple[int], np.
     at = int(excess.argmax())
     if not excess[at] > 1:
         return ""
-    return (
-        f"at {curve.tau[at]:.3g} s this term alone would give an Allan deviation of at least {excess[at]:.3g} times "
-        "the upper limit of the measured one"
+    return say(
+        "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
+        "upper limit of the measured one",
+        tau=curve.tau[at],
+        excess=excess[at],
     )

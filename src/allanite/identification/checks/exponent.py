@@ -13,6 +13,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.core.fit import EXPLAINED
+from allanite.core.language import join, say
 from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
@@ -157,15 +158,22 @@ def other_law(found: Found, plain: Found) -> Exponent | None:
 
 def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
     """The finding that the bias drift is not flicker."""
-    harm, begins = "B, K and Q are not meaningful as coefficients", "towards low frequencies"
+    harm = say("B, K and Q are not meaningful as coefficients")
+    begins = say("towards low frequencies")
     if law.corner:
         unit = signal.sheet[TERMS["N"].power]
         value, error = (x / coefficient_factor("N", unit, signal) for x in law.N)
-        harm += f"; N = {value:.4g} ± {error:.2g} {unit}"
-        begins = f"below {min(law.corner, found.seen.rate / 2):.2g} Hz"
+        harm = join("; ", (harm, f"N = {value:.4g} ± {error:.2g} {unit}"))
+        begins = say("below {frequency:.2g} Hz", frequency=min(law.corner, found.seen.rate / 2))
     return Finding(
         "flicker exponent",
-        f"{begins} the power spectral density falls as f^-{law.a:.2f} ({law.low:.2f} to {law.high:.2f}), not as f^-1",
+        say(
+            "{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
+            where=begins,
+            exponent=law.a,
+            low=law.low,
+            high=law.high,
+        ),
         harm,
-        "read the noise at the averaging times of interest off the Allan deviation",
+        say("read the noise at the averaging times of interest off the Allan deviation"),
     )

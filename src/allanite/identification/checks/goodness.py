@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
+from allanite.core.language import join, say
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.whittle import CELLS, Spectrum, surroundings
 
@@ -47,9 +48,10 @@ def goodness(
 def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
     if not taken:
         return ()
-    where = ", ".join(line.words() for line in taken)
-    many = "sinusoids were" if len(taken) > 1 else "a sinusoid was"
-    return (f"{many} removed first, at {where}: vibration, sway or interference",)
+    where = join(", ", (line.words() for line in taken))
+    if len(taken) > 1:
+        return (say("sinusoids were removed first, at {where}: vibration, sway or interference", where=where),)
+    return (say("a sinusoid was removed first, at {where}: vibration, sway or interference", where=where),)
 
 
 def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
@@ -86,8 +88,12 @@ def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray)
     where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
     share = float(peak[found].sum() / (power * count).sum())
     return [
-        f"narrow peaks at {where} Hz (their maxima alone contain {100 * share:.2g} % of the power): vibration, sway "
-        "or interference"
+        say(
+            "narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
+            "sway or interference",
+            frequencies=where,
+            share=100 * share,
+        )
     ]
 
 
@@ -105,8 +111,12 @@ def _roll_off(spectrum: Spectrum, used: BoolArray) -> list[str]:
     if top > 0.8 * middle:
         return []
     return [
-        f"the spectrum rolls off: towards {spectrum.rate / 2:g} Hz it falls to {top / middle:.2g} of its level at a "
-        "tenth of that frequency (a filter in the sensor or logger)"
+        say(
+            "the spectrum rolls off: towards {frequency:g} Hz it falls to {level:.2g} of its level at a tenth of that "
+            "frequency (a filter in the sensor or logger)",
+            frequency=spectrum.rate / 2,
+            level=top / middle,
+        )
     ]
 
 
@@ -123,10 +133,16 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
         right += 1
     mean = math.exp(float(np.log(ratio[left : right + 1]).mean()))
     what = (
-        "motion, sway, vibration or a missing term"
+        say("motion, sway, vibration or a missing term")
         if mean > 1
-        else ("a filter, or a term that does not belong in the model")
+        else say("a filter, or a term that does not belong in the model")
     )
     return [
-        f"from {bounds[left]:.3g} to {bounds[right + 1]:.3g} Hz the power is {mean:.3g} times that of the model: {what}"
+        say(
+            "from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
+            low=bounds[left],
+            high=bounds[right + 1],
+            ratio=mean,
+            cause=what,
+        )
     ]

@@ -7,8 +7,9 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.core.residuals import Check
+from allanite.core.residuals import Check, try_band
 from allanite.core.wording import spelled, windowing
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import fast_noise, rounding
@@ -55,13 +56,15 @@ def _undithered(record: Record) -> Finding | None:
     found = rounding(steps, fast_noise(np.diff(part, 2)))
     if not found.sparse:
         return None
-    size = found.step * (record.scale or 1.0)
+    how = say(
+        "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
+        size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
+    )  # fmt: skip
     return Finding(
         "no dither",
-        f"quantization errors are not white: {found.counted}steps of {size:.4g} {record.unit} (LSB), and the fast "
-        f"noise is {found.noise:.2g} step",
-        "the rounding error follows the signal, and N and Q are not meaningful",
-        "use a finer output of the sensor, or add dither before rounding",
+        say("quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))),
+        say("the rounding error follows the signal, and N and Q are not meaningful"),
+        say("use a finer output of the sensor, or add dither before rounding"),
         fatal=True,
     )
 
@@ -74,10 +77,17 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     different = check.value > DIFFERENT
     return Finding(
         "level",
-        f"the noise level changes by a factor of {check.value:.3g} between eighths of the record, and is highest "
-        f"from {time[first]:.6g} s to {time[last]:.6g} s",
-        "one set of coefficients describes neither part" if different else "the coefficients are those of the average",
-        f"analyze the parts separately ({windowing()})",
+        say(
+            "the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest "
+            "from {start:.6g} s to {end:.6g} s",
+            ratio=check.value,
+            start=time[first],
+            end=time[last],
+        ),
+        say("one set of coefficients describes neither part")
+        if different
+        else say("the coefficients are those of the average"),
+        say("analyze the parts separately ({choice})", choice=windowing()),
         (float(time[odd]), float(time[odd + 1])),
         fatal=different,
     )
@@ -86,9 +96,14 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
 def _tailed(check: Check, *, curable: bool) -> Finding:
     return Finding(
         "heavy tails",
-        f"the residuals have heavy tails (excess kurtosis {check.value:.3g}): outliers, bursts, or intermittent noise",
-        "the coefficients are valid, but their intervals are too narrow",
-        f"exclude the outliers ({spelled('--outliers mark', 'prepare.mark_outliers')})" if curable else "",
+        say(
+            "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
+            kurtosis=check.value,
+        ),
+        say("the coefficients are valid, but their intervals are too narrow"),
+        say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
+        if curable
+        else "",
     )
 
 
@@ -96,8 +111,8 @@ def _kin(check: Check, fit: Fit) -> Finding:
     tried = fit.scope is not None and fit.scope.choice == "auto"
     return Finding(
         "correlation",
-        f"the residuals are not white: their autocorrelation is {check.value:.2g}",
-        "the model misses fast noise, and its intervals are too narrow",
-        "" if tried else "let the fit detect a filter and choose the band: " + spelled("--band auto", "band='auto'"),
+        say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=check.value),
+        say("the model misses fast noise, and its intervals are too narrow"),
+        "" if tried else try_band(),
         fatal=abs(check.value) > 5 * KIN,
     )

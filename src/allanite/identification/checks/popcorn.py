@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.finding import Finding
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
 from allanite.core.wording import between
@@ -169,14 +170,18 @@ def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
     longest = int(free.argmax())
     first = math.ceil(ends[longest] + (2 * half if longest else 0))
     last = math.floor(ends[longest + 1] - (2 * half if longest < free.size - 1 else 0))
-    remedy = "look for a bad contact or a failing component; the measured Allan deviation itself is valid"
+    remedy = say("look for a bad contact or a failing component; the measured Allan deviation itself is valid")
     if last - first >= QUIET * ends[-1]:
-        remedy += f"; a part without them: {between(first, last)}"
+        part = say("a part without them: {selection}", selection=between(first, last))
+        remedy = join("; ", (remedy, part))
     size = abs(convert(found.jump, signal.unit, unit))
     count = max(found.at.size, 1)
-    what = (
-        f"the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} of "
-        f"about {2 * half:.2g} s in {ends[-1]:.4g} s"
+    what = say(
+        "the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} of about "
+        "{length:.2g} s in {duration:.4g} s",
+        size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1],
+    )  # fmt: skip
+    harm = say(
+        "popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too narrow"
     )
-    harm = "popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too narrow"
     return [Finding("popcorn", what, harm, remedy, (max(0.0, middle - half), middle + half), fatal=True)]

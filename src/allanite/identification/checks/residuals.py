@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
@@ -162,7 +163,7 @@ def _ljung_box(r: FloatArray, n: int) -> Check:
     statistic = float(n * (n + 2.0) * (r**2 / (n - h)).sum())
     largest = float(r[np.abs(r).argmax()])
     p = float(chdtrc(LAGS, statistic))
-    return Check("correlation", "autocorrelation", largest, p, f"largest of lags 1 to {LAGS}")
+    return Check("correlation", say("autocorrelation"), largest, p, say("largest of lags 1 to {lag}", lag=LAGS))
 
 
 def _kurtosis(ratio: FloatArray, count: IntArray) -> Check:
@@ -170,7 +171,7 @@ def _kurtosis(ratio: FloatArray, count: IntArray) -> Check:
     n = int(count.sum())
     value = float(ratio @ count / n) - 3 + 6 * count.size / n
     p = _two_sided(value * math.sqrt(n / 24))
-    return Check("kurtosis", "excess kurtosis", value, p, "0 for Gaussian noise, positive for heavy tails")
+    return Check("kurtosis", say("excess kurtosis"), value, p, say("0 for Gaussian noise, positive for heavy tails"))
 
 
 def _two_sided(z: float) -> float:
@@ -185,7 +186,9 @@ def _halves(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
     first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
     error = math.sqrt(float(np.mean(spread)) * 4 / float(count.sum()))
     p = _two_sided(math.log(second / first) / error)
-    return Check("halves", "RMS of the halves", math.sqrt(second / first), p, "second over first (stationarity)")
+    return Check(
+        "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
+    )
 
 
 def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
@@ -196,10 +199,10 @@ def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
     ratio = math.sqrt(float(power.max() / power.min()))
     return Check(
         "eighths",
-        "RMS of the eighths",
+        say("RMS of the eighths"),
         ratio,
         float(chdtrc(PARTS - 1, statistic)),
-        "largest over smallest (stationarity)",
+        say("largest over smallest (stationarity)"),
     )
 
 

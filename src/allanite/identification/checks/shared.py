@@ -9,6 +9,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
 from allanite.prepare.outliers import demand_choice, treated
@@ -82,14 +83,20 @@ def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list
     """Pairs with a significant correlation, fast and slow in one finding."""
     found = []
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
-        kinds = {"sample by sample": (fast[i, j], n), "slowly, over minutes and hours": (slow[i, j], STRETCHES)}
+        kinds = {
+            say("sample by sample"): (fast[i, j], n),
+            say("slowly, over minutes and hours"): (slow[i, j], STRETCHES),
+        }
         seen = [
-            f"{what} ({r:+.2g})"
+            say("{how} ({correlation:+.2g})", how=what, correlation=r)
             for what, (r, count) in kinds.items()
             if abs(r) > MATTERS and abs(np.arctanh(np.clip(r, -0.999999, 0.999999))) * np.sqrt(count - 3) > SIGMAS
         ]
         if seen:
-            what = f"the residuals of {names[i]} and {names[j]} are correlated {' and '.join(seen)}"
-            remedy = "look for vibration, temperature, or a common supply, clock or reference"
-            found.append(Finding("shared", what, "their noises are not independent", remedy))
+            how = seen[0] if len(seen) == 1 else say("{first} and {second}", first=seen[0], second=seen[1])
+            what = say(
+                "the residuals of {channel} and {other} are correlated {how}", channel=names[i], other=names[j], how=how
+            )
+            remedy = say("look for vibration, temperature, or a common supply, clock or reference")
+            found.append(Finding("shared", what, say("their noises are not independent"), remedy))
     return found

@@ -7,6 +7,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.statistics import deviation
 from allanite.terms import TERMS
@@ -39,7 +40,9 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     m = [curve.m[which].tolist() for curve, which in zip(curves, early_ones, strict=True)]
     variance = np.concatenate([c.variance[which] for c, which in zip(curves, early_ones, strict=True)])
     if variance.size < len(symbols) or not np.all(variance > 0):
-        raise DataError(f"{variance.size} nonzero points are needed for {len(symbols)} terms")
+        raise DataError(
+            say("{size} nonzero points are needed for {terms} terms", size=variance.size, terms=len(symbols))
+        )
     X = np.concatenate([columns(name, symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)])
     products = np.zeros((len(X), len(X), len(symbols), len(symbols)))
     first = len(m[0])
@@ -47,7 +50,10 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     products[first:, first:] = variances(PAIR[1], symbols, m[1], record.size, record.rate)
     theta, _ = iterated(Moments(X, products), variance)
     ramp = any(TERMS[s].waveform is not None and v > 0 for s, v in zip(symbols, theta.tolist(), strict=True))
-    notes = [f"fitted to {variance.size} points of {' and '.join(PAIR)}", *drift(*curves, fitted=ramp)]
+    notes = [
+        say("fitted to {count} points of {first} and {second}", count=variance.size, first=PAIR[0], second=PAIR[1]),
+        *drift(*curves, fitted=ramp),
+    ]
     estimates = reported(symbols, theta, X, signal=signal, method="joint")
     return result(curves[0], estimates, "joint", notes=notes)
 
@@ -57,16 +63,25 @@ def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
     both = np.intersect1d(allan.m[early(allan, 0.1)], hadamard.m[early(hadamard, 0.1)])[-1]
     a, h = (float(curve.variance[curve.m == both][0]) for curve in (allan, hadamard))
     tau = float(both) / allan.rate
-    found = f"at {tau:g} s the Hadamard deviation is {np.sqrt(h / a):.3f} of the Allan deviation"
+    found = say(
+        "at {tau:g} s the Hadamard deviation is {ratio:.3f} of the Allan deviation", tau=tau, ratio=np.sqrt(h / a)
+    )
     if h < WALK * a:
         size = np.sqrt(2 * (a - 2 * h)) / tau
         return [
-            f"{found}, below the 0.707 of a random walk: a ramp of about {size:.3g} {allan.unit}/s if there is only "
-            "a random walk besides it; a single record can be that low by chance"
+            say(
+                "{found}, below the 0.707 of a random walk: a ramp of about {size:.3g} {unit}/s if there is only a "
+                "random walk besides it; a single record can be that low by chance",
+                found=found,
+                size=size,
+                unit=allan.unit,
+            )
         ]
-    warning = "; 2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0"
-    doubt = ", and the R of the fit is no evidence of a ramp" if fitted else ""
-    return [
-        f"{found}{warning}: a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk "
-        f"alone gives 0.707, flicker 0.90), only a ratio below 0.707 requires a ramp{doubt}"
-    ]
+    said = say(
+        "a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk alone gives 0.707, "
+        "flicker 0.90), only a ratio below 0.707 requires a ramp"
+    )
+    if fitted:
+        said = say("{said}, and the R of the fit is no evidence of a ramp", said=said)
+    negative = say("2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0")
+    return [say("{ratio}; {negative}: {conclusion}", ratio=found, negative=negative, conclusion=said)]

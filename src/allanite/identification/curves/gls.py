@@ -12,6 +12,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.limits import Below, quantile
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
@@ -81,7 +82,7 @@ def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatA
 def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
     covariance = moments.covariance(theta)
     if not np.all(np.diag(covariance) > 0):
-        raise DataError("a ramp alone describes the curve best: without noise its accuracy cannot be determined")
+        raise DataError(say("a ramp alone describes the curve best: without noise its accuracy cannot be determined"))
     return covariance
 
 
@@ -108,7 +109,13 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     signal = signal_of(curve, 1)
     which = octaves(curve)
     if which.size < len(symbols):
-        raise DataError(f"{which.size} octaves up to a quarter of the record are too few for {len(symbols)} terms")
+        raise DataError(
+            say(
+                "{size} octaves up to a quarter of the record are too few for {count} terms",
+                size=which.size,
+                count=len(symbols),
+            )
+        )
     m, symbols = curve.m[which], tuple(symbols)
     moments = _with_gaps(moments_of(curve.statistic, symbols, tuple(m.tolist()), curve.size, curve.rate), curve, which)
     variance = plain(curve)[which]
@@ -118,21 +125,27 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     if not STATISTICS[curve.statistic].correlated:
         estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
         notes += [
-            f"the covariance between points of {curve.statistic} is unknown: each point is weighted by its degrees "
-            "of freedom, and there are no standard errors"
+            say(
+                "the covariance between points of {statistic} is unknown: each point is weighted by its degrees of "
+                "freedom, and there are no standard errors",
+                statistic=curve.statistic,
+            )
         ]
     else:
         estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
         notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
     notes += [
-        (f"{e.symbol} is given without its sign, which a curve does not determine") for e in estimates if _unsigned(e)
+        (say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol))
+        for e in estimates
+        if _unsigned(e)
     ]
     return result(curve, estimates, "gls", notes=notes, model=model)
 
 
-GAUSSIAN = (
-    "the intervals assume Gaussian errors: that of the slowest term, which depends on averaging times with few "
-    "degrees of freedom, contains the true value too rarely (the intervals of method whittle do not assume it)"
+GAUSSIAN = say(
+    "the intervals assume Gaussian errors: that of the slowest term, which depends on averaging times "
+    "with few degrees of freedom, contains the true value too rarely (the intervals of method whittle "
+    "do not assume it)"
 )
 
 
@@ -154,14 +167,20 @@ def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
 
 def _gaps(curve: Curve) -> list[str]:
     lost = bool(np.any(curve.count < STATISTICS[curve.statistic].count(curve.size, curve.m)))
-    return ["the record has gaps: the covariance is that of a complete record, scaled by the missing windows"] * lost
+    return [
+        say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
+    ] * lost
 
 
 def _read_from(curve: Curve, which: IntArray) -> str:
     left = int(early(curve, 0.25).sum()) - which.size
     tau = curve.tau[which]
-    words = f"fitted to {which.size} points of {curve.statistic}, {tau[0]:g} to {tau[-1]:g} s"
-    return words + (f"; {left} more between these octaves would add no information and are omitted" if left else "")
+    read = say("fitted to {count} points of {statistic}, {start:g} to {end:g} s",
+               count=which.size, statistic=curve.statistic, start=tau[0], end=tau[-1])  # fmt: skip
+    if not left:
+        return read
+    more = say("{count} more between these octaves would add no information and are omitted", count=left)
+    return join("; ", (read, more))
 
 
 def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> str:
@@ -169,8 +188,13 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
 
     freedom = variance.size - np.count_nonzero(theta)
     square = _misfit(X, variance, theta, covariance)
-    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else "no degrees of freedom left for a test"
-    return f"goodness of fit: chi-square {square:.1f} with {freedom} degrees of freedom, {p}"
+    p = f"p = {chdtrc(freedom, square):.2g}" if freedom else say("no degrees of freedom left for a test")
+    return say(
+        "goodness of fit: chi-square {square:.1f} with {count} degrees of freedom, {p}",
+        square=square,
+        count=freedom,
+        p=p,
+    )
 
 
 def _misfit(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -33,8 +34,11 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
     squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
     estimates = [_of_square(s, signal, float(square)) for s, square in zip(symbols, squares, strict=True)]
     notes = [
-        f"the least-squares fit gives a negative {e.symbol}^2, which has no physical meaning and shows that this "
-        "fit is unreliable for the other terms, too"
+        say(
+            "the least-squares fit gives a negative {symbol}^2, which has no physical meaning and shows that "
+            "this fit is unreliable for the other terms, too",
+            symbol=e.symbol,
+        )
         for e in estimates
         if e.status == "negative"
     ]
@@ -55,8 +59,13 @@ def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
         estimates.append(Estimate(symbol, signal, value, None, "reported", None, "slopes"))
         if abs(local[at] - row.slope) > 0.25:
             notes.append(
-                f"{symbol}: no part of the curve has slope {row.slope:+g}, the nearest is {local[at]:+.2f}; "
-                "the value is no evidence of the term"
+                say(
+                    "{symbol}: no part of the curve has slope {slope:+g}, the nearest is {nearest:+.2f}; the value is "
+                    "no evidence of the term",
+                    symbol=symbol,
+                    slope=row.slope,
+                    nearest=local[at],
+                )
             )
     return result(curve, estimates, "slopes", notes=notes)
 

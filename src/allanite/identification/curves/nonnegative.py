@@ -8,6 +8,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.table import STATISTICS
@@ -39,7 +40,12 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     X = columns(curve.statistic, symbols, m.tolist(), curve.size, curve.rate)
     squares = solve(X, variance, np.diag(variance**2))
     notes = [
-        f"fitted to {used} points of {curve.statistic} up to {curve.tau[which][-1]:g} s, a tenth of the record",
+        say(
+            "fitted to {count} points of {statistic} up to {tau:g} s, a tenth of the record",
+            count=used,
+            statistic=curve.statistic,
+            tau=curve.tau[which][-1],
+        ),
         *blind(curve.statistic, symbols, X),
     ]
     return result(curve, reported(symbols, squares, X, signal=signal, method="nnls"), "nnls", notes=notes)
@@ -69,7 +75,7 @@ def unit_model(symbols: Sequence[str]) -> Model:
 def blind(statistic: str, symbols: Sequence[str], X: FloatArray) -> list[str]:
     """Notes about the terms to which a statistic is insensitive."""
     return [
-        f"{s}: {statistic} is insensitive to {TERMS[s].title}"
+        say("{symbol}: {statistic} is insensitive to {term}", symbol=s, statistic=statistic, term=TERMS[s].title)
         for s, column in zip(symbols, X.T, strict=True)
         if not column.any()
     ]

@@ -9,6 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.terms import TERMS
 
 from .reading import early, result, signal_of
@@ -43,12 +44,21 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
         which = _within(curve, symbol, given[symbol]) if symbol in given else stretch(curve, row.slope)
         if not which.size:
             estimates.append(Estimate(symbol, signal, None, None, "absent", None, "piecewise"))
-            notes.append(f"{symbol}: no part of the curve has a slope near {row.slope:+g}")
+            notes.append(
+                say("{symbol}: no part of the curve has a slope near {slope:+g}", symbol=symbol, slope=row.slope)
+            )
             continue
         line = float(np.mean(log_sigma[which] - row.slope * log_tau[which]))
         value = float(np.exp(line)) / np.sqrt(row.level)
         estimates.append(Estimate(symbol, signal, float(value), None, "reported", None, "piecewise"))
-        notes.append(f"{symbol}: fitted from {curve.tau[which[0]]:g} to {curve.tau[which[-1]]:g} s")
+        notes.append(
+            say(
+                "{symbol}: fitted from {start:g} to {end:g} s",
+                symbol=symbol,
+                start=curve.tau[which[0]],
+                end=curve.tau[which[-1]],
+            )
+        )
     return result(curve, estimates, "piecewise", notes=notes)
 
 

@@ -9,6 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
 
@@ -24,7 +25,13 @@ def signal_of(curve: Curve, points: int) -> Signal:
         The curve is not in SI.
     """
     if curve.tau.size < points or not np.all(curve.variance > 0):
-        raise DataError(f"this method needs at least {points} points, none of them zero; there are {curve.tau.size}")
+        raise DataError(
+            say(
+                "this method needs at least {points} points, none of them zero; there are {size}",
+                points=points,
+                size=curve.tau.size,
+            )
+        )
     for signal in SIGNALS:
         if signal.unit == curve.unit:
             return signal
@@ -64,7 +71,9 @@ def result(
     signal = estimates[0].signal
     terms = tuple(Term(e.symbol, e.value, signal) for e in estimates if e.value is not None and e.value > 0)
     if model is None and not terms:
-        raise DataError(f"method {method!r} finds none of the terms: {'; '.join(notes)}")
+        raise DataError(
+            say("method {method!r} finds none of the terms: {reasons}", method=method, reasons=join("; ", notes))
+        )
     return Fit(
         tuple(estimates), method, signal, model or Model(terms), name=curve.name, curve=curve, notes=tuple(notes)
     )

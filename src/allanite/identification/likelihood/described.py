@@ -1,8 +1,11 @@
 """The frequencies for which a model holds, as a value with texts."""
 
+from typing import Any
+
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 from allanite.core.scope import LowPass, Scope
 
 from .families import Found
@@ -116,10 +119,20 @@ def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tupl
     first, last = int(there[0]), int(there[-1])
     said = []
     if first:
-        said.append(_beyond(f"below {band[0]:.3g} Hz", found, level, slice(0, first), "drift or motion"))
+        said.append(
+            _beyond(
+                say("below {frequency:.3g} Hz", frequency=band[0]),
+                found,
+                level,
+                slice(0, first),
+                say("drift or motion"),
+            )
+        )
     if last < level.size - 1:
-        what = "vibration or interference"
-        said.append(_beyond(f"above {band[1]:.3g} Hz", found, level, slice(last + 1, None), what))
+        what = say("vibration or interference")
+        said.append(
+            _beyond(say("above {frequency:.3g} Hz", frequency=band[1]), found, level, slice(last + 1, None), what)
+        )
     return tuple(said)
 
 
@@ -128,11 +141,21 @@ def _beyond(where: str, found: Found, level: FloatArray, part: slice, cause: str
     level, first = level[part], found.seen.first[part]
     ratio, highest = float(np.exp(np.log(level).mean())), int(level.argmax())
     if ratio < 1 - CHANGED:
-        return f"{where} the power is {ratio:.2g} times that of the model: a filter"
-    peak = ""
+        return say("{where} the power is {ratio:.2g} times that of the model: a filter", where=where, ratio=ratio)
+    odd: dict[str, Any] = {"where": where, "cause": cause, "ratio": ratio, "less": 100 * CHANGED}
     if level[highest] > STANDS_OUT * max(ratio, 1.0):
-        peak = f"{level[highest]:.2g} times at {float(found.seen.frequency(first[highest])):.3g} Hz"
+        odd |= {"peak": float(level[highest]), "frequency": float(found.seen.frequency(first[highest]))}
+        if ratio > 1 + CHANGED:
+            return say(
+                "{where} the power is {ratio:.2g} times that of the model, {peak:.2g} times at {frequency:.3g} Hz: "
+                "{cause}",
+                **odd,
+            )
+        return say(
+            "{where} the spectrum deviates from the model by less than {less:.0f} % on average, but has {peak:.2g} "
+            "times its power at {frequency:.3g} Hz: {cause}",
+            **odd,
+        )
     if ratio > 1 + CHANGED:
-        return f"{where} the power is {ratio:.2g} times that of the model{peak and ', ' + peak}: {cause}"
-    less = f"{where} the spectrum deviates from the model by less than {100 * CHANGED:.0f} % on average"
-    return f"{less}, but has {peak.replace(' at', ' its power at')}: {cause}" if peak else less
+        return say("{where} the power is {ratio:.2g} times that of the model: {cause}", **odd)
+    return say("{where} the spectrum deviates from the model by less than {less:.0f} % on average", **odd)

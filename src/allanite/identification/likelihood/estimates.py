@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
+from allanite.core.language import say
 from allanite.core.limits import Normal, Remembered, Stored, quantile
 from allanite.core.model import Term
 from allanite.core.scope import Scope
@@ -135,7 +136,9 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
     if row.waveform is not None or estimate.status == "not observable":
         return estimate
     if row.slope != WHITE or not value:
-        return estimate.invalid(f"the power spectral density falls as f^-{law.a:.2f}, like none of the terms")
+        return estimate.invalid(
+            say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=law.a)
+        )
     normal = Normal(value, error)
     status = "identified" if error <= WEAK * value else "weak"
     return replace(
@@ -152,15 +155,22 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
 
 def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
-    reason = ""
+    reason: str = ""
     if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
         if estimate is None or not _dominates(symbol, found):
-            hidden = "the filter hides" if scope.filter else f"the band, which ends at {scope.band[1]:.3g} Hz, excludes"
-            reason = f"{hidden} the frequencies where it would be visible"
+            reason = say("the filter hides the frequencies where it would be visible")
+            if not scope.filter:
+                reason = say(
+                    "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+                    frequency=scope.band[1],
+                )
     elif (
         scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
     ):
-        reason = f"the band begins at {scope.band[0]:.3g} Hz, above the frequencies where it would be visible"
+        reason = say(
+            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible",
+            frequency=scope.band[0],
+        )
     if not reason and estimate is not None:
         return estimate
     return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 
 NARROWEST = 0.004
 """The lowest cut-off frequency that is looked for, cycles per sample."""
@@ -98,12 +99,12 @@ def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
 
 
 FILTERS: dict[str, Filter] = {
-    "rc": Filter("1st-order low-pass", _sampled_one_pole),
-    "averaged rc": Filter("1st-order low-pass, averaged over each sample", _averaged_one_pole),
-    "butterworth": Filter("2nd-order low-pass", _sampled_two_poles),
-    "bilinear 1": Filter("digital 1st-order low-pass", _digital(1), widest=0.45),
-    "bilinear 2": Filter("digital 2nd-order low-pass", _digital(2), widest=0.45),
-    "average": Filter("moving average", _moving_average),
-    "bartlett": Filter("moving average of a moving average (Bartlett window)", _bartlett),
+    "rc": Filter(say("1st-order low-pass"), _sampled_one_pole),
+    "averaged rc": Filter(say("1st-order low-pass, averaged over each sample"), _averaged_one_pole),
+    "butterworth": Filter(say("2nd-order low-pass"), _sampled_two_poles),
+    "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), widest=0.45),
+    "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), widest=0.45),
+    "average": Filter(say("moving average"), _moving_average),
+    "bartlett": Filter(say("moving average of a moving average (Bartlett window)"), _bartlett),
 }
 """Filters that are tried; the cut-off frequency of each is the only unknown."""

@@ -9,6 +9,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Alternative, Fit, Line
+from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
@@ -55,7 +56,7 @@ def whittle(
     """
     why = refusal(record)
     if why:
-        raise DataError(f"{record.name or 'the record'}: {why}")
+        raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
     asked = None if isinstance(band, str) else band
     found = look(record, terms, asked, rival=rival)
@@ -116,8 +117,12 @@ def _correlation(shown: Sequence[str], found: Found) -> FloatArray:
 def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
     """Terms of the best model that are not claimed, because others could take their place."""
     return [
-        f"{TERMS[s].title} ({s}) is in the best model, but other terms could take its place: a longer record would "
-        "decide"
+        say(
+            "{term} ({symbol}) is in the best model, but other terms could take its place: a longer record would "
+            "decide",
+            term=TERMS[s].title,
+            symbol=s,
+        )
         for s, there in zip(found.noise, found.chosen.free, strict=True)
         if there and s in estimates and estimates[s].status == "absent"
     ]
@@ -128,14 +133,26 @@ def _ambiguous(found: Found) -> list[str]:
     if found.markov is None or found.flicker is None:
         return []
     gain = found.flicker.aic - found.markov.aic
-    noise = f"Gauss-Markov noise with a time constant of {found.markov.constants[0] / found.seen.rate:.2g} s"
+    size, time = f"{-gain:+.1f}", found.markov.constants[0] / found.seen.rate
     if found.chosen is found.markov:
-        return [f"{noise} describes the record better than flicker does"]
-    would = f"{noise} instead of flicker would describe the record"
+        return [
+            say("Gauss-Markov noise with a time constant of {time:.2g} s describes the record better than flicker does",
+                time=time)
+        ]  # fmt: skip
     if abs(gain) < DISTINGUISHABLE:
-        return [f"{would} equally well: they cannot be distinguished (AIC {-gain:+.1f})"]
-    enough = f"(AIC {-gain:+.1f}), which is not sufficient evidence against flicker: a longer record would decide"
-    return [f"{would} somewhat better {enough}"] if gain > 0 else []
+        return [
+            say(
+                "Gauss-Markov noise with a time constant of {time:.2g} s instead of flicker would describe the record "
+                "equally well: they cannot be distinguished (AIC {gain})",
+                time=time, gain=size,
+            )
+        ]  # fmt: skip
+    somewhat = say(
+        "Gauss-Markov noise with a time constant of {time:.2g} s instead of flicker would describe the record somewhat "
+        "better (AIC {gain}), which is not sufficient evidence against flicker: a longer record would decide",
+        time=time, gain=size,
+    )  # fmt: skip
+    return [somewhat] if gain > 0 else []
 
 
 def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:

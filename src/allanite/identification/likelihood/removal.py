@@ -3,8 +3,8 @@
 import numpy as np
 
 from allanite.core.fit import Line
+from allanite.core.language import say_count
 from allanite.core.record import Record
-from allanite.core.wording import plural
 from allanite.prepare.gaps import known_rates
 
 from .families import Found
@@ -38,4 +38,8 @@ def _less(record: Record, waves: list[Wave]) -> Record:
     total = np.sum([wave.values(record.size) for wave in waves], axis=0)
     if record.kind == "angle":
         total = np.concatenate(([0.0], np.cumsum(total)))
-    return record.with_values(record.values - total, f"{plural(len(waves), 'sinusoid')} removed", start=record.start)
+    return record.with_values(
+        record.values - total,
+        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
+        start=record.start,
+    )

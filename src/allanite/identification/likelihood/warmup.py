@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.finding import Finding
+from allanite.core.language import say
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
 from allanite.core.wording import spelled
@@ -59,18 +60,30 @@ class WarmUp(Portable):
         size, error = (convert(value, self.signal.unit, unit) for value in (self.amplitude, self.error))
         usable = self.until <= USABLE * self.duration
         remedy = (
-            f"cut it off ({spelled(f'--from {self.until:g}', f'prepare.trim(recording, {self.until:g})')})"
+            say(
+                "cut it off ({option})",
+                option=spelled(f"--from {self.until:g}", f"prepare.trim(recording, {self.until:g})"),
+            )
             if usable
             else (
-                f"record again, starting at least {self.until:.3g} s after switching on: too little would remain if "
-                "it were cut off"
+                say(
+                    "record again, starting at least {seconds:.3g} s after switching on: too little would remain if it "
+                    "were cut off",
+                    seconds=self.until,
+                )
             )
         )
         return Finding(
             "warm-up",
-            f"the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with a time "
-            f"constant of {self.tau:.3g} s",
-            "the coefficients are those of the noise without it; K and R are less certain",
+            say(
+                "the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
+                "a time constant of {tau:.3g} s",
+                size=size,
+                error=error,
+                unit=unit,
+                tau=self.tau,
+            ),
+            say("the coefficients are those of the noise without it; K and R are less certain"),
             remedy,
             (0.0, min(self.until, self.duration)),
         )

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say, say_count
 from allanite.core.plain import Portable
 from allanite.core.record import Record
-from allanite.core.wording import plural
 from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
@@ -119,9 +119,16 @@ class Spectrum(Portable):
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
         if inside.sum() < FEWEST:
             raise DataError(
-                f"the band {low:g} to {high:g} Hz contains {plural(int(inside.sum()), 'bin')} of the spectrum, "
-                f"fewer than {FEWEST}; the spectrum extends from {self.rate / (2 * self.size):.3g} to "
-                f"{self.rate / 2:g} Hz"
+                say(
+                    "the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than {fewest}; the "
+                    "spectrum extends from {least:.3g} to {most:g} Hz",
+                    low=low,
+                    high=high,
+                    bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
+                    fewest=FEWEST,
+                    least=self.rate / (2 * self.size),
+                    most=self.rate / 2,
+                )
             )
         return np.asarray(inside)
 
@@ -154,7 +161,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     edges = edges_of(n) if how is None else how.edges
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
-        raise DataError(f"{record.name!r} never changes: there is no noise to identify")
+        raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=record.name))
     if how is not None and above:
         for values, better in zip((power, peak), above, strict=True):
             values[how.low :] = better[how.low :]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
+from allanite.core.language import join, say
 from allanite.core.units import unit_of
 from allanite.core.wording import spelled
 from allanite.readers.columns.column import Column
@@ -40,14 +41,18 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     given = rate if rate is not None else sources.rate
     first = sources.notes
     if rate is None and sources.rate is not None:
-        first = (*first, f"rate {_shown(sources.rate)} Hz from {sources.source}")
+        first = (*first, say("rate {rate} Hz from {source}", rate=_shown(sources.rate), source=sources.source))
     column = sources.stamps
     if column is None or (given and column.text):
-        unused = () if column is None else (f"{column.label} holds text and was not used",)
+        unused = () if column is None else (say("{column} holds text and was not used", column=column.label),)
         return _unstamped(sources.counter, given, (*first, *unused))
     column.demand_numbers()
     stamps, wrapped = unwrapped(column.values)
-    again = (f"{column.label} wraps around at 2^{wrapped}: it was continued",) if wrapped else ()
+    again = (
+        (say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped),)
+        if wrapped
+        else ()
+    )
     unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
     if not unit and not np.any(stamps != stamps[0]):
         unit = "s"  # time stamps that are all equal are so in any unit
@@ -57,11 +62,20 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
     if grid.trouble and not given:
         if not elapsed.any():
-            return Beat(questions=(f"{grid.trouble} and give no rate: {_ask()}",))
-        raise DataError(f"{grid.trouble}; {_rows()}, or {spelled('--time', 'time=...')} for another column")
+            return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
+        raise DataError(
+            say(
+                "{trouble}; {advice}, or {option} for another column",
+                trouble=grid.trouble,
+                advice=_rows(),
+                option=spelled("--time", "time=..."),
+            )
+        )
     if grid.trouble:
         return Beat(
-            float(given or 0), notes=(*first, f"{grid.trouble}; the rows are assumed to be evenly spaced"), grid=grid
+            float(given or 0),
+            notes=(*first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
+            grid=grid,
         )
     notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
     origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
@@ -72,10 +86,14 @@ def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...
     """The beat without time stamps: missing samples from a counter, if the rate is given."""
     if given:
         return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
-    hint = (
-        "" if column is None else (f" (the counter {column.label} shows which samples are missing, but not their rate)")
-    )
-    return Beat(questions=(f"the sampling rate is not in the file{hint}: {_ask()}",))
+    if column is None:
+        return Beat(questions=(say("the sampling rate is not in the file: {advice}", advice=_ask()),))
+    asked = say(
+        "the sampling rate is not in the file (the counter {column} shows which samples are missing, but not their "
+        "rate): {advice}",
+        column=column.label, advice=_ask(),
+    )  # fmt: skip
+    return Beat(questions=(asked,))
 
 
 def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
@@ -88,32 +106,36 @@ def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
 
 def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:
     given, measured = rates
-    counted = f", including {lost} missing intervals" if lost else ""
+    told: list[str] = [say("including {count} missing intervals", count=lost)] if lost else []
+    told += [guessed] if guessed else []
     if given is None:
-        return [f"rate {_shown(measured)} Hz from {label}{counted}{guessed}"]
+        return [join(", ", (say("rate {rate} Hz from {source}", rate=_shown(measured), source=label), *told))]
     if abs(given / measured - 1) <= 1e-3:
         return []
-    return [
-        (
-            f"rate {_shown(given)} Hz is used, but the time stamps of {label} give {_shown(measured)} "
-            f"Hz{counted}{guessed}"
-        )
-    ]
+    used = say(
+        "rate {rate} Hz is used, but the time stamps of {column} give {measured} Hz",
+        rate=_shown(given), column=label, measured=_shown(measured),
+    )  # fmt: skip
+    return [join(", ", (used, *told))]
 
 
 def _ask() -> str:
     return spelled(
-        "pass the sampling rate in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'",
-        "pass the sampling rate in Hz with rate=100, or name the column of time stamps: time='stamp[us]'",
+        say("pass the sampling rate in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'"),
+        say("pass the sampling rate in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
     )
 
 
 def _rows() -> str:
     return spelled(
-        "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to exclude "
-        "the place",
-        "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to exclude "
-        "the place",
+        say(
+            "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to "
+            "exclude the place"
+        ),
+        say(
+            "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to "
+            "exclude the place"
+        ),
     )
 
 
@@ -124,11 +146,14 @@ def _shown(rate: float) -> str:
 def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
     """The unit of time stamps whose header has none, and the text for the note."""
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
-        return "s", ", time stamps assumed to be in seconds"
+        return "s", say("time stamps assumed to be in seconds")
     low, high = (given / 3, 3 * given) if given else PLAUSIBLE
     fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
-    only = "consistent with the rate" if given else "the only plausible unit"
-    return (fits[0], f", integer time stamps assumed to be in {fits[0]}, {only}") if len(fits) == 1 else ("", "")
+    if len(fits) != 1:
+        return "", ""
+    if given:
+        return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
+    return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])
 
 
 def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
@@ -137,8 +162,13 @@ def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
 
 
 def _ask_unit(column: Column) -> str:
-    readings = ", ".join(f"{rate:.6g} Hz as {unit}" for unit, rate in _readings(column.values))
+    readings = [say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in _readings(column.values)]
     how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
     if not readings:
-        return f"the last time stamp of {column.label} is not later than the first: {_ask()}"
-    return f"the unit of the integer time stamps of {column.label} is unknown ({readings}): pass {how}"
+        return say(
+            "the last time stamp of {column} is not later than the first: {advice}", column=column.label, advice=_ask()
+        )
+    return say(
+        "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
+        column=column.label, readings=join(", ", readings), option=how,
+    )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
+from allanite.core.language import join, say
 from allanite.core.wording import percent
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import Column, lookup
@@ -69,8 +70,15 @@ def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
     best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
-    said = ", ".join(f"{column.label} {how.words}" for how, _, _, column in judged)
-    return best[3], f"{best[3].label} is used as the clock, of {len(clocks)} candidates in the file: {said}"
+    said = join(
+        ", ", (say("{column} {quality}", column=column.label, quality=how.words) for how, _, _, column in judged)
+    )
+    return best[3], say(
+        "{column} is used as the clock, of {count} candidates in the file: {candidates}",
+        column=best[3].label,
+        count=len(clocks),
+        candidates=said,
+    )
 
 
 def _rank(column: Column) -> int:
@@ -98,14 +106,14 @@ def steadiness(stamps: NDArray[Any]) -> Steadiness:
     """How regular time stamps are: those that increase in every row first, then those that repeat, then the rest."""
     steps = np.diff(stamps).astype(np.float64)
     if not np.all(np.isfinite(steps)):
-        return Steadiness(3, 0.0, "has gaps")
+        return Steadiness(3, 0.0, say("has gaps"))
     if not steps.any() or steps.min() < 0:
-        return Steadiness(3, 0.0, "is not increasing" if steps.any() else "is constant")
+        return Steadiness(3, 0.0, say("is not increasing") if steps.any() else say("is constant"))
     usual, share = float(np.median(steps)), float((steps == 0).mean())
     if share >= TICKS or not usual:
-        return Steadiness(2, share, f"repeats {percent(share)} of its time stamps")
+        return Steadiness(2, share, say("repeats {share} of its time stamps", share=percent(share)))
     scatter = float(np.quantile(np.abs(steps / usual - 1), 0.9))
-    return Steadiness(int(scatter > EVEN), scatter, f"scatters by {percent(scatter)} of a step")
+    return Steadiness(int(scatter > EVEN), scatter, say("scatters by {share} of a step", share=percent(scatter)))
 
 
 def counter_of(columns: list[Column], clock: Column | None) -> Column | None:
@@ -156,4 +164,9 @@ def counted_grid(column: Column | None, interval: float) -> Grid | None:
     where = None if column is None else places(column)
     if column is None or where is None:
         return None
-    return Grid(interval, None, where, (lost_samples(where, interval, f"according to the counter {column.label}"),))
+    return Grid(
+        interval,
+        None,
+        where,
+        (lost_samples(where, interval, say("according to the counter {column}", column=column.label)),),
+    )

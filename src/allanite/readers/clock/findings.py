@@ -1,5 +1,6 @@
 """Findings about a clock: their names, effects, remedies and texts."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 
@@ -7,54 +8,66 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.wording import percent, plural, spelled
+from allanite.core.language import join, say, say_count
+from allanite.core.wording import percent, spelled
 
 from .grid import Places, resolution
 
 _CLOCK = ("--time", "time=...")
 
-FAULTS: dict[str, tuple[str, str, tuple[str, str]]] = {
-    "missing samples": (
-        "they are marked as gaps, nothing is put in their place",
-        "choose a window without them, or ignore the time stamps: {}",
-        ("--time none --rate HZ", "time='none', rate=..."),
+
+def _use_sensor(option: str) -> str:
+    return say("use the clock of the sensor ({option}) if the file has it", option=option)
+
+
+FAULTS: dict[str, tuple[str, Callable[[str], str], tuple[str, str]]] = {
+    say("missing samples"): (
+        say("they are marked as gaps, nothing is put in their place"),
+        lambda option: say("choose a window without them, or ignore the time stamps: {option}", option=option),
+        (say("--time none --rate HZ"), say("time='none', rate=...")),
     ),
     "jitter": (
-        "if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are wrong; if "
-        "only the time stamps were late, the results are right",
-        "use the clock of the sensor ({}) if the file has it",
+        say(
+            "if the sensor itself was sampled so unevenly, the deviations at the shortest averaging times are "
+            "wrong; if only the time stamps were late, the results are right"
+        ),
+        _use_sensor,
         _CLOCK,
     ),
-    "bursty time stamps": (
-        "they tell when samples arrived, not when they were taken: only their mean rate is used, and missing samples "
-        "remain undetected",
-        "use the clock of the sensor ({}) if the file has it",
+    say("bursty time stamps"): (
+        say(
+            "they tell when samples arrived, not when they were taken: only their mean rate is used, and "
+            "missing samples remain undetected"
+        ),
+        _use_sensor,
         _CLOCK,
     ),
-    "coarse time stamps": (
-        "the rate is counted from the first change of the time stamp to the last, and single missing samples remain "
-        "undetected",
-        "log finer time stamps, or the counter of the sensor",
+    say("coarse time stamps"): (
+        say(
+            "the rate is counted from the first change of the time stamp to the last, and single missing "
+            "samples remain undetected"
+        ),
+        lambda _: say("log finer time stamps, or the counter of the sensor"),
         _CLOCK,
     ),
-    "duplicate time stamps": (
-        "the rows are used one after the other, in the order of the file",
-        "check the logger: samples that are written twice make the noise look smaller",
+    say("duplicate time stamps"): (
+        say("the rows are used one after the other, in the order of the file"),
+        lambda _: say("check the logger: samples that are written twice make the noise look smaller"),
         _CLOCK,
     ),
-    "reversed time stamps": (
-        "the rows are used in the order of the file",
-        "check the logger; if the rows are out of order, sort the file by time stamp",
+    say("reversed time stamps"): (
+        say("the rows are used in the order of the file"),
+        lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp"),
         _CLOCK,
     ),
-    "constant time stamps": (
-        "the clock gives no information, and missing samples remain undetected",
-        "use another clock ({})",
+    say("constant time stamps"): (
+        say("the clock gives no information, and missing samples remain undetected"),
+        lambda option: say("use another clock ({option})", option=option),
         _CLOCK,
     ),
-    "clock drift": (
-        "averaging times are accurate only to that part",
-        "let the sensor and the logger warm up, or use another clock ({})",
+    say("clock drift"): (
+        say("averaging times are accurate only to that part"),
+        lambda option: say("let the sensor and the logger warm up, or use another clock ({option})", option=option),
         _CLOCK,
     ),
 }
@@ -109,7 +122,7 @@ def finding(
 ) -> Finding:
     """A finding of the table; texts given here replace those of the table."""
     usual, advice, choice = FAULTS[name]
-    return Finding(name, what, consequence or usual, remedy or advice.format(spelled(*choice)), place)
+    return Finding(name, what, consequence or usual, remedy or advice(spelled(*choice)), place)
 
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:
@@ -120,13 +133,19 @@ def lost_samples(places: Places, interval: float, source: str) -> Finding:
         Hole(int(gaps[i]) - 1, (int(places[i]) + 1) * interval) for i in (holes[0], holes[gaps[holes].argmax()])
     )
     lost = int((gaps[holes] - 1).sum())
-    count = f"{plural(lost, 'sample')} ({percent(lost / (places[-1] + 1))}) missing in {plural(holes.size, 'gap')}"
-    size = f" of {first.size * interval:.4g} s" if first.size > 1 else ""
-    where = f", {source}, the first{size} at {first.at:.6g} s"
-    most = (
-        f", the longest of {longest.size * interval:.4g} s at {longest.at:.6g} s" if longest.size > first.size else ""
-    )
-    return finding("missing samples", count + where + most, (first.at, float(places[holes[-1] + 1]) * interval))
+    samples = say_count(lost, "{count} sample", "{count} samples")
+    missing = say(
+        "{samples} ({share}) missing in {gaps}, {source}",
+        samples=samples, share=percent(lost / (places[-1] + 1)), source=source,
+        gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
+    )  # fmt: skip
+    what = [missing, say("the first at {time:.6g} s", time=first.at)]
+    if first.size > 1:
+        what[1] = say("the first of {length:.4g} s at {time:.6g} s", length=first.size * interval, time=first.at)
+    if longest.size > first.size:
+        length = longest.size * interval
+        what.append(say("the longest of {length:.4g} s at {time:.6g} s", length=length, time=longest.at))
+    return finding("missing samples", join(", ", what), (first.at, float(places[holes[-1] + 1]) * interval))
 
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
@@ -134,17 +153,27 @@ def duplicates(stamps: Stamps) -> tuple[Finding, ...]:
     equal = stamps.steps == 0
     if not equal.any():
         return ()
-    count = counted(int(equal.sum()), "stamp", f" of {stamps.label}")
-    which = f"{count} equal to the previous one, although the samples differ"
-    return (finding("duplicate time stamps", f"{which}; the first is in row {int(np.argmax(equal)) + 2} of the data"),)
+    what = say_count(
+        int(equal.sum()),
+        "{count} stamp of {column} is equal to the previous one, although the samples differ; the first is in row "
+        "{row} of the data",
+        "{count} stamps of {column} are equal to the previous one, although the samples differ; the first is in row "
+        "{row} of the data",
+        column=stamps.label, row=int(np.argmax(equal)) + 2,
+    )  # fmt: skip
+    return (finding("duplicate time stamps", what),)
 
 
 def bursty(stamps: Stamps, mean: float) -> Finding:
     """Steps whose median gives another rate than their mean."""
     steps = stamps.steps
-    spread = f"steps from {duration(float(steps.min()))} to {duration(float(steps.max()))}"
-    rates = f"{1 / float(np.median(steps)):.4g} Hz from the median step, {1 / mean:.6g} Hz from the mean"
-    return finding("bursty time stamps", f"bursty time stamps in {stamps.label}: {rates}; {spread}")
+    what = say(
+        "bursty time stamps in {column}: {median:.4g} Hz from the median step, {mean:.6g} Hz from the mean; steps from "
+        "{shortest} to {longest}",
+        column=stamps.label, median=1 / float(np.median(steps)), mean=1 / mean,
+        shortest=duration(float(steps.min())), longest=duration(float(steps.max())),
+    )  # fmt: skip
+    return finding("bursty time stamps", what)
 
 
 def unsteady(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Finding, ...]:
@@ -162,8 +191,12 @@ def jitter(stamps: Stamps, departure: FloatArray, interval: float) -> tuple[Find
     if rms < UNSTEADY:
         return ()
     low, high = (duration(float(step)) for step in (stamps.steps.min(), stamps.steps.max()))
-    spread = f"steps from {low} to {high} instead of {duration(interval)}"
-    return (finding("jitter", f"the time stamps of {stamps.label} scatter by {rms:.2g} intervals RMS; {spread}"),)
+    what = say(
+        "the time stamps of {column} scatter by {scatter:.2g} intervals RMS; steps from {low} to {high} instead of "
+        "{interval}",
+        column=stamps.label, scatter=rms, low=low, high=high, interval=duration(interval),
+    )  # fmt: skip
+    return (finding("jitter", what),)
 
 
 def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
@@ -178,19 +211,11 @@ def drift(stamps: Stamps, departure: FloatArray) -> tuple[Finding, ...]:
     bend = float(np.ptp(means - np.linspace(means[0], means[-1], PARTS)))
     if change < DRIFT + 10 * noise or bend < 0.75:
         return ()
-    what = f"the clock of {stamps.label} changes its rate by {change * 1e6:.2g} ppm within the record"
+    what = say(
+        "the clock of {column} changes its rate by {change:.2g} ppm within the record",
+        column=stamps.label, change=change * 1e6,
+    )  # fmt: skip
     return (finding("clock drift", what),)
-
-
-def counted(count: int, noun: str, whose: str = "") -> str:
-    """A number, its noun and the verb.
-
-    Examples
-    --------
-    >>> counted(1, "row"), counted(7, "time stamp", " of column 't'")
-    ('1 row is', "7 time stamps of column 't' are")
-    """
-    return f"{count} {noun}{'s' * (count > 1)}{whose} {'are' if count > 1 else 'is'}"
 
 
 def duration(seconds: float) -> str:

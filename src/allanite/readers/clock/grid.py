@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.language import say
 
 Places = NDArray[np.int64]
 
@@ -55,10 +56,10 @@ class Grid:
     @property
     def history(self) -> tuple[str, ...]:
         """History entries of placing the rows on the grid."""
-        lost = (f"{self.lost} missing samples marked as gaps",) if self.lost else ()
+        lost = (say("{lost} missing samples marked as gaps", lost=self.lost),) if self.lost else ()
         if self.rows is None:
             return lost
-        done = "repeated rows removed" if np.all(np.diff(self.rows) > 0) else "rows sorted by time stamp"
+        done = say("repeated rows removed") if np.all(np.diff(self.rows) > 0) else say("rows sorted by time stamp")
         return (done, *lost)
 
     def put(self, values: NDArray[Any]) -> NDArray[Any]:

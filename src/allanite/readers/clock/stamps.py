@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
+from allanite.core.language import say, say_count
 from allanite.core.units import unit_of
 
-from .findings import Stamps, bursty, counted, drift, duplicates, duration, finding, lost_samples, unsteady
+from .findings import Stamps, bursty, drift, duplicates, duration, finding, lost_samples, unsteady
 from .grid import Grid, Places, pace
 
 EVEN = 0.5
@@ -44,11 +45,19 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     """
     bad = ~np.isfinite(elapsed)
     if bad.any():
-        where = f"the first in row {int(np.argmax(bad)) + 1} of the data"
-        return Grid(trouble=f"{label} has no time stamp in {int(bad.sum())} of {bad.size} rows, {where}")
+        where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)
+        return Grid(
+            trouble=say(
+                "{column} has no time stamp in {count} of {size} rows, {where}",
+                column=label,
+                count=int(bad.sum()),
+                size=bad.size,
+                where=where,
+            )
+        )
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
-        what = f"all time stamps of {label} are equal"
+        what = say("all time stamps of {column} are equal", column=label)
         return Grid(findings=(finding("constant time stamps", what),), trouble=what)
     equal = stamps.steps == 0
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
@@ -60,11 +69,13 @@ def _once(stamps: Stamps, rows: Places) -> Grid:
     """The grid of time stamps with some rows written twice."""
     grid = fit(stamps.elapsed[rows], stamps.label, lambda: np.zeros(1, dtype=bool))
     count, first = stamps.elapsed.size - rows.size, int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
-    what = (
-        f"{counted(count, 'row')} identical to the previous one, time stamp and samples, the first in row "
-        f"{first + 1} of the data"
+    what = say_count(
+        count,
+        "{count} row is identical to the previous one, time stamp and samples, the first in row {row} of the data",
+        "{count} rows are identical to the previous one, time stamp and samples, the first in row {row} of the data",
+        row=first + 1,
     )
-    found = finding("duplicate time stamps", what, consequence="each is used once")
+    found = finding("duplicate time stamps", what, consequence=say("each is used once"))
     return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
 
 
@@ -72,20 +83,23 @@ def _reversed(stamps: Stamps) -> Grid:
     """Rows out of order, jitter beyond the interval, or a clock that was set."""
     back = stamps.steps < 0
     first = int(np.argmax(back))
-    what = (
-        f"{counted(int(back.sum()), 'time stamp', f' of {stamps.label}')} earlier than the previous one, the first "
-        f"in row {first + 2} of the data by {duration(-float(stamps.steps[first]))}"
-    )
+    what = say_count(
+        int(back.sum()),
+        "{count} time stamp of {column} is earlier than the previous one, the first in row {row} of the data by {step}",
+        "{count} time stamps of {column} are earlier than the previous one, the first in row {row} of the data by "
+        "{step}",
+        column=stamps.label, row=first + 2, step=duration(-float(stamps.steps[first])),
+    )  # fmt: skip
     order = np.argsort(stamps.elapsed, kind="stable")
     grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
     if grid is not None:
-        said = "sorted, they are evenly spaced: the rows were out of order and have been sorted by time"
-        found = finding("reversed time stamps", what, consequence=said, remedy="check the logger")
+        said = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
+        found = finding("reversed time stamps", what, consequence=said, remedy=say("check the logger"))
         return replace(grid, rows=order, findings=(found, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
         return Grid(stamps.mean, findings=(finding("reversed time stamps", what),))
-    cause = "a clock that was set, two recordings in one file, or rows out of order"
-    return Grid(findings=(finding("reversed time stamps", f"{what}: {cause}"),), trouble=f"{what}: {cause}")
+    why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
+    return Grid(findings=(finding("reversed time stamps", why),), trouble=why)
 
 
 def _in_order(stamps: Stamps) -> Grid | None:
@@ -131,17 +145,32 @@ def _in_ticks(stamps: Stamps) -> Grid:
     elapsed, label = stamps.elapsed, stamps.label
     changes = np.flatnonzero(stamps.steps > 0) + 1
     if changes.size < 3:
-        what = f"the time stamps of {label} change {changes.size} times in {elapsed.size} rows"
-        return Grid(findings=(finding("coarse time stamps", what),), trouble=f"{what}: too coarse for the rate")
+        what = say(
+            "the time stamps of {column} change {count} times in {size} rows",
+            column=label,
+            count=changes.size,
+            size=elapsed.size,
+        )
+        return Grid(
+            findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
+        )
     found = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
     if stamps.resolution > 0.5 * found.interval and not found.bursts:
         coarse = finding(
             "coarse time stamps",
-            f"time stamps with a resolution of {duration(stamps.resolution)} in {label}, {each} rows per step",
+            say(
+                "time stamps with a resolution of {length} in {column}, {each} rows per step",
+                length=duration(stamps.resolution),
+                column=label,
+                each=each,
+            ),
         )
     else:
-        coarse = finding("bursty time stamps", f"bursty time stamps in {label}: groups of {each} equal ones")
+        coarse = finding(
+            "bursty time stamps",
+            say("bursty time stamps in {column}: groups of {each} equal ones", column=label, each=each),
+        )
     if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return Grid(span / int(changes[-1] - changes[0]), findings=(coarse,))
@@ -156,21 +185,29 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
     """The grid with its gaps, unless they are implausible."""
     gaps = np.diff(places)
     if gaps.min() < 1:
-        what = (
-            f"up to row {int(np.argmin(gaps)) + 2} of the data there are more rows than the time stamps of "
-            f"{stamps.label} allow"
+        what = say(
+            "up to row {row} of the data there are more rows than the time stamps of {column} allow",
+            row=int(np.argmin(gaps)) + 2,
+            column=stamps.label,
         )
         return Grid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
-        what = (
-            f"the time stamps of {stamps.label} jump by {stamps.steps[row]:.6g} s before row {row + 2} of the data, "
-            f"and {100 * lost / int(places[-1]):.4g} % of all samples would be missing: the clock was set, or the "
-            "logger was stopped"
+        what = say(
+            "the time stamps of {column} jump by {step:.6g} s before row {row} of the data, and {share:.4g} % "
+            "of all samples would be missing: the clock was set, or the logger was stopped",
+            column=stamps.label,
+            step=stamps.steps[row],
+            row=row + 2,
+            share=100 * lost / int(places[-1]),
         )
         closed = finding(
-            "missing samples", what, consequence="the rows are assumed to be evenly spaced, the jump is ignored"
+            "missing samples", what, consequence=say("the rows are assumed to be evenly spaced, the jump is ignored")
         )
         return Grid(findings=(*found, closed), trouble=what)
-    holes = (lost_samples(places, interval, f"according to the time stamps of {stamps.label}"),) if lost else ()
+    holes = (
+        (lost_samples(places, interval, say("according to the time stamps of {column}", column=stamps.label)),)
+        if lost
+        else ()
+    )
     return Grid(interval, None, places if lost else None, (*holes, *found))

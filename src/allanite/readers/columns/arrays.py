@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 
 from .column import Column, headed
 
@@ -37,7 +38,9 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         for i in range(upright.shape[1]):
             yield said[i] if said else _numbered(name, i + 1), upright[:, i]
     elif array.ndim > 2:
-        raise DataError(f"array {name!r} has the shape {array.shape}; expected one column per channel")
+        raise DataError(
+            say("array {name!r} has the shape {shape}; expected one column per channel", name=name, shape=array.shape)
+        )
 
 
 def _numbered(name: str, number: int) -> str:
@@ -55,8 +58,12 @@ def turned(array: NDArray[Any]) -> bool:
 
 def turned_note(name: str, array: NDArray[Any]) -> str:
     """The assumption about such a matrix."""
-    where = f" in {name!r}" if name else ""
-    return f"the {array.shape[0]} rows of {array.shape[1]} values{where} are used as channels"
+    rows, count = array.shape[:2]
+    if name:
+        return say(
+            "the {rows} rows of {size} values in {name!r} are used as channels", rows=rows, size=count, name=name
+        )
+    return say("the {rows} rows of {size} values are used as channels", rows=rows, size=count)
 
 
 def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") -> Column:
@@ -66,7 +73,7 @@ def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") 
         return headed(stamps, position, header or "time", unit="ns")
     if values.dtype.kind in "USb?":
         return headed(np.empty(0), position, header, text=str(values[0]) if len(values) else "text")
-    return headed(numbers(values, header or f"column {position}"), position, header, unit=unit)
+    return headed(numbers(values, header or say("column {position}", position=position)), position, header, unit=unit)
 
 
 def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
@@ -78,7 +85,9 @@ def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
     if values.dtype.kind == "f":
         with np.errstate(over="ignore"):
             return values.astype(np.float64, copy=copy)
-    raise DataError(f"{header!r} holds values of type {values.dtype}; expected real numbers")
+    raise DataError(
+        say("{header!r} holds values of type {dtype}; expected real numbers", header=header, dtype=values.dtype)
+    )
 
 
 def of_arrow(chunks: Any) -> NDArray[Any]:

@@ -8,7 +8,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.record import KINDS, explain_kinds
+from allanite.core.language import join, say
+from allanite.core.record import KIND_WORDS, KINDS, explain_kinds
 from allanite.core.units import BASES, signal_with, unit_of
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
@@ -75,16 +76,20 @@ def choose(
     signals = tuple(item for item in found if isinstance(item, Signal))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
-    reasons = _grouped((f"{item.why}:", item.column) for item in left)
+    reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in left)
     if (signals and chosen is None) or not left:
-        return Choice(signals, notes, tuple(f"left out, {reason}" for reason in reasons), ())
+        return Choice(signals, notes, tuple(say("left out, {reason}", reason=reason) for reason in reasons), ())
     asked = [
-        f"{names}: {why}; {ask}" for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
+        say("{columns}: {reason}; {remedy}", columns=names, reason=why, remedy=ask)
+        for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
     ]
     how = spelled("--channels gx,2", "channels=['gx', '2']")
-    nothing = f"no column is recognized as an inertial signal; select columns with {how}"
-    others = _grouped((f"{item.why}:", item.column) for item in left if not item.ask)
+    nothing = say("no column is recognized as an inertial signal; select columns with {option}", option=how)
+    others = _grouped((say("{reason}:", reason=item.why), item.column) for item in left if not item.ask)
     return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,))
+
+
+NO_UNIT = say("no signal unit in the header, used as plain numbers:")
 
 
 def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, ...]]:
@@ -96,13 +101,16 @@ def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, 
         fits = size is not None and signal_with(size.dimension) is not None
         signals.append(Signal(column, column.unit if fits else "1", column.kind or "rate", column.scale))
         plain += [] if fits else [column]
-    return tuple(signals), tuple(_grouped(("no signal unit in the header, used as plain numbers:", c) for c in plain))
+    return tuple(signals), tuple(_grouped((NO_UNIT, c) for c in plain))
 
 
 def drivers(columns: tuple[Column, ...]) -> tuple[Column, ...]:
     """Columns that may influence a sensor, by name or unit: temperatures, supplies; at most `MOST_DRIVERS`."""
     found = (c for c in columns if not c.text and c.kind in ("", "rate") and headers.is_driver(c.name, c.unit))
     return tuple(islice(found, MOST_DRIVERS))
+
+
+SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
 
 
 def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
@@ -115,16 +123,16 @@ def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal |
 def _no_signal(column: Column, options: Options) -> str:
     """Why a column is not an inertial signal, by its header; empty if it may be one."""
     if column.text:
-        return "text instead of numbers"
+        return say("text instead of numbers")
     if headers.is_other(column.name, column.unit):
-        return "not an inertial signal by its name"
+        return say("not an inertial signal by its name")
     if headers.is_time(column.unit) or (not column.unit and headers.clock_rank(column.name) < 2):
-        return "a time by its header"
+        return say("a time by its header")
     if _said(column) and not headers.inertial(column.unit):
-        return f"{column.unit!r} is not a unit of a gyroscope or accelerometer"
+        return say("{unit!r} is not a unit of a gyroscope or accelerometer", unit=column.unit)
     sensor, wanted = headers.sensor_by_name(column.name), headers.inertial(options.unit or "")
     if sensor and wanted and not column.unit and wanted.name != sensor:
-        return f"{sensor} by its name, which does not match {options.unit}"
+        return say("{sensor} by its name, which does not match {unit}", sensor=SENSORS[sensor], unit=options.unit)
     return ""
 
 
@@ -144,10 +152,10 @@ def _rises(column: Column, options: Options, pool: list[Column]) -> str:
     if not (np.all(values[1:100] > values[:99][: len(values) - 1]) and np.all(values[1:] > values[:-1])):
         return ""
     here = spelled(
-        f"--time {column.position} uses it as time, --channels as a signal",
-        f"time='{column.position}' uses it as time, channels=... as a signal",
+        say("--time {column} uses it as time, --channels as a signal", column=column.position),
+        say("time='{column}' uses it as time, channels=... as a signal", column=column.position),
     )
-    return f"increases in every row like a clock or a counter ({here})"
+    return say("increases in every row like a clock or a counter ({options})", options=here)
 
 
 def _said(column: Column) -> str:
@@ -169,23 +177,27 @@ def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Le
     said = _said(column) if column.kind or headers.signal_of(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
-        return Left(column, "the unit is unknown", _ask_unit())
+        return Left(column, say("the unit is unknown"), _ask_unit())
     kept = unit == column.unit
     kind = (options.kind if applies else None) or (column.kind if kept else "")
     fits = [name for name, (power, _, _) in KINDS.items() if signal_with(unit_of(unit).dimension, power)]
     if not fits:
-        return Left(column, f"{unit!r} is not a unit of a gyroscope or accelerometer", _ask_unit())
+        return Left(column, say("{unit!r} is not a unit of a gyroscope or accelerometer", unit=unit), _ask_unit())
     if kind and kind not in fits:
         return Left(
             column,
-            f"{unit!r} does not match kind {kind!r}",
-            f"pass a kind that is one of {', '.join(fits)}: {explain_kinds()}",
+            say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind),
+            say("pass a kind that is one of {kinds}: {meanings}", kinds=", ".join(fits), meanings=explain_kinds()),
         )
     if not kind and len(fits) > 1:
+        option = spelled(f"--kind {fits[0]}", f"kind={fits[0]!r}")
         return Left(
             column,
-            f"{unit!r} does not determine what a sample is (give its kind, or unit {unit}/s if it is a rate)",
-            f"pass {spelled('--kind ' + fits[0], f'kind={fits[0]!r}')}: {explain_kinds()}",
+            say(
+                "{unit!r} does not determine what a sample is (give its kind, or unit {unit}/s if it is a rate)",
+                unit=unit,
+            ),
+            say("pass {option}: {meanings}", option=option, meanings=explain_kinds()),
         )
     scale = options.worth if applies and options.scale is not None else column.scale if kept else None
     return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
@@ -196,22 +208,25 @@ def _source(column: Column, options: Options, unit: str, applies: bool) -> str:
     if not column.unit or (options.unit == unit == column.unit):
         return ""
     if unit != column.unit:
-        return f"unit {unit} as requested, overriding the header of"
+        return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:
-        scale = "" if column.scale is None else f" of {column.scale:g} {unit}"
-        return f"kind {column.kind}{scale} from the file for"
-    return (
-        f"unit {unit} from the header of"
-        if applies
-        else f"unit {unit}, which does not match {options.unit}, from the header of"
-    )
+        kind = KIND_WORDS[column.kind]
+        if column.scale is None:
+            return say("kind {kind} from the file for", kind=kind)
+        return say("kind {kind} of {scale:g} {unit} from the file for", kind=kind, scale=column.scale, unit=unit)
+    if applies:
+        return say("unit {unit} from the header of", unit=unit)
+    return say("unit {unit}, which does not match {wanted}, from the header of", unit=unit, wanted=options.unit)
 
 
 def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
     if options.kind is not None:
         return []
     kinds = sorted({(signal.kind, signal.unit) for signal in signals if signal.kind != signal.column.kind})
-    return [f"a sample in {unit} is used as the {kind} over a sample interval" for kind, unit in kinds]
+    return [
+        say("a sample in {unit} is used as the {kind} over a sample interval", unit=unit, kind=KIND_WORDS[kind])
+        for kind, unit in kinds
+    ]
 
 
 def _together(items: Iterable[tuple[T, Column]]) -> list[tuple[T, str]]:
@@ -224,12 +239,12 @@ def _together(items: Iterable[tuple[T, Column]]) -> list[tuple[T, str]]:
 
 def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
     """One sentence for each text, with all its columns."""
-    return [f"{text} {names}" for text, names in _together(items)]
+    return [join(" ", (text, names)) for text, names in _together(items)]
 
 
 def _ask_unit() -> str:
-    return (
-        f"pass the unit of the samples with {spelled('--unit deg/s', 'unit=...')}, or write it in the header as in "
-        f"'gx [deg/s]'; a unit of angle or velocity (arcsec, m/s) also needs {spelled('--kind', 'kind=...')}: rate, "
-        "increment, angle or count"
-    )
+    return say(
+        "pass the unit of the samples with {unit}, or write it in the header as in 'gx [deg/s]'; a unit of angle or "
+        "velocity (arcsec, m/s) also needs {kind}: rate, increment, angle or count",
+        unit=spelled("--unit deg/s", "unit=..."), kind=spelled("--kind", "kind=..."),
+    )  # fmt: skip

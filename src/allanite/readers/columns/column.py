@@ -6,6 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 
 from . import headers
 
@@ -33,12 +34,18 @@ class Column:
     @property
     def label(self) -> str:
         """The name of the column in messages, as in its file."""
-        return f"column {self.header!r}" if self.header else self.name
+        return say("column {header!r}", header=self.header) if self.header else self.name
 
     def demand_numbers(self) -> None:
         """Refuse a column of text."""
         if self.text:
-            raise DataError(f"{self.label} holds text ({self.text!r}) instead of numbers; select another column")
+            raise DataError(
+                say(
+                    "{column} holds text ({text!r}) instead of numbers; select another column",
+                    column=self.label,
+                    text=self.text,
+                )
+            )
 
 
 def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> Column:
@@ -85,4 +92,7 @@ def lookup(columns: tuple[Column, ...], key: str) -> Column:
 
 def some(names: list[str], most: int) -> str:
     """The names as text, at most `most` of them."""
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+    shown = ", ".join(names[:most])
+    if len(names) <= most:
+        return shown
+    return say("{names} and {count} more", names=shown, count=len(names) - most)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say
 from allanite.core.record import Recording
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
@@ -92,7 +93,7 @@ Family = list[Dataset]
 def rated(found: Sequence[Dataset], numbers: Mapping[str, float]) -> list[Dataset]:
     """The datasets, each with the nearest sampling rate above it among the single `numbers` of the file."""
     rates = {
-        path.rpartition("/")[0]: (value, f"{path!r} in the file")
+        path.rpartition("/")[0]: (value, say("{path!r} in the file", path=path))
         for path, value in numbers.items()
         if path.rpartition("/")[2].lower() in RATE_NAMES and 0 < value < math.inf
     }
@@ -113,13 +114,17 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
     """The channels of the datasets that belong together; `text` is the output of `table.described`, if present."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
-        seen = f"; it contains {', '.join(map(str, found[:20]))}" if found else ""
-        raise DataError(f"the file contains no array of samples, with one row per sample{seen}")
+        none = say("the file contains no array of samples, with one row per sample")
+        seen = [say("it contains {names}", names=", ".join(map(str, found[:20])))] if found else []
+        raise DataError(join("; ", (none, *seen)))
     places = _places(series)
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
-    notes = [*notes, *([f"left out, of different length, clock or shape: {', '.join(left[:20])}"] if left else [])]
+    notes = [
+        *notes,
+        *([say("left out, of different length, clock or shape: {names}", names=", ".join(left[:20]))] if left else []),
+    ]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
     columns = list[Column]()
     for dataset in family:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 
 DATES = (r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})", r"(?P<d>\d{1,2})[-/.](?P<m>\d{1,2})[-/.](?P<y>\d{4})")
 TIME = (
@@ -52,8 +53,12 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
     if pc.any(wrong).as_py():
         row = pc.index(wrong, True).as_py()
         raise DataError(
-            f"row {row + 1} of the data, {label}: {text[row].as_py()[:40]!r} is not a date or time of the same "
-            "format as the others"
+            say(
+                "row {row} of the data, {column}: {text!r} is not a date or time of the same format as the others",
+                row=row + 1,
+                column=label,
+                text=text[row].as_py()[:40],
+            )
         )
 
     def part(name: str) -> Values:
@@ -80,7 +85,14 @@ def _days(year: Values, month: Values, day: Values, label: str) -> Values:
     if month.max(initial=1) > 12:  # American order
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
-        raise DataError(f"{label} holds dates with a month {month.max()} or a day {day.max()}")
+        raise DataError(
+            say(
+                "{column} holds dates with a month {month} or a day {day}",
+                column=label,
+                month=month.max(),
+                day=day.max(),
+            )
+        )
     months = (year - 1970) * 12 + np.maximum(month, 1) - 1
     return np.asarray(
         months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")

@@ -8,6 +8,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from allanite.core.errors import DataError
+from allanite.core.language import say, say_count
 
 from . import headers
 
@@ -100,7 +101,10 @@ def find(data: bytes) -> Layout:
     lines = numbered_lines(data)
     if not lines:
         raise DataError(
-            f"the first line is longer than {HEAD} bytes; expected one row per sample, each on its own line"
+            say(
+                "the first line is longer than {size} bytes; expected one row per sample, each on its own line",
+                size=HEAD,
+            )
         )
     plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
     delimiter, decimal = style(
@@ -112,15 +116,25 @@ def find(data: bytes) -> Layout:
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
     rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
     if not any(has_number(row, decimal) for row in rows):
-        seen = f"its first line is {rows[0].cells[0][:40]!r}" if rows else "it contains only comments or blank lines"
-        raise DataError(f"no rows of numbers were found ({seen}); a text file needs one row per sample")
+        seen = (
+            say("its first line is {text!r}", text=rows[0].cells[0][:40])
+            if rows
+            else say("it contains only comments or blank lines")
+        )
+        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=seen))
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
-        notes = (f"line {rows[first - 1].line} with the numbers {', '.join(names[:3])}.. is used as column names",)
+        notes = (
+            say(
+                "line {line} with the numbers {names}.. is used as column names",
+                line=rows[first - 1].line,
+                names=", ".join(names[:3]),
+            ),
+        )
     if decimal == ",":
-        notes = (*notes, "the decimal sign is a comma")
+        notes = (*notes, say("the decimal sign is a comma"))
     return Layout(delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes)
 
 
@@ -198,13 +212,19 @@ def _named(
     if named is not None:
         passed = len(above) - 1 - any(units)
         filled = sum(map(bool, named))
-        unnamed = (f"the header names {filled} of {width} columns",) if filled < width else ()
+        unnamed = (
+            (say("the header names {filled} of {width} columns", filled=filled, width=width),) if filled < width else ()
+        )
         return named, units, _passed(passed, above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
         said = _commented(text, width, delimiter, decimal)
         if said is not None:
-            return said, blank, (*_passed(len(above), rows[0]), f"column names from the comment on line {number}")
+            return (
+                said,
+                blank,
+                (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
+            )
     return blank, blank, _passed(len(above), rows[0])
 
 
@@ -221,7 +241,14 @@ def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None
     while len(row) > width and not row[-1]:
         row = row[:-1]
     if len(row) > width:
-        raise DataError(f"the header names {len(row)} columns ({', '.join(row[:8])}..) but the rows below have {width}")
+        raise DataError(
+            say(
+                "the header names {count} columns ({names}..) but the rows below have {width}",
+                count=len(row),
+                names=", ".join(row[:8]),
+                width=width,
+            )
+        )
     return tuple(row + [""] * (width - len(row))) if len(row) > 1 or width == 1 else None
 
 
@@ -238,4 +265,10 @@ def _commented(text: str, width: int, delimiter: str, decimal: str) -> tuple[str
 def _passed(count: int, row: Row) -> tuple[str, ...]:
     if count <= 0:
         return ()
-    return (f"skipped {count} line{'s' * (count > 1)} above the numbers, the first {row.cells[0][:40]!r}",)
+    skipped = say_count(
+        count,
+        "skipped {count} line above the numbers, the first {text!r}",
+        "skipped {count} lines above the numbers, the first {text!r}",
+        text=row.cells[0][:40],
+    )
+    return (skipped,)

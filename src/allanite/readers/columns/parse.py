@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 
 from . import dates
 from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
@@ -41,7 +42,7 @@ def columns(data: bytes, layout: Layout) -> tuple[list[Parsed], tuple[str, ...]]
     table = _parsed(body, layout)
     result = [_values(table.column(i), layout, i) for i in range(layout.width)]
     if any(values is NotImplemented for values in result):
-        _blame(body, layout, "a column of numbers contains something else")
+        _blame(body, layout, say("a column of numbers contains something else"))
     return result, notes
 
 
@@ -82,7 +83,12 @@ def _whole_rows(body: bytes | memoryview, layout: Layout) -> tuple[bytes | memor
     if start == 0 or len(last) >= layout.width:
         return body, ()
     end = len(body) - min(len(body), 65536) + start
-    note = f"the last line ({decoded(tail[start:])[:40]!r}) has {len(last)} of {layout.width} columns and was left out"
+    note = say(
+        "the last line ({text!r}) has {count} of {width} columns and was left out",
+        text=decoded(tail[start:])[:40],
+        count=len(last),
+        width=layout.width,
+    )
     return body[:end], (note,)
 
 
@@ -121,7 +127,9 @@ def _values(column: Any, layout: Layout, place: int) -> Any:
         except pa.ArrowInvalid:
             return "text"  # of an unknown encoding
         name = layout.names[place]
-        return words_of(words, f"column {name!r}" if name else f"column {place + 1}")
+        return words_of(
+            words, say("column {name!r}", name=name) if name else say("column {position}", position=place + 1)
+        )
     return _mended(column, layout)
 
 
@@ -163,11 +171,26 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
         row = cells(line, layout.delimiter)
         if not line.strip():
             continue
-        where = f"line {layout.line + i}"
+        where = say("line {line}", line=layout.line + i)
         if len(row) != layout.width:
-            raise DataError(f"{where} has {len(row)} columns instead of {layout.width}: {line[:60]!r}")
+            raise DataError(
+                say(
+                    "{where} has {count} columns instead of {width}: {line!r}",
+                    where=where,
+                    count=len(row),
+                    width=layout.width,
+                    line=line[:60],
+                )
+            )
         for place, cell in enumerate(row):
             if place not in layout.text and not is_number(cell, layout.decimal) and cell.lower() not in MISSING:
-                name = layout.names[place] or f"column {place + 1}"
-                raise DataError(f"{where}, column {name!r}: {cell[:40]!r} is not a number; correct or remove the line")
-    raise DataError(f"the rows of numbers cannot be read: {otherwise.splitlines()[0][:200]}")
+                name = layout.names[place] or say("column {position}", position=place + 1)
+                raise DataError(
+                    say(
+                        "{where}, column {name!r}: {cell!r} is not a number; correct or remove the line",
+                        where=where,
+                        name=name,
+                        cell=cell[:40],
+                    )
+                )
+    raise DataError(say("the rows of numbers cannot be read: {reason}", reason=otherwise.splitlines()[0][:200]))

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.language import join, say
+
 from . import headers
 from .column import Column
 from .parse import Tags
@@ -68,8 +70,21 @@ def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[s
             group.append(replace(column, values=values, name=f"{name} {column.name}", header=said, position=position))
         groups.append(group)
     label = columns[by.place].label
-    sizes = ", ".join(f"{name} ({int((by.codes == code).sum())} rows)" for code, name in enumerate(by.ids))
-    return groups, (f"the rows belong to {len(by.ids)} sensors according to {label}: {sizes}",)
+    sizes = join(
+        ", ",
+        (
+            say("{name} ({count} rows)", name=name, count=int((by.codes == code).sum()))
+            for code, name in enumerate(by.ids)
+        ),
+    )
+    return groups, (
+        say(
+            "the rows belong to {count} sensors according to {column}: {sizes}",
+            count=len(by.ids),
+            column=label,
+            sizes=sizes,
+        ),
+    )
 
 
 def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
@@ -94,8 +109,18 @@ def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
         for k in range(1, width)
     }
     result = [replace(column, name=names.get(column.position, column.name)) for column in named]
-    said = ", ".join(f"{columns[i].position} (always {number})" for i, number in zip(ids, numbers, strict=True))
-    return result, (f"columns {said} are used as ids of sensors, and the columns after each are named after it",)
+    said = join(
+        ", ",
+        (
+            say("{position} (always {number})", position=columns[i].position, number=number)
+            for i, number in zip(ids, numbers, strict=True)
+        ),
+    )
+    return result, (
+        say(
+            "columns {columns} are used as ids of sensors, and the columns after each are named after it", columns=said
+        ),
+    )
 
 
 def _constant(column: Column) -> bool:

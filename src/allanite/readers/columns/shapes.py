@@ -2,6 +2,8 @@
 
 import re
 
+from allanite.core.language import say
+
 from .layout import HEAD, MARKS, cells, decoded, is_number, style
 
 WIDEST = 1000
@@ -36,9 +38,11 @@ def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     names = all(not is_number(row[0], decimal) for row in rows)
     body = "\n".join(map(";".join, zip(*rows, strict=True)))
     length = len(rows[0]) - names
-    said = f"the {len(rows)} lines of {length} numbers are" if len(rows) > 1 else f"the line of {length} numbers is"
+    said = say("the line of {length} numbers is used as one channel", length=length)
+    if len(rows) > 1:
+        said = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
     comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
-    return (comments + body + "\n").encode(), (f"{said} used as {'channels' if len(rows) > 1 else 'one channel'}",)
+    return (comments + body + "\n").encode(), (said,)
 
 
 def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
@@ -59,7 +63,11 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     mark = delimiter if delimiter != " " else "  "
     rows = [mark.join(kept[i : i + period]) for i in range(first, len(kept), period)]
     names = [mark.join(kept[:first])] if first == period else kept[:first]
-    note = f"{period} lines of {', '.join(map(str, numeric[:period]))} numbers are used as one row per sample"
+    note = say(
+        "{count} lines of {sizes} numbers are used as one row per sample",
+        count=period,
+        sizes=", ".join(map(str, numeric[:period])),
+    )
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.language import join, say
 from allanite.core.record import KINDS, Record, Recording
 from allanite.core.units import signal_with, unit_of
 from allanite.core.wording import spelled
@@ -25,7 +26,7 @@ from .column import Column, unique
 KEY = "allanite"
 """The name under which a format stores it."""
 
-SOURCE = "the description in the file"
+SOURCE = say("the description in the file")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,7 @@ class Table:
         """The channels as records with common sample times."""
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
-                "the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample"
+                say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
             )
         table = replace(self, columns=unique(self.columns))
         chosen = channels.named(table.columns, options.channels)
@@ -84,8 +85,11 @@ def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> 
     # a float this large becomes another integer without an error
     if signal.kind == "count" and values.dtype.kind == "f" and np.any(np.abs(values) >= 2.0**63):
         raise DataError(
-            f"{signal.column.label} contains counts beyond the range of 64-bit integers; use "
-            f"{spelled('--kind increment', 'kind=increment')}"
+            say(
+                "{column} contains counts beyond the range of 64-bit integers; use {option}",
+                column=signal.column.label,
+                option=spelled("--kind increment", "kind=increment"),
+            )
         )
     put, kind = beat.grid.put(values), signal.kind
     if beat.grid.lost and kind == "count":  # a gap is not an integer: the same numbers, as increments
@@ -97,14 +101,25 @@ def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> 
 def _demand_rows(columns: list[Column]) -> None:
     lengths = {column.label: len(column.values) for column in columns}
     if len(set(lengths.values())) > 1:
-        which = ", ".join(f"{label} has {length}" for label, length in lengths.items())
+        which = join(
+            ", ", (say("{column} has {length}", column=label, length=length) for label, length in lengths.items())
+        )
         raise DataError(
-            f"the columns have different lengths ({which}); select columns of one length with "
-            f"{spelled('--channels', 'channels=...')}"
+            say(
+                "the columns have different lengths ({which}); select columns of one length with {option}",
+                which=which,
+                option=spelled("--channels", "channels=..."),
+            )
         )
     for label, length in lengths.items():
         if length < 2:
-            raise DataError(f"{label} contains {length} numbers; a record needs thousands, one row per sample")
+            raise DataError(
+                say(
+                    "{column} contains {length} numbers; a record needs thousands, one row per sample",
+                    column=label,
+                    length=length,
+                )
+            )
 
 
 def described(recording: Recording) -> str:
@@ -140,7 +155,10 @@ def restored(table: Table, text: str | bytes) -> Table:
     try:
         return _restored(table, json.loads(text))
     except (AllaniteError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
-        note = f"{SOURCE} does not match its columns (were they changed since it was written?) and is ignored"
+        note = say(
+            "{source} does not match its columns (were they changed since it was written?) and is ignored",
+            source=SOURCE,
+        )
         return replace(table, notes=(*table.notes, note))
 
 

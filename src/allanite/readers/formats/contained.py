@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.datasets import Dataset, rated, recording
@@ -23,7 +24,11 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
         said = process.said
         with worded():
             found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
-        notes = [f"left out, not numbers: {', '.join(map(str, said['left'][:20]))}"] if said["left"] else []
+        notes = (
+            [say("left out, not numbers: {names}", names=", ".join(map(str, said["left"][:20])))]
+            if said["left"]
+            else []
+        )
         return recording(rated(found, said["numbers"]), options, notes, said["description"])
 
 
@@ -43,7 +48,7 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
         return array.T.reshape(turned) if transposed else array
 
     unit, names = _said(item, texts)
-    source = "the frequency of the time series in the file" if "rate" in item else ""
+    source = say("the frequency of the time series in the file") if "rate" in item else ""
     return Dataset(where, turned, dtype, load, unit, names, item.get("rate"), source)
 
 

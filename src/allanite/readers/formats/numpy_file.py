@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import Column
@@ -47,7 +48,7 @@ def read(path: str, options: Options) -> Recording:
             columns.append(column(header, values, len(columns) + 1))
     if not columns:
         raise DataError("the file contains no array of samples")
-    table = Table(tuple(columns), rate, "the number stored beside the arrays", tuple(notes))
+    table = Table(tuple(columns), rate, say("the number stored beside the arrays"), tuple(notes))
     return restored(table, text).recording(options)
 
 
@@ -132,5 +133,5 @@ def _claimed(stream: Any) -> int:
 
 def _notes(name: str, array: NDArray[Any]) -> list[str]:
     if array.ndim == 0 and not array.dtype.names and name.lower() not in RATE_NAMES:
-        return [f"the single value {name!r} was ignored"]
+        return [say("the single value {name!r} was ignored", name=name)]
     return [turned_note(name, array)] if turned(array) else []

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import Column, headed
@@ -44,8 +45,8 @@ def read(path: str, options: Options) -> Recording:
                 left.append(field.name)
             else:
                 columns.append(_column(file, field, place, names[: place - 1].count(field.name)))
-    notes = (f"left out, lists or structures: {', '.join(left)}",) if left else ()
-    table = Table(tuple(c for c in columns if c.name not in index), rate, "the metadata of the file", notes)
+    notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
+    table = Table(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
     return restored(table, text).recording(options)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
 from allanite.readers.columns.column import Column
@@ -51,9 +52,12 @@ def read(path: str, options: Options) -> Recording:
         for i, ((name, unit), numbers, scale) in enumerate(zip(_CHANNELS, values, scales, strict=True), 1)
         if isinstance(numbers, np.ndarray)
     ]
-    where = f"the interval of {interval:g} ms in the second header row"
+    where = say("the interval of {interval:g} ms in the second header row", interval=interval)
     return Table(
-        tuple(columns), 1000 / interval, where, (f"local gravity in the header: {gravity:g} m/s^2", *notes)
+        tuple(columns),
+        1000 / interval,
+        where,
+        (say("local gravity in the header: {gravity:g} m/s^2", gravity=gravity), *notes),
     ).recording(options)
 
 

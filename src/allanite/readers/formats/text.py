@@ -7,6 +7,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import dates, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
@@ -116,7 +117,17 @@ def _dated(values: list[parse.Parsed], names: list[str]) -> tuple[list[parse.Par
             label = " ".join(filter(None, (names[first], names[second])))
             values = [stamps if i == first else None if i == second else v for i, v in enumerate(values)]
             names = [label if i == first else name for i, name in enumerate(names)]
-            return values, names, (f"columns {first + 1} and {second + 1} are used as date and time of day",)
+            return (
+                values,
+                names,
+                (
+                    say(
+                        "columns {first} and {second} are used as date and time of day",
+                        first=first + 1,
+                        second=second + 1,
+                    ),
+                ),
+            )
     return values, names, ()
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.estimate import Estimate
+from allanite.core.estimate import STATUS_WORDS, Estimate
 from allanite.core.header import Header
+from allanite.core.language import Phrase, join, say, say_count
 from allanite.core.readings import MINIMUM, MINIMUM_TITLE
 from allanite.core.record import Record
 from allanite.core.scope import APPROXIMATE, graded
@@ -40,39 +41,44 @@ from .meaning import meanings
 from .readings import readings_table
 from .values import rows_of
 
-BRAND = "noise coefficients of an inertial sensor"
+BRAND = say("noise coefficients of an inertial sensor")
 
 EXPLAINED = {
     "whittle": (
-        "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
-        "the constant bias and does not leak where the two ends of the record differ. Each squared "
-        "coefficient has a chi-square distribution with one degree of freedom about the power expected under the "
-        "model: the sum of the squared noise coefficients, each times the known spectrum of its term (Whittle "
-        "likelihood). The model is the set of terms, none negative, with the highest likelihood; a ramp is estimated "
-        "jointly, with its sign.",
-        "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 "
-        "and its interval excludes zero, so that about one record in twenty shows a term that is absent. "
-        "Which terms are present is never certain: each coefficient is averaged over all sets of terms that have "
-        "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
-        "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
-        "between its quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value.",
+        say(
+            "The rate record is transformed by the orthonormal discrete cosine transform (DCT-II), which removes "
+            "the constant bias and does not leak where the two ends of the record differ. Each squared "
+            "coefficient has a chi-square distribution with one degree of freedom about the power expected under the "
+            "model: the sum of the squared noise coefficients, each times the known spectrum of its term (Whittle "
+            "likelihood). The model is the set of terms, none negative, with the highest likelihood; a ramp is "
+            "estimated jointly, with its sign."
+        ),
+        say(
+            "A noise term is identified only where it lowers twice the negative log-likelihood by more than 4 "
+            "and its interval excludes zero, so that about one record in twenty shows a term that is absent. "
+            "Which terms are present is never certain: each coefficient is averaged over all sets of terms that have "
+            "it, weighted by their Akaike criterion, with the other coefficients following. The value is the median "
+            "of that distribution, which is flat in the coefficient where nothing is known, and the interval lies "
+            "between its quantiles. A term that is not identified has a one-sided 95 % upper limit instead of a value."
+        ),
     ),
     "gls": (
-        "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
-        "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
-        "points (generalized least squares, iterated). A term is identified where the quadratic form rises by more "
-        "than 4 without it. Standard errors come from the same covariance and assume Gaussian errors.",
+        say(
+            "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
+            "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
+            "points (generalized least squares, iterated). A term is identified where the quadratic form rises by more "
+            "than 4 without it. Standard errors come from the same covariance and assume Gaussian errors."
+        ),
     ),
 }
 """How a method works, in a few sentences; without them its title is enough."""
 
-CURVE_ALONE = "The curve is estimated independently and shown for comparison: no coefficient was read off it."
-READ = "The coefficients were read off a curve, {statistic}: the notes say from which points."
-LIMITS = (
+CURVE_ALONE = say("The curve is estimated independently and shown for comparison: no coefficient was read off it.")
+LIMITS = say(
     "The intervals of the curve come from the exact distribution of the statistic, averaged over the noise models that "
     "the record leaves open: a random walk that was not identified may still be present."
 )
-SHARED = (
+SHARED = say(
     "Correlation of the residuals of two channels: sample by sample, and of means over 64 segments of the record. In "
     "independent channels the second lies within +-0.25 with 95 % probability."
 )
@@ -82,10 +88,11 @@ def _face(study: Study, level: float) -> Face:
     fitted = any(channel.fit for channel in study.channels)
     panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
     sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
-    job = job_face(study, (f"Noise of {source_of(study)}", BRAND), sheets)
+    method = say(", method {method}", method=study.recipe.method)
+    job = job_face(study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets)
     return replace(
         job,
-        header=header_of(study.provenance, study.notes, f", method {study.recipe.method}" if fitted else ""),
+        header=header_of(study.provenance, study.notes, method if fitted else ""),
         parts=[*job.parts, *overlay(list(panels.values()), level)],
         close=[*meanings(study), *_shared(study), *_statuses(study)],
         how=list(_how(study)),
@@ -97,9 +104,12 @@ def _face(study: Study, level: float) -> Face:
 def _facts(study: Study) -> list[str]:
     """Sensors, sampling rate, length and program in a line."""
     records = [channel.record for channel in study.channels]
-    sensors = Counter(words.SENSORS[record.signal.name] for record in records)
-    counted = [f"{n} channel{'s' if n > 1 else ''} of a {sensor}" for sensor, n in sensors.items()]
-    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), f"{r.size} samples") for r in records}
+    sensors = Counter(record.signal.name for record in records)
+    counted = [
+        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=words.A_SENSOR[name])
+        for name, n in sensors.items()
+    ]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
     found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
     found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
     digest = study.provenance.get("sha256", "")
@@ -126,9 +136,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
     yield from (Note(note) for note in channel.fit.advice)
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
-        drawn = ", the model, and each of its terms" if channel.fit.valid is not None else ""
-        band = f"Deviation by averaging time with its {words.percent(level)} confidence band{drawn}"
-        caption = "; ".join(filter(None, (band, channel.curve.supposed))) + "."
+        caption = say("{sentence}.", sentence=join("; ", filter(None, (_band(channel, level), channel.curve.supposed))))
         yield Drawing(
             lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
         )
@@ -139,8 +147,18 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         table = readings_table(channel.readings, level)
         # in the terminal only where there is no data sheet, most of which it repeats
         yield from () if channel.explained else (replace(table, where="text"),)
-        yield Fold("read off the curve", [table], shut=True)
+        yield Fold(say("read off the curve"), [table], shut=True)
     yield from details(channel, level, panel)
+
+
+def _band(channel: Channel, level: float) -> Phrase:
+    """What the figure of a channel shows."""
+    share = words.percent(level)
+    if channel.fit is None or channel.fit.valid is None:
+        return say("Deviation by averaging time with its {share} confidence band", share=share)
+    return say(
+        "Deviation by averaging time with its {share} confidence band, the model, and each of its terms", share=share
+    )
 
 
 def _shared(study: Study) -> Iterator[Part]:
@@ -149,7 +167,11 @@ def _shared(study: Study) -> Iterator[Part]:
     yield from (Note(str(finding), "alert") for finding in study.shared.findings)
     rows = [[a, b, f"{fast:+.3f}", f"{slow:+.2f}"] for a, b, fast, slow in study.shared.rows()[1]]
     yield Table(
-        columns("channel", "and", "fast", "slow", left=2), rows, "correlation of the channels", key=SHARED, where="page"
+        columns(say("channel"), say("and"), say("fast"), say("slow"), left=2),
+        rows,
+        say("correlation of the channels"),
+        key=SHARED,
+        where="page",
     )
 
 
@@ -157,28 +179,32 @@ def _statuses(study: Study) -> Iterator[Part]:
     met = {e.status for c in study.channels for e in c.fit or ()}
     for status, meaning in words.STATUS.items():
         if status in met:
-            yield Note(f"{status}: {meaning}", "quiet", where="text")
+            yield Note(say("{status}: {meaning}", status=STATUS_WORDS[status], meaning=meaning), "quiet", where="text")
 
 
 def _how(study: Study) -> Iterator[Part]:
     recipe, fits = study.recipe, [channel.fit for channel in study.channels if channel.fit]
     row = METHODS.get(recipe.method)
     if row is not None:
-        yield Note(f"Method: {recipe.method}, {row.title}; measured: {row.efficiency}.")
+        said = {"method": recipe.method, "title": row.title, "efficiency": row.efficiency}
+        yield Note(say("Method: {method}, {title}; measured: {efficiency}.", **said))
     yield from (Note(paragraph) for paragraph in EXPLAINED.get(recipe.method, ()))
     yield Note(_curve_explained(recipe))
     met = {e.status for fit in fits for e in fit}
-    rows = [[status, meaning] for status, meaning in words.STATUS.items() if status in met]
-    yield Table((Column("status", "status"), Column("meaning", "text")), rows)
+    rows = [[STATUS_WORDS[status], meaning] for status, meaning in words.STATUS.items() if status in met]
+    yield Table((Column(say("status"), "status"), Column(say("meaning"), "text")), rows)
     yield definitions(fits)
 
 
 def _curve_explained(recipe: Recipe) -> str:
     row = METHODS.get(recipe.method)
     if row is None or not row.statistic:
-        return f"{CURVE_ALONE} {LIMITS}"
+        return join(" ", (CURVE_ALONE, LIMITS))
     statistic = recipe.statistic if recipe.statistic in row.allowed else row.statistic
-    return f"{READ.format(statistic=statistic)} {LIMITS}"
+    read = say(
+        "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
+    )
+    return join(" ", (read, LIMITS))
 
 
 def _rows(study: Study, level: float) -> Rows:
@@ -208,7 +234,7 @@ def _coefficients(study: Study, level: float) -> Rows:
 
 
 def _channel_face(channel: Channel, level: float) -> Face:
-    return Face(channel.record.name or "channel", BRAND, (_sheet(channel, level),))
+    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))
 
 
 def fitness(channel: Channel) -> str:
@@ -218,53 +244,63 @@ def fitness(channel: Channel) -> str:
         return ""
     unit = record.signal.sheet[0]
     values = record.rate_values / convert(1.0, unit, record.signal.unit)
-    facts = f"mean {np.nanmean(values):.6g}, standard deviation {np.nanstd(values):.4g} {unit}"
-    caution = ", with caution" if channel.quality.warnings else ""
-    return facts if channel.refusal else f"{facts}; fit for analysis{caution}"
+    facts = say(
+        "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
+        mean=np.nanmean(values), deviation=np.nanstd(values), unit=unit,
+    )  # fmt: skip
+    if channel.refusal:
+        return facts
+    fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
+    return join("; ", (facts, fit))
 
 
 def verdict(channel: Channel, level: float) -> str:
     """The result for a channel in one or two sentences."""
-    name = printable(channel.record.name) or "the channel"
+    name = printable(channel.record.name) or say("the channel")
     if channel.fit is None:
-        return f"{name} gives no result: {channel.refusal or 'nothing was fitted'}."
+        reason = channel.refusal or say("nothing was fitted")
+        return say("{channel} gives no result: {reason}.", channel=name, reason=reason)
     if not channel.explained:
-        return f"{name}: not explained. Its coefficients are not valid."
+        return say("{channel}: not explained. Its coefficients are not valid.", channel=name)
     found = [_found(e, level) for e in channel.fit if e.value is not None and e.status != "not valid"]
-    sensor = words.SENSORS[channel.record.signal.name]
-    start = f"{name} is {'an' if sensor[0] in 'aeiou' else 'a'} {sensor}"
-    first = f"{start} with {_join(found)}." if found else f"{start} of which no noise term was identified."
+    sensor = words.A_SENSOR[channel.record.signal.name]
+    first = say("{channel} is {sensor} of which no noise term was identified.", channel=name, sensor=sensor)
+    if found:
+        first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=_join(found))
+    return join(" ", (first, *_missing(channel), *_reservation(channel)))
+
+
+def _missing(channel: Channel) -> Iterator[Phrase]:
+    """Sentences about the terms without a result."""
     length = words.duration(channel.record.duration)
-    absent = _titles(channel, "absent", "reported", "negative")
-    missing = f" Not identified in {length} of data: {absent}." if absent else ""
-    unseen = _titles(channel, "not observable")
-    missing += f" Not observable: {unseen}." if unseen else ""
-    wrong = _titles(channel, "not valid")
-    missing += f" Contradicted by the measured curve: {wrong}." if wrong else ""
-    return first + missing + _reservation(channel)
+    if absent := _titles(channel, "absent", "reported", "negative"):
+        yield say("Not identified in {length} of data: {terms}.", length=length, terms=absent)
+    if unseen := _titles(channel, "not observable"):
+        yield say("Not observable: {terms}.", terms=unseen)
+    if wrong := _titles(channel, "not valid"):
+        yield say("Contradicted by the measured curve: {terms}.", terms=wrong)
 
 
 def _titles(channel: Channel, *statuses: str) -> str:
     """Names of the terms without a result that have one of these statuses."""
     there = (e for e in channel.fit or () if e.status in statuses and (e.value is None or e.status == "not valid"))
-    return ", ".join(words.title(e.symbol, e.signal) for e in there)
+    return join(", ", (words.title(e.symbol, e.signal) for e in there))
 
 
-def _reservation(channel: Channel) -> str:
+def _reservation(channel: Channel) -> Iterator[Phrase]:
     """How good an approximate model is."""
     noise = channel.noise
-    if noise is None or noise.validity != APPROXIMATE:
-        return ""
-    return f" {graded(noise.validity, noise.fit.scope).capitalize()}."
+    if noise is not None and noise.validity == APPROXIMATE:
+        yield say("{sentence}.", sentence=words.capital(graded(noise.validity, noise.fit.scope)))
 
 
-def _found(estimate: Estimate, level: float) -> str:
-    weak = " (weak)" if estimate.status == "weak" else ""
-    return f"{words.named(estimate, level)} {words.number(estimate, level)}{weak}"
+def _found(estimate: Estimate, level: float) -> Phrase:
+    said = join(" ", (words.named(estimate, level), words.number(estimate, level)))
+    return say("{term} (weak)", term=said) if estimate.status == "weak" else said
 
 
-def _join(parts: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
+def _join(parts: list[Phrase]) -> Phrase:
+    return say("{terms} and {last}", terms=join(", ", parts[:-1]), last=parts[-1]) if len(parts) > 1 else parts[0]
 
 
 STUDY = View(_face, plot_curves, _rows, _coefficients)

@@ -7,6 +7,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry
 from allanite.core.estimate import Estimate
+from allanite.core.language import join, say
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.core.units import convert, readable_unit
 from allanite.reporting import words
@@ -15,7 +16,7 @@ from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit
 from allanite.statistics import STATISTICS
 from allanite.study.analysis import Channel
 
-KEY = (
+KEY = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
     "spectrum analyzers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
@@ -27,12 +28,12 @@ LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> Table:
     """The quantities and units that data sheets quote, with intervals; else those that no table of coefficients has."""
     heads = (
-        Column("quantity", "name"), Column("value"), Column(words.interval(level), "interval"), Column("unit", "unit"),
-        Column("at", "name", aside=True), Column("remark", "text", aside=True),
+        Column(say("quantity"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column(say("at"), "name", aside=True), Column(say("remark"), "text", aside=True),
     )  # fmt: skip
     rows = [_row(entry) for entry in channel.data_sheet(level) if whole or not entry.coefficient]
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
-    return Table(heads, rows, "data sheet", marks=marks, key=KEY)
+    return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
 
 
 def _row(entry: Entry) -> list[str]:
@@ -43,7 +44,7 @@ def _row(entry: Entry) -> list[str]:
 def _number(entry: Entry) -> tuple[str, str]:
     """Value and interval; of a term that was not found its limit."""
     if entry.value is None:
-        return "", "" if entry.high is None else f"below {digits(entry.high, figures=2).plain()[0]}"
+        return "", "" if entry.high is None else say("below {limit}", limit=digits(entry.high, figures=2).plain()[0])
     if entry.low is None or entry.high is None:
         return digits(entry.value).plain()[0], ""
     return digits(entry.value, entry.low, entry.high).plain()
@@ -52,30 +53,29 @@ def _number(entry: Entry) -> tuple[str, str]:
 def card_of(channel: Channel, level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
-        return Card("✗ no result", "alert", note=channel.refusal) if channel.refusal else None
+        return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
     grade = channel.noise.validity if channel.noise else ""
-    badge = f"{SIGNS[grade]} {graded(grade, channel.fit.scope)}" if grade else ""
+    badge = join(" ", (SIGNS[grade], graded(grade, channel.fit.scope))) if grade else ""
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
-        return Card(badge, "alert", tuple(_minimum(channel)), "; ".join(("Coefficients not valid", *points[:1])))
+        return Card(badge, "alert", tuple(_capital(channel)), join("; ", (say("Coefficients not valid"), *points[:1])))
     rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.valued]
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
     length = words.duration(channel.record.duration)
-    note = f"Not identified in {length}: {', '.join(absent)}" if absent else ""
-    return Card(badge, LEVELS.get(grade, ""), (*rows, *_minimum(channel)), note)  # type: ignore[arg-type]
+    note = say("Not identified in {length}: {symbols}", length=length, symbols=", ".join(absent)) if absent else ""
+    return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
 
 
 def _short(e: Estimate) -> str:
-    title = words.title(e.symbol, e.signal)
-    return f"{title[:1].upper()}{title[1:]} ({words.symbol(e)})"
+    return words.capital(say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e)))
 
 
 def _with_share(e: Estimate, level: float) -> str:
     """A coefficient with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``."""
     low, high = e.interval(level)
     share = 50 * (high - low) / abs(e.value or np.nan)
-    weak = ", weak" if e.status == "weak" else ""
-    return words.number(e, level) + (f" ± {share:.2g} %" if np.isfinite(share) else "") + weak
+    number = words.number(e, level) + (f" ± {share:.2g} %" if np.isfinite(share) else "")
+    return say("{value}, weak", value=number) if e.status == "weak" else number
 
 
 def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
@@ -85,18 +85,29 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     unit = readings.shown_unit(0)
     number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
     most = "" if readings.inside else "≤ "
-    yield "In-run bias stability", f"{most}{number} {printed_unit(unit)} at {readings.minimum.tau:.3g} s"
+    size, tau = f"{most}{number} {printed_unit(unit)}", readings.minimum.tau
+    yield say("in-run bias stability"), say("{value} at {tau:.3g} s", value=size, tau=tau)
+
+
+def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
+    """The rows of a card."""
+    yield from ((words.capital(name), value) for name, value in _minimum(channel))
 
 
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
-    title = STATISTICS[curve.statistic].title
     unit = printed_unit(shown.unit)
-    ends = " and ".join(f"{shown.deviation[i]:.3g} {unit} at {shown.tau[i]:.4g} s" for i in (0, -1))
-    said = [f"{title[:1].upper()}{title[1:]} of {channel.record.name or 'the channel'}: {ends}"]
-    said += [f"{name[:1].lower()}{name[1:]} {value}" for name, value in _minimum(channel)]
+    ends = say(
+        "{statistic} of {channel}: {first:.3g} {unit} at {start:.4g} s and {last:.3g} {unit} at {end:.4g} s",
+        statistic=STATISTICS[curve.statistic].title, channel=channel.record.name or say("the channel"), unit=unit,
+        first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
+    )  # fmt: skip
+    said: list[str] = [words.capital(ends)]
+    said += [join(" ", row) for row in _minimum(channel)]
     if channel.fit is not None:
-        said += [f"{words.symbol(e)} = {words.in_print(e, e.sheet_unit, level)}" for e in channel.fit if e.claimed]
+        said += [
+            join(" = ", (words.symbol(e), words.in_print(e, e.sheet_unit, level))) for e in channel.fit if e.claimed
+        ]
         said += [words.grade(channel.fit)]
-    return "; ".join(filter(None, said))
+    return join("; ", filter(None, said))

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.reporting import figures, words
@@ -17,13 +18,15 @@ from allanite.study.analysis import Channel
 from .fit import goodness_parts
 from .values import numbers_table
 
-STRIP = "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
-CORRELATION = (
+STRIP = say(
+    "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
+)
+CORRELATION = say(
     "Correlation of the estimated coefficients under the best model. Estimates that are correlated by nearly -1 can "
     "hardly be told apart: only a longer record, or a higher sampling rate, separates them."
 )
-RECORD = "Range and mean of short segments of the record."
-SPECTRUM = (
+RECORD = say("Range and mean of short segments of the record.")
+SPECTRUM = say(
     "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
     "of white noise is sqrt(2) N."
 )
@@ -35,8 +38,8 @@ def overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
         return
     names = ", ".join(panel.name for panel in panels)
     title = STATISTICS[panels[0].curve.statistic].title
-    label = f"{title} of {names} in one panel"
-    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", "all channels")
+    label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
+    yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
 
 
 def details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
@@ -44,17 +47,18 @@ def details(channel: Channel, level: float, panel: "figures.Panel | None") -> It
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))
     if channel.curve is not None and channel.fit.valid is not None and panel is not None:
-        label = f"observed over expected deviation of {channel.record.name} by averaging time"
-        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, "the curve over its model")
+        name = channel.record.name
+        label = say("observed over expected deviation of {channel} by averaging time", channel=name)
+        strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, say("the curve over its model"))
         checked.insert(0, strip)
     checked += _correlations(channel.fit)
-    yield from [Fold("residuals: does the model explain the record?", checked, shut=True)] if checked else []
+    yield from [Fold(say("residuals: does the model explain the record?"), checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):
-        yield Fold("record and spectrum", list(_raw(record, channel, level)), shut=True)
+        yield Fold(say("record and spectrum"), list(_raw(record, channel, level)), shut=True)
     if panel is not None:
         shown = panel.curve.to(panel.unit)
-        yield numbers_table(shown, level, "the curve in numbers", where="page")
+        yield numbers_table(shown, level, say("the curve in numbers"), where="page")
 
 
 def _correlations(fit: Fit) -> Iterator[Table]:
@@ -68,15 +72,21 @@ def _correlations(fit: Fit) -> Iterator[Table]:
     rows = [
         [symbol, *(f"{fit.correlation[i, j]:+.2f}" for j in shown)] for symbol, i in zip(symbols, shown, strict=True)
     ]
-    yield Table(columns("", *symbols), rows, "correlation of the estimates", key=CORRELATION)
+    yield Table(columns("", *symbols), rows, say("correlation of the estimates"), key=CORRELATION)
 
 
 def over_time(record: Record) -> Drawing:
     """The record over time, with its mean and spread as the words for it."""
     unit = record.signal.sheet[0]
     values = record.rate_values * convert(1.0, record.signal.si[0], unit)
-    spread = f"mean {np.nanmean(values):.4g}, standard deviation {np.nanstd(values):.4g} {printed_unit(unit)}"
-    label = f"{record.name or 'the record'} over {words.duration(record.duration)}: {spread}"
+    label = say(
+        "{channel} over {length}: mean {mean:.4g}, standard deviation {deviation:.4g} {unit}",
+        channel=record.name or say("the record"),
+        length=words.duration(record.duration),
+        mean=np.nanmean(values),
+        deviation=np.nanstd(values),
+        unit=printed_unit(unit),
+    )
     return Drawing(lambda: figures.plot_record(record), label, RECORD)
 
 
@@ -86,11 +96,13 @@ def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
     try:
         density = spectrum(record, bins=10)
     except DataError as error:
-        yield Note(f"no spectrum: {error}", "quiet", where="page")
+        yield Note(say("no spectrum: {reason}", reason=str(error)), "quiet", where="page")
         return
     fits = {} if channel.fit is None else {record.name: channel.fit}
     found = density.to(unit)
-    ends = " and ".join(f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)} at {found.frequency[i]:.3g} Hz"
-                        for i in (0, -1))  # fmt: skip
-    label = f"one-sided amplitude spectral density of {record.name}: {ends}"
+    first, last = (f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)}" for i in (0, -1))
+    label = say(
+        "one-sided amplitude spectral density of {channel}: {first} at {low:.3g} Hz and {last} at {high:.3g} Hz",
+        channel=record.name, first=first, low=found.frequency[0], last=last, high=found.frequency[-1],
+    )  # fmt: skip
     yield Drawing(lambda: figures.plot_spectra([density], fits, level=level), label, SPECTRUM)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from allanite.core.estimate import Estimate
+from allanite.core.estimate import STATUS_WORDS, Estimate
 from allanite.core.fit import Fit, chance
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
 from allanite.reporting import figures, words
@@ -23,12 +24,12 @@ if TYPE_CHECKING:
 MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": "struck"}
 """Mark of a row by the status of its term."""
 
-GOODNESS = (
+GOODNESS = say(
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
     "same in standard deviations. If the model explains the record, nine cells in ten or more lie within the shaded "
     "band; cells beyond three standard deviations are red."
 )
-RESIDUALS_CAPTION = (
+RESIDUALS_CAPTION = say(
     "Residuals in standard deviations: white, Gaussian and stationary if the model is right. Left: range of short "
     "segments, and RMS of each eighth of the record. Middle: autocorrelation, with the 95 % band of white noise. "
     "Right: quantiles against those of the normal distribution."
@@ -39,12 +40,18 @@ def terms_table(fit: Fit, level: float) -> Table:
     """The coefficients, in the units of data sheets and in SI."""
     interval = words.interval(level)
     heads = (
-        Column("", "symbol"), Column("term", "name"), Column("value"), Column(interval, "interval"),
-        Column("unit", "unit"), Column("status", "status"), Column("SI value", aside=True),
-        Column(interval, "interval", aside=True), Column("SI unit", "unit", aside=True),
+        Column("", "symbol"), Column(say("term"), "name"), Column(say("value")), Column(interval, "interval"),
+        Column(say("unit"), "unit"), Column(say("status"), "status"), Column(say("SI value"), aside=True),
+        Column(interval, "interval", aside=True), Column(say("SI unit"), "unit", aside=True),
     )  # fmt: skip
     rows = [
-        [words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.status, *_cells(e, e.unit, level)]
+        [
+            words.symbol(e),
+            words.named(e, level),
+            *_cells(e, e.sheet_unit, level),
+            STATUS_WORDS[e.status],
+            *_cells(e, e.unit, level),
+        ]
         for e in fit
     ]
     return Table(heads, rows, marks=[MARKS.get(e.status, "") for e in fit])
@@ -55,27 +62,32 @@ def _cells(estimate: Estimate, unit: str, level: float) -> list[str]:
     number, most = words.shown(estimate, unit, level), words.limit(estimate, unit)
     if number is not None:
         return [*number.plain(), unit]
-    return ["", f"{words.below(estimate)} {most.plain()[0]}" if most else "", unit if most else ""]
+    return ["", words.below(estimate, most.plain()[0]) if most else "", unit if most else ""]
 
 
 def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
     """Whether the model explains the record: figures and checks, for the page."""
     good = fit.goodness
     if good is not None:
-        name, title = fit.name or "the record", "does the model explain the record?"
+        name, title = fit.name or say("the record"), say("does the model explain the record?")
         least, most = float(np.nanmin(good.ratio)), float(np.nanmax(good.ratio))
-        label = f"observed over expected power of {name} by frequency: {least:.2g} to {most:.2g}, {chance(good.p)}"
+        label = say(
+            "observed over expected power of {channel} by frequency: {least:.2g} to {most:.2g}, {p}",
+            channel=name, least=least, most=most, p=chance(good.p),
+        )  # fmt: skip
         yield Drawing(lambda: figures.plot_goodness(good), label, GOODNESS, title)
     if residuals is not None and residuals.checks:
-        name, title = fit.name or "the record", "residuals"
-        found = "; ".join(f"{check.title} {check.value:.3g}" for check in residuals.checks)
-        label = f"residuals of {name} over time, their correlation and quantiles: {found}"
+        name, title = fit.name or say("the record"), say("residuals")
+        found = join("; ", (join(" ", (check.title, f"{check.value:.3g}")) for check in residuals.checks))
+        label = say(
+            "residuals of {channel} over time, their correlation and quantiles: {checks}", channel=name, checks=found
+        )
         yield Drawing(lambda: figures.plot_series(residuals), label, RESIDUALS_CAPTION, title)
         yield _checks(residuals, "page")
 
 
 def _checks(residuals: Residuals, where: Any = "") -> Table:
-    heads = (Column("check", "name"), Column("value"), Column("p", "name"), Column("meaning", "text"))
+    heads = (Column(say("check"), "name"), Column(say("value")), Column("p", "name"), Column(say("meaning"), "text"))
     rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
@@ -84,15 +96,15 @@ def definitions(fits: Iterable[Fit]) -> Table:
     """What each coefficient means, with its formula and source."""
     signals = {e.symbol: e.signal for fit in fits for e in fit}
     heads = (
-        Column("", "symbol"), Column("term", "name"), Column("Allan variance", "formula"), Column("meaning", "text"),
-        Column("source", "text"),
+        Column("", "symbol"), Column(say("term"), "name"), Column(say("Allan variance"), "formula"),
+        Column(say("meaning"), "text"), Column(say("source"), "text"),
     )  # fmt: skip
     rows = [
         [s, words.title(s, signals[s]), row.formula, row.meaning, row.reference]
         for s, row in TERMS.items()
         if s in signals
     ]
-    return Table(heads, rows, "definitions of the coefficients", where="page")
+    return Table(heads, rows, say("definitions of the coefficients"), where="page")
 
 
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
@@ -114,12 +126,15 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     for e in fit:
         if e.status == "not observable":
             unseen.setdefault(e.reason, []).append(e.symbol)
-    yield from (Note(f"{', '.join(symbols)} not observable: {why}", "quiet") for why, symbols in unseen.items())
+    yield from (
+        Note(say("{symbols} not observable: {reason}", symbols=", ".join(symbols), reason=why), "quiet")
+        for why, symbols in unseen.items()
+    )
 
 
 def _face(fit: Fit, level: float) -> Face:
-    sheet = Sheet(fit.name or "noise", (f"method {fit.method}",), tuple(fit_parts(fit, level)))
-    return Face(fit.name or "Noise", "noise coefficients", (sheet,), how=(definitions([fit]),))
+    sheet = Sheet(fit.name or say("noise"), (say("method {method}", method=fit.method),), tuple(fit_parts(fit, level)))
+    return Face(fit.name or say("Noise"), say("noise coefficients"), (sheet,), how=(definitions([fit]),))
 
 
 def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
@@ -129,21 +144,23 @@ def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure
 
 def _residuals_face(residuals: Residuals, level: float) -> Face:
     notes = statement_note(residuals.statement)
-    drawing = Drawing(lambda: figures.plot_residuals(residuals), "residuals", RESIDUALS_CAPTION)
+    drawing = Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION)
     return Face(
-        "Residuals", "residuals of a noise model", (Sheet("residuals", parts=(*notes, _checks(residuals), drawing)),)
+        say("Residuals"),
+        say("residuals of a noise model"),
+        (Sheet(say("residuals"), parts=(*notes, _checks(residuals), drawing)),),
     )
 
 
 def model_table(model: Model) -> Table:
     """The terms of a model, in the units of data sheets."""
-    heads = columns("", "term", "value", "unit", left=2)
+    heads = columns("", say("term"), say("value"), say("unit"), left=2)
     sheets = [(t, t.signal.sheet[t.row.power]) for t in model]
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), f"{t.to(u):.6g}", u] for t, u in sheets])
 
 
 def _model_face(model: Model, level: float) -> Face:
-    return Face(str(model), "a noise model", (Sheet("model", parts=(model_table(model),)),))
+    return Face(str(model), say("a noise model"), (Sheet(say("model"), parts=(model_table(model),)),))
 
 
 FIT = View(_face, plot_curves, lambda fit, level: fit.rows(level))

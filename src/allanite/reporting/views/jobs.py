@@ -6,6 +6,7 @@ from pathlib import PurePath
 from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
+from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
@@ -18,6 +19,7 @@ LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "
 """Level of the note by the grade of a model."""
 
 REFUSED = "no result: "
+"""How the note on a refusal begins in English."""
 
 
 class Warned(Protocol):
@@ -42,7 +44,7 @@ class Recorded(Warned, Protocol):
 
 def source_of(job: Job[Any]) -> str:
     """The name of the file, for a title."""
-    return PurePath(job.provenance.get("source", "")).name or "data in memory"
+    return PurePath(job.provenance.get("source", "")).name or say("data in memory")
 
 
 def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = ()) -> Face:
@@ -70,8 +72,8 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     common = {text: names for text, names in where.items() if len(names) > 1}
     once: list[Part] = []
     for text, names in common.items():
-        which = "all channels" if len(names) == len(sheets) else ", ".join(names)
-        once.append(Note(f"{which}: {text}", "alert"))
+        which = say("all channels") if len(names) == len(sheets) else ", ".join(names)
+        once.append(Note(say("{channels}: {warning}", channels=which, warning=text), "alert"))
     return once, [replace(sheet, parts=[*_rest(sheet.parts, common)]) for sheet in sheets]
 
 
@@ -85,7 +87,7 @@ def _rest(parts: Iterable[Part], common: Container[str]) -> Iterator[Part]:
         if not (_warns(part) and part.text in common):
             yield part
         elif part.text.startswith(REFUSED):
-            yield Note(f"{REFUSED}see above", "alert")
+            yield Note(say("no result: see above"), "alert")
 
 
 def channel_sheet(
@@ -106,7 +108,7 @@ def channel_sheet(
 def statement_note(said: Statement, before: str = "") -> Iterator[Note]:
     """How well a model explains a record: the grade with its reasons; nothing where it was not tested."""
     if said.grade:
-        yield Note(f"{before}{said.head}", LEVELS[said.grade], points=said.points)
+        yield Note(join("", (before, said.head)), LEVELS[said.grade], points=said.points)
 
 
 def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
@@ -117,4 +119,4 @@ def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
     told = () if noise is None else noise.doubts
     yield from (Note(alert, "alert") for alert in channel.alerts if alert not in told)
     if channel.refusal:
-        yield Note(f"{REFUSED}{channel.refusal}", "alert")
+        yield Note(say("no result: {reason}", reason=channel.refusal), "alert")

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from allanite.core.language import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.modelled import ModelJob, Modelled
@@ -28,7 +29,9 @@ def one_face(form: Form) -> Callable[[Any, float], Face]:
 
     def face(result: Any, _: float) -> Face:
         sheet = Sheet(form.name, (form.about(result),), tuple(form.parts(result, None)))
-        return Face(f"{form.title} {result.model}", form.brand, (sheet,), close=_legend(form), how=(Note(form.key),))
+        return Face(
+            join(" ", (form.title, str(result.model))), form.brand, (sheet,), close=_legend(form), how=(Note(form.key),)
+        )
 
     return face
 
@@ -38,11 +41,13 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
 
     def face(job: ModelJob, _: float) -> Face:
         given = job.settings.given()
-        header = header_of(job.provenance, job.notes, f", method {job.recipe.method}")
+        header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
         if given:
-            header = [("noise", str(given)), *header_of(job.provenance, ())[1:]]
-        names = f"{form.title} {job.settings.sensor or given or source_of(job)}", form.brand
-        limits = [Note(f"limit exceeded: {sentence}", "alert", where="page") for sentence in job.exceeded]
+            header = [(say("noise"), str(given)), *header_of(job.provenance, ())[1:]]
+        names = join(" ", (form.title, job.settings.sensor or str(given or source_of(job)))), form.brand
+        limits = [
+            Note(say("limit exceeded: {limit}", limit=sentence), "alert", where="page") for sentence in job.exceeded
+        ]
         found = jobs.job_face(job, names, [_sheet(channel, form) for channel in job], limits)
         return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
 
@@ -63,7 +68,7 @@ def _parts(channel: Modelled, form: Form) -> Iterator[Part]:
     yield from jobs.warnings(channel)
     yield from (Note(note) for note in (channel.fit.advice if channel.fit else ()))
     if channel.missing:
-        yield Note(f"not taken into account: {channel.missing}")
+        yield Note(say("not taken into account: {terms}", terms=channel.missing))
     if channel.result is not None:
         yield from form.parts(channel.result, channel)
 

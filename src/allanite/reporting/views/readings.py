@@ -1,5 +1,6 @@
 """How values read off a curve are shown."""
 
+from allanite.core.language import say
 from allanite.core.readings import Quantity, Readings
 from allanite.core.units import convert
 from allanite.reporting import words
@@ -8,7 +9,7 @@ from allanite.reporting.sheet import Column, Face, Sheet, Table
 
 from . import View
 
-KEY = (
+KEY = say(
     "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the intervals "
     "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
     "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
@@ -19,8 +20,8 @@ KEY = (
 def readings_table(readings: Readings, level: float) -> Table:
     """Values read off a curve, in the units of data sheets."""
     heads = (
-        Column("read off the curve", "name"), Column("value"), Column(words.interval(level), "interval"),
-        Column("unit", "unit"), Column("", "name"),
+        Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column("", "name"),
     )  # fmt: skip
     rows = [[q.title, *_cells(q, readings), q.remark] for q in readings.quantities(level)]
     return Table(heads, rows, key=KEY)
@@ -35,8 +36,8 @@ def _cells(q: Quantity, readings: Readings) -> list[str]:
 
 
 def _face(readings: Readings, level: float) -> Face:
-    sheet = Sheet("readings", parts=(readings_table(readings, level),))
-    return Face("Readings", "read off the Allan deviation", (sheet,))
+    sheet = Sheet(say("readings"), parts=(readings_table(readings, level),))
+    return Face(say("Readings"), say("read off the Allan deviation"), (sheet,))
 
 
 READINGS = View(_face, rows=lambda readings, level: readings.rows(level))

@@ -1,5 +1,6 @@
 """How the truth of a simulated recording is shown."""
 
+from allanite.core.language import say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Sheet, toml
 from allanite.simulation.recording import Simulation
@@ -11,7 +12,7 @@ from .fit import model_table
 def _face(simulation: Simulation, _: float) -> Face:
     sheets = [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels]
     return Face(
-        f"Simulation of {simulation.model}", "a recording whose noise is known", sheets,
+        say("Simulation of {model}", model=str(simulation.model)), say("a recording whose noise is known"), sheets,
         close=(model_table(simulation.model),), choices=toml({"seed": simulation.seed}),
     )  # fmt: skip
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.reporting.sheet import Drawing, Face
 from allanite.study.survey import Survey
 
@@ -18,8 +19,11 @@ if TYPE_CHECKING:
 def _face(survey: Survey, level: float) -> Face:
     sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
     names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
-    titles = "; ".join(dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
-    drawing = Drawing(lambda: _plot([survey], None, level), f"{titles}, of {names}" if names else titles)
+    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
+    drawing = Drawing(
+        lambda: _plot([survey], None, level),
+        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
+    )
     return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 

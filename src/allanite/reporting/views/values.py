@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.reporting import figures, words
@@ -21,7 +22,7 @@ from . import Rows, View
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BRAND = "statistics of an inertial sensor"
+BRAND = say("statistics of an inertial sensor")
 
 MOST_COLUMNS = 8
 """Averaging times of a surface that are printed."""
@@ -41,7 +42,7 @@ def numbers_table(value: Any, level: float, title: str = "", where: Where = "") 
     """The numbers of a curve, spectrum or surface; folded away on a page."""
     form = FORMS[type(value)]
     headings, rows = form.table(value, level)
-    said = "; ".join(filter(None, (title or form.title(value), _supposed(value))))
+    said = join("; ", filter(None, (title or form.title(value), _supposed(value))))
     return Table(columns(*headings, left=0), rows, said, details=True, where=where)
 
 
@@ -60,7 +61,7 @@ def rows_of(values: Sequence[Any], level: float) -> Rows:
 def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
     numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
     if curve.law is None:
-        return ["m", "tau [s]", f"[{curve.unit}]", "count"], [
+        return ["m", "tau [s]", f"[{curve.unit}]", say("count")], [
             [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
         ]
     limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
@@ -68,7 +69,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]
         [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
         for (m, tau, value, n), (low, high, edf) in zip(numbers, limits, strict=True)
     ]
-    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", "count"], rows
+    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", say("count")], rows
 
 
 def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[list[str]]]:
@@ -85,7 +86,7 @@ def _surface_table(surface: Surface, _: float) -> tuple[list[str], list[list[str
         [f"{time:.6g}", *(_number(value) or "-" for value in row)]
         for time, row in zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
     ]
-    return ["time [s]", *(f"{surface.tau[j]:.4g} s" for j in kept)], rows
+    return [say("time [s]"), *(f"{surface.tau[j]:.4g} s" for j in kept)], rows
 
 
 def _number(value: float) -> str:
@@ -93,16 +94,24 @@ def _number(value: float) -> str:
 
 
 def _curve_title(curve: Curve) -> str:
-    return f"{STATISTICS[curve.statistic].title} in {curve.unit}"
+    return say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit)
 
 
 def _spectrum_title(spectrum: Spectrum) -> str:
-    return f"{spectrum.sides}-sided power spectral density in {spectrum.density_unit}, {spectrum.method}"
+    named = {"unit": spectrum.density_unit, "method": spectrum.method}
+    if spectrum.sides == "one":
+        return say("one-sided power spectral density in {unit}, {method}", **named)
+    return say("two-sided power spectral density in {unit}, {method}", **named)
 
 
 def _surface_title(surface: Surface) -> str:
-    title = f"{STATISTICS[surface.statistic].title} in {surface.unit}"
-    return f"{title}, windows of {surface.window:g} s every {surface.step:g} s"
+    return say(
+        "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
+        statistic=STATISTICS[surface.statistic].title,
+        unit=surface.unit,
+        length=surface.window,
+        step=surface.step,
+    )
 
 
 def _curve_lines(curve: Curve, level: float) -> Iterator[list[Any]]:
@@ -157,9 +166,11 @@ FORMS: dict[type, Form] = {
 
 def _one_face(value: Any, level: float) -> Face:
     form = FORMS[type(value)]
-    title = f"{value.name}: {form.title(value)}" if value.name else form.title(value)
+    title = form.title(value)
+    if value.name:
+        title = say("{channel}: {statistic}", channel=value.name, statistic=title)
     drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value), _supposed(value))
-    sheet = Sheet(value.name or "channel", tuple(value.history), (drawing, numbers_table(value, level)))
+    sheet = Sheet(value.name or say("channel"), tuple(value.history), (drawing, numbers_table(value, level)))
     return Face(title, BRAND, (sheet,))
 
 

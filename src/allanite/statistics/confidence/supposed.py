@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 from allanite.core.averaged import Averaged, noise_choice
 from allanite.core.curve import Law
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.scope import UNEXPLAINED
 from allanite.statistics.row import FloatArray
@@ -39,15 +40,22 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
     """
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
-        return Supposed("auto", "intervals for the power law identified at each averaging time")
+        return Supposed("auto", say("intervals for the power law identified at each averaging time"))
     fit = noise if isinstance(noise, Fit) else None
-    doubt = ", which does not explain the record" if fit and fit.validity == UNEXPLAINED else ""
     if len(choice) == 1:
-        return Supposed(choice, f"intervals under the {'identified' if fit else 'given'} model {choice.terms}{doubt}")
-    there = {term.symbol for term in choice.terms}
-    symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
-    source = " identified from the record" if fit else ""
-    return Supposed(choice, f"intervals averaged over {len(choice)} models of {symbols}{source}{doubt}")
+        under = say("intervals under the given model {model}", model=str(choice.terms))
+        if fit:
+            under = say("intervals under the identified model {model}", model=str(choice.terms))
+    else:
+        there = {term.symbol for term in choice.terms}
+        symbols = ", ".join(symbol for symbol in TERMS if symbol in there)
+        under = say("intervals averaged over {count} models of {symbols}", count=len(choice), symbols=symbols)
+        if fit:
+            under = say("intervals averaged over {count} models of {symbols} identified from the record",
+                        count=len(choice), symbols=symbols)  # fmt: skip
+    if fit and fit.validity == UNEXPLAINED:
+        under = say("{intervals}, which does not explain the record", intervals=under)
+    return Supposed(choice, under)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.wording import spelled, windowing
 from allanite.statistics.row import FloatArray
@@ -66,7 +67,7 @@ class Multitaper:
     @property
     def title(self) -> str:
         """Description with the settings."""
-        return f"multitaper, NW = {self.bandwidth:g}, {self.count} tapers"
+        return say("multitaper, NW = {bandwidth:g}, {count} tapers", bandwidth=self.bandwidth, count=self.count)
 
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
@@ -76,8 +77,15 @@ class Multitaper:
         lost = int((~np.isfinite(y)).sum())
         if lost:
             raise DataError(
-                f"{lost} of {y.size} samples of {record.name!r} are missing: tapers need a record without gaps; use "
-                f"{spelled('--estimator welch', 'method=welch')}, or select a window without gaps ({windowing()})"
+                say(
+                    "{lost} of {size} samples of {channel!r} are missing: tapers need a record without gaps; use "
+                    "{option}, or select a window without gaps ({choice})",
+                    lost=lost,
+                    size=y.size,
+                    channel=record.name,
+                    option=spelled("--estimator welch", "method=welch"),
+                    choice=windowing(),
+                )
             )
         first = math.ceil(2 * self.bandwidth)
         demand_frequencies((y.size + 1) // 2 - first, record)

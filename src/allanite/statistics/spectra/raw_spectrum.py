@@ -3,6 +3,7 @@
 from typing import NamedTuple, Protocol
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.statistics.row import FloatArray
 
@@ -38,6 +39,10 @@ def demand_frequencies(count: int, record: Record) -> None:
     """Refuse a record, or a segment of it, that is too short for any frequency."""
     if count < 1:
         raise DataError(
-            f"{record.name!r} has too few of its {record.size} samples without a gap for a spectrum; record longer, "
-            "or use longer segments"
+            say(
+                "{channel!r} has too few of its {size} samples without a gap for a spectrum; record longer, or use "
+                "longer segments",
+                channel=record.name,
+                size=record.size,
+            )
         )

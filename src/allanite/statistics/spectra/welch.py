@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.statistics.estimator import stretches
 from allanite.statistics.row import FloatArray, IntArray
@@ -63,7 +64,7 @@ class Welch:
     @property
     def title(self) -> str:
         """Description with the settings."""
-        return f"welch, {self.window} window"
+        return say("welch, {window} window", window=self.window)
 
     def estimate(self, record: Record) -> Raw:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""

@@ -1,0 +1,27 @@
+"""Names of noise terms by the type of sensor."""
+
+import pytest
+
+from allanite.core.language import Phrase
+from allanite.core.titles import title_of
+from allanite.core.units import SIGNALS, signal_named
+from allanite.terms import TERMS
+
+
+@pytest.mark.parametrize(
+    ("symbol", "signal", "title"),
+    [
+        ("N", "gyro", "angle random walk"),
+        ("N", "accelerometer", "velocity random walk"),
+        ("K", "accelerometer", "acceleration random walk"),
+        ("R", "dimensionless", "signal ramp"),
+        ("N", "voltage", "integrated voltage random walk"),
+        ("B", "flux density", "bias instability"),
+    ],
+)
+def test_a_term_is_called_after_what_the_sensor_measures(symbol, signal, title):
+    assert title_of(symbol, signal_named(signal)) == title
+
+
+def test_every_title_can_be_translated():
+    assert all(isinstance(title_of(symbol, signal), Phrase) for symbol in TERMS for signal in SIGNALS)

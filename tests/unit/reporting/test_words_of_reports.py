@@ -1,0 +1,31 @@
+"""Phrases that the page begins with a capital letter, and the words of every status and sensor."""
+
+import pickle
+
+from allanite.core.estimate import STATUS_WORDS
+from allanite.core.language import say
+from allanite.core.units import SIGNALS
+from allanite.reporting import words
+
+
+class Upside:
+    """A catalogue in which every template is written backwards, but for its fields."""
+
+    def gettext(self, message):
+        return message if "{" in message else message[::-1]
+
+    def ngettext(self, one, many, count):
+        return one if count == 1 else many
+
+
+def test_the_capital_letter_is_that_of_the_language():
+    said = words.capital(say("{term} ({symbol})", term=say("rate ramp"), symbol="R"))
+    assert said == "Rate ramp (R)"
+    assert said.within(Upside()) == "Pmar etar (R)"
+    assert pickle.loads(pickle.dumps(said)).within(Upside()) == "Pmar etar (R)"
+
+
+def test_every_status_and_sensor_has_words():
+    assert STATUS_WORDS.keys() == words.STATUS.keys()
+    assert all(word == status for status, word in STATUS_WORDS.items())
+    assert words.SENSORS.keys() == words.A_SENSOR.keys() == {signal.name for signal in SIGNALS}
