@@ -41,7 +41,8 @@ def render(face: Face) -> bytes:
 def _lines(face: Face) -> Iterator[str]:
     from .text import render as text
 
-    yield from filter(None, (" · ".join(map(tr, face.facts)), *(f"{tr(key)}: {value}" for key, value in face.device.items())))
+    device = (f"{tr(key)}: {value}" for key, value in face.device.items())
+    yield from filter(None, (" · ".join(map(tr, face.facts)), *device))
     yield from ("", *text(face, width=COLUMNS).splitlines())
     for title, body in ((say("Command line"), face.command), (say("Recipe"), face.choices)):
         if body:
