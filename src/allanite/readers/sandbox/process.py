@@ -31,6 +31,7 @@ class Library(NamedTuple):
 LIBRARIES = {
     "hdf5": Library("h5py", "hdf5", "rewrite it with h5repack"),
     "mat": Library("scipy", "", "save it again in MATLAB: save('again.mat', '-v7')"),
+    "ulog": Library("pyulog", "ulog", "write its topics as CSV with ulog2csv and read that"),
     "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
 """One entry for each of `worker.FORMATS`."""
