@@ -22,6 +22,7 @@ import lzma
 import multiprocessing
 import os
 import resource
+import struct
 import subprocess
 import sys
 import tempfile
@@ -173,6 +174,23 @@ def _ulog() -> bytes:
     return b"ULog\1\x12\x35\1" + bytes(8) + head + message(b"A", bytes(3) + b"sensor_gyro") + b"".join(data)
 
 
+def _dataflash() -> bytes:
+    kinds = {128: ("FMT", "BBnNZ", "Type,Length,Name,Format,Columns"), 130: ("IMU", "QBfff", "TimeUS,I,GyrX,GyrY,GyrZ")}
+    kinds |= {133: ("ISBH", "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate")}
+    kinds |= {134: ("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")}
+    mark, sizes = b"\xa3\x95", {128: 89, 130: 24, 133: 31, 134: 207}
+    data = b"".join(
+        mark + bytes([128, kind, sizes[kind]]) + struct.pack("4s16s64s", *(word.encode() for word in said))
+        for kind, said in kinds.items()
+    )
+    head = struct.pack("<QHBBHHQf", 0, 0, 1, 0, 100, 64, 0, 1000.0)
+    part = np.arange(96, dtype="<i2").tobytes()
+    data += (
+        mark + bytes([133]) + head + b"".join(mark + bytes([134]) + struct.pack("<QHH", 0, 0, k) + part for k in (0, 1))
+    )
+    return data + b"".join(mark + bytes([130]) + struct.pack("<QB3f", 5000 * i, 0, *v) for i, v in enumerate(NUMBERS))
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -219,6 +237,7 @@ SEEDS = {
     "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 50_000),
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
     "flight.ulg": Seed(_ulog, {}, 5_000),
+    "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

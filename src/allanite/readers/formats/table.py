@@ -39,6 +39,7 @@ class Writer(Protocol):
 READERS: dict[str, str] = {  # tried in this order; plugins come before text, which is the least specific
     "numpy": "numpy_file",
     "ulog": "ulog",
+    "dataflash": "dataflash",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",
