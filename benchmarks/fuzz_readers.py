@@ -41,6 +41,7 @@ import numpy as np
 import allanite as al
 
 IMPORTED = {".h5": "h5py", ".mat": "scipy.io", ".rda": "rdata.parser", ".rds": "rdata.parser", ".ulg": "pyulog"}
+IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms"}
 """What the process of their own imports that reads these formats."""
 
 CONTAINED = tuple(IMPORTED)
@@ -191,6 +192,41 @@ def _dataflash() -> bytes:
     return data + b"".join(mark + bytes([130]) + struct.pack("<QB3f", 5000 * i, 0, *v) for i, v in enumerate(NUMBERS))
 
 
+def _workbook() -> bytes:
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (
+        ["time [s]", "gx [deg/s]", "gy [deg/s]"],
+        *([k * 0.01, *x[:2].tolist()] for k, x in enumerate(NUMBERS)),
+    ):
+        book.active.append(row)
+    packed = _saved(book.save)
+    # what is in it is the target, not its packing
+    with zipfile.ZipFile(io.BytesIO(packed)) as old:
+        parts = [(name, old.read(name)) for name in old.namelist()]
+
+    def save(file):
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as new:
+            for name, part in parts:
+                new.writestr(name, part)
+
+    return _saved(save)
+
+
+def _tdms() -> bytes:
+    from nptdms import ChannelObject, TdmsWriter
+
+    about = {"wf_increment": 0.01, "unit_string": "deg/s"}
+
+    def save(file):
+        with TdmsWriter(file) as writer:
+            for rows in np.split(NUMBERS, 2):
+                writer.write_segment([ChannelObject("Run", f"g{a}", rows[:, i], about) for i, a in enumerate("xyz")])
+
+    return _saved(save)
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -238,6 +274,8 @@ SEEDS = {
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
     "flight.ulg": Seed(_ulog, {}, 5_000),
     "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}),
+    "sheet.xlsx": Seed(_workbook, {}, 5_000),
+    "run.tdms": Seed(_tdms, {}, 5_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

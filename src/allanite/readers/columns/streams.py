@@ -9,6 +9,7 @@ from allanite.core.record import SHORTEST, Recording
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
 
+from . import headers
 from .table import Table
 
 MOST = 30
@@ -36,6 +37,18 @@ class Stream:
         if self.rate is None:
             return say("{name} ({count} rows)", name=self.name, count=self.count)
         return say("{name} ({count} rows at {rate:.4g} Hz)", name=self.name, count=self.count, rate=self.rate)
+
+
+def inertial(names: Iterable[str]) -> bool:
+    """Whether one of these headers is that of an inertial sensor, by its unit or its name.
+
+    Examples
+    --------
+    >>> inertial(["time [s]", "gx [deg/s]"]), inertial(["gyro_x"]), inertial(["time [s]", "T [degC]"])
+    (True, True, False)
+    """
+    said = [headers.split(name) for name in names]
+    return any(headers.inertial(unit) or headers.sensor_by_name(name) for name, unit in said)
 
 
 def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()) -> Recording:

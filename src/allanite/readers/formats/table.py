@@ -40,6 +40,8 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "numpy": "numpy_file",
     "ulog": "ulog",
     "dataflash": "dataflash",
+    "xlsx": "xlsx",
+    "tdms": "tdms",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",
