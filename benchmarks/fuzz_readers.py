@@ -227,6 +227,14 @@ def _tdms() -> bytes:
     return _saved(save)
 
 
+def _labview() -> bytes:
+    head = "LabVIEW Measurement\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n***End_of_Header***\n"
+    about = "Channels\t2\nDate\t2026/01/02\t2026/01/02\nTime\t03:04:0{}.5\t03:04:0{}.5\nDelta_X\t0.01\t0.01\n"
+    about += "Y_Unit_Label\tdeg/s\tdeg/s\n***End_of_Header***\nX_Value\tgx\tgy\tComment\n"
+    rows = "".join(f"{k * 0.01:.6f}\t{x[0]:.6f}\t{x[1]:.6f}\n" for k, x in enumerate(NUMBERS))
+    return (head + about.format(5, 5) + rows + "\n" + about.format(6, 6) + rows).encode()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -276,6 +284,7 @@ SEEDS = {
     "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}),
     "sheet.xlsx": Seed(_workbook, {}, 5_000),
     "run.tdms": Seed(_tdms, {}, 5_000),
+    "run.lvm": Seed(_labview, {}),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

@@ -42,6 +42,7 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "dataflash": "dataflash",
     "xlsx": "xlsx",
     "tdms": "tdms",
+    "lvm": "lvm",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",
