@@ -12,6 +12,7 @@ Ends with exit code 1 if there is a failure.
 
 from table import Page, Row, begin, commit, markdown, processor
 
+import binascii
 import bz2
 import contextlib
 import ctypes
@@ -235,6 +236,11 @@ def _labview() -> bytes:
     return (head + about.format(5, 5) + rows + "\n" + about.format(6, 6) + rows).encode()
 
 
+def _sentences() -> bytes:
+    bodies = (",".join(("VNGYR", *(f"{x:+.6f}" for x in row))).encode() for row in NUMBERS)
+    return b"".join(b"$%s*%04X\r\n" % (body, binascii.crc_hqx(body, 0)) for body in bodies)
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -285,6 +291,7 @@ SEEDS = {
     "sheet.xlsx": Seed(_workbook, {}, 5_000),
     "run.tdms": Seed(_tdms, {}, 5_000),
     "run.lvm": Seed(_labview, {}),
+    "vn100.txt": Seed(_sentences, ASKED, 5_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

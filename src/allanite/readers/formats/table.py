@@ -43,6 +43,7 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "xlsx": "xlsx",
     "tdms": "tdms",
     "lvm": "lvm",
+    "sentences": "sentences",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",
