@@ -42,7 +42,7 @@ import numpy as np
 import allanite as al
 
 IMPORTED = {".h5": "h5py", ".mat": "scipy.io", ".rda": "rdata.parser", ".rds": "rdata.parser", ".ulg": "pyulog"}
-IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms"}
+IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms", ".mf4": "asammdf"}
 """What the process of their own imports that reads these formats."""
 
 CONTAINED = tuple(IMPORTED)
@@ -241,6 +241,17 @@ def _sentences() -> bytes:
     return b"".join(b"$%s*%04X\r\n" % (body, binascii.crc_hqx(body, 0)) for body in bodies)
 
 
+def _mdf() -> bytes:
+    import asammdf
+
+    signals = [
+        asammdf.Signal(NUMBERS[:, i], np.arange(40) * 0.01, name=f"g{a}", unit="deg/s") for i, a in enumerate("xyz")
+    ]
+    with tempfile.TemporaryDirectory() as folder, asammdf.MDF() as file:
+        file.append(signals)
+        return file.save(Path(folder, "a.mf4")).read_bytes()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -292,6 +303,7 @@ SEEDS = {
     "run.tdms": Seed(_tdms, {}, 5_000),
     "run.lvm": Seed(_labview, {}),
     "vn100.txt": Seed(_sentences, ASKED, 5_000),
+    "run.mf4": Seed(_mdf, {}, 5_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

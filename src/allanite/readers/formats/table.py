@@ -44,6 +44,7 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "tdms": "tdms",
     "lvm": "lvm",
     "sentences": "sentences",
+    "mdf": "mdf",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",

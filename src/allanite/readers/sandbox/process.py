@@ -41,6 +41,7 @@ LIBRARIES = {
     "ulog": Library("pyulog", "ulog", "write its topics as CSV with ulog2csv and read that"),
     "xlsx": Library("openpyxl", "xlsx", "save the sheet with the samples as CSV and read that", 5e4),
     "tdms": Library("nptdms", "tdms", "write it again with LabVIEW or DIAdem, as one segment"),
+    "mdf": Library("asammdf", "mdf", "export the signals as CSV"),
     "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
 """One entry for each of `worker.FORMATS`."""
