@@ -252,6 +252,11 @@ def _mdf() -> bytes:
         return file.save(Path(folder, "a.mf4")).read_bytes()
 
 
+def _kfgins() -> bytes:
+    rows = np.column_stack((np.arange(40) * 0.005, NUMBERS * 1e-5, NUMBERS * 1e-4 + np.array([0, 0, 0.049])))
+    return rows.astype("<f8").tobytes()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -304,6 +309,7 @@ SEEDS = {
     "run.lvm": Seed(_labview, {}),
     "vn100.txt": Seed(_sentences, ASKED, 5_000),
     "run.mf4": Seed(_mdf, {}, 5_000),
+    "kfgins.bin": Seed(_kfgins, {}, 5_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),
