@@ -114,7 +114,7 @@ def _sentences(data: bytes) -> Iterator[tuple[str, str, str | None]]:
 
 
 def _right(body: bytes, checksum: bytes) -> bool:
-    """Whether the exclusive or of the bytes, or their 16-bit CRC, is the checksum; XX stands for none."""
+    """Whether the exclusive or of the bytes, or their 16-bit CRC, is the checksum; XX means that there is none."""
     if checksum == b"XX":
         return True
     if len(checksum) == 4:

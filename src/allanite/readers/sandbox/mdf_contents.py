@@ -71,6 +71,9 @@ def _times(file: Any, number: int) -> Any:
 def _clock(file: Any, number: int) -> dict[str, Any]:
     """A hash of the times of a group, by which groups with common times are found, and their span in s."""
     times = _times(file, number)
+    claimed = int(file.groups[number].channel_group.cycles_nr)
+    if times.size != claimed:
+        sys.exit(f"group {number} claims {claimed} samples, but has {times.size}")
     span = float(times[-1] - times[0]) if times.size else 0.0
     return {"clock": hashlib.sha256(times.data).hexdigest(), "span": span if np.isfinite(span) else 0.0}
 
@@ -79,7 +82,10 @@ def _values(file: Any, number: int, place: int) -> Any:
     """The samples of a channel, NaN where they are marked as invalid."""
     raw, invalid = file.get(group=number, index=place, raw=True, samples_only=True)
     factor, offset = _linear(file, file.groups[number].channels[place]) or (1.0, 0.0)
-    values = np.ascontiguousarray(raw.astype(np.float64) * factor + offset)
+    if raw.size != (claimed := int(file.groups[number].channel_group.cycles_nr)):
+        sys.exit(f"a channel of group {number} claims {claimed} samples, but has {raw.size}")
+    with np.errstate(all="ignore"):
+        values = np.ascontiguousarray(raw.astype(np.float64) * factor + offset)
     if invalid is not None:
         values[np.asarray(invalid, dtype=bool)] = np.nan
     return values

@@ -1,5 +1,6 @@
 """The contents of a TDMS file, read with npTDMS; started by `worker`."""
 
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -36,4 +37,7 @@ def _number(value: Any) -> float:
 
 def _blocks(channel: Any) -> Iterator[Any]:
     for start in range(0, len(channel), BLOCK):
-        yield np.ascontiguousarray(channel.read_data(start, min(BLOCK, len(channel) - start))).view(np.uint8).data
+        values = np.ascontiguousarray(channel.read_data(start, min(BLOCK, len(channel) - start)))
+        if len(values) != min(BLOCK, len(channel) - start) or values.dtype != channel.dtype:
+            sys.exit(f"channel {channel.name!r} claims {len(channel)} samples, but has {start + len(values)}")
+        yield values.view(np.uint8).data
