@@ -5,13 +5,14 @@
 Mutation k of a seed file is always the same: its generator is seeded by the name of the file and k, and one that fails
 is printed with both. Each file is read in a process that is watched: a crash and a hang are failures as well as an
 error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB.
-HDF5, MATLAB and R are read as always by a process of their own, here forked from one that has imported their
-libraries, which saves 0.1 s to 1 s.
+Formats of fragile libraries are read as always by a process of their own, here forked from one that has imported the
+library, which saves 0.1 s to 2 s.
 Ends with exit code 1 if there is a failure.
 """
 
 from table import Page, Row, begin, commit, markdown, processor
 
+import binascii
 import bz2
 import contextlib
 import ctypes
@@ -22,6 +23,7 @@ import lzma
 import multiprocessing
 import os
 import resource
+import struct
 import subprocess
 import sys
 import tempfile
@@ -38,9 +40,13 @@ from typing import NamedTuple
 import numpy as np
 
 import allanite as al
+from allanite.kernels.clock import followed
 
-CONTAINED = (".h5", ".mat", ".rda", ".rds")
-"""Formats that are read by a process of their own."""
+IMPORTED = {".h5": "h5py", ".mat": "scipy.io", ".rda": "rdata.parser", ".rds": "rdata.parser", ".ulg": "pyulog"}
+IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms", ".mf4": "asammdf"}
+"""What the process of their own imports that reads these formats."""
+
+CONTAINED = tuple(IMPORTED)
 
 WORKER = []
 """The program of that process, once it is imported."""
@@ -159,6 +165,99 @@ def _r(suffix: str) -> bytes:
         return gzip.decompress(path.read_bytes())  # what is in it is the target, not its packing
 
 
+def _ulog() -> bytes:
+    def message(kind: bytes, payload: bytes) -> bytes:
+        return len(payload).to_bytes(2, "little") + kind + payload
+
+    kind = np.dtype([("timestamp", "<u8"), ("xyz", "<f4", 3)])
+    rows = np.zeros(40, kind)
+    rows["timestamp"], rows["xyz"] = np.arange(40) * 5000, NUMBERS
+    head = message(b"F", b"sensor_gyro:uint64_t timestamp;float x;float y;float z;")
+    data = (message(b"D", bytes(2) + row.tobytes()) for row in rows)
+    return b"ULog\1\x12\x35\1" + bytes(8) + head + message(b"A", bytes(3) + b"sensor_gyro") + b"".join(data)
+
+
+def _dataflash() -> bytes:
+    kinds = {128: ("FMT", "BBnNZ", "Type,Length,Name,Format,Columns"), 130: ("IMU", "QBfff", "TimeUS,I,GyrX,GyrY,GyrZ")}
+    kinds |= {133: ("ISBH", "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate")}
+    kinds |= {134: ("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")}
+    mark, sizes = b"\xa3\x95", {128: 89, 130: 24, 133: 31, 134: 207}
+    data = b"".join(
+        mark + bytes([128, kind, sizes[kind]]) + struct.pack("4s16s64s", *(word.encode() for word in said))
+        for kind, said in kinds.items()
+    )
+    head = struct.pack("<QHBBHHQf", 0, 0, 1, 0, 100, 64, 0, 1000.0)
+    part = np.arange(96, dtype="<i2").tobytes()
+    data += (
+        mark + bytes([133]) + head + b"".join(mark + bytes([134]) + struct.pack("<QHH", 0, 0, k) + part for k in (0, 1))
+    )
+    return data + b"".join(mark + bytes([130]) + struct.pack("<QB3f", 5000 * i, 0, *v) for i, v in enumerate(NUMBERS))
+
+
+def _workbook() -> bytes:
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (
+        ["time [s]", "gx [deg/s]", "gy [deg/s]"],
+        *([k * 0.01, *x[:2].tolist()] for k, x in enumerate(NUMBERS)),
+    ):
+        book.active.append(row)
+    packed = _saved(book.save)
+    # what is in it is the target, not its packing
+    with zipfile.ZipFile(io.BytesIO(packed)) as old:
+        parts = [(name, old.read(name)) for name in old.namelist()]
+
+    def save(file):
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as new:
+            for name, part in parts:
+                new.writestr(name, part)
+
+    return _saved(save)
+
+
+def _tdms() -> bytes:
+    from nptdms import ChannelObject, TdmsWriter
+
+    about = {"wf_increment": 0.01, "unit_string": "deg/s"}
+
+    def save(file):
+        with TdmsWriter(file) as writer:
+            for rows in np.split(NUMBERS, 2):
+                writer.write_segment([ChannelObject("Run", f"g{a}", rows[:, i], about) for i, a in enumerate("xyz")])
+
+    return _saved(save)
+
+
+def _labview() -> bytes:
+    head = "LabVIEW Measurement\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n***End_of_Header***\n"
+    about = "Channels\t2\nDate\t2026/01/02\t2026/01/02\nTime\t03:04:0{}.5\t03:04:0{}.5\nDelta_X\t0.01\t0.01\n"
+    about += "Y_Unit_Label\tdeg/s\tdeg/s\n***End_of_Header***\nX_Value\tgx\tgy\tComment\n"
+    rows = "".join(f"{k * 0.01:.6f}\t{x[0]:.6f}\t{x[1]:.6f}\n" for k, x in enumerate(NUMBERS))
+    return (head + about.format(5, 5) + rows + "\n" + about.format(6, 6) + rows).encode()
+
+
+def _sentences() -> bytes:
+    bodies = (",".join(("VNGYR", *(f"{x:+.6f}" for x in row))).encode() for row in NUMBERS)
+    return b"".join(b"$%s*%04X\r\n" % (body, binascii.crc_hqx(body, 0)) for body in bodies)
+
+
+def _mdf() -> bytes:
+    import asammdf
+
+    signals = [
+        asammdf.Signal(NUMBERS[:, i], np.arange(40) * 0.01, name=f"g{a}", unit="deg/s") for i, a in enumerate("xyz")
+    ]
+    with tempfile.TemporaryDirectory() as folder, asammdf.MDF() as file:
+        file.append(signals)
+        return file.save(Path(folder, "a.mf4")).read_bytes()
+
+
+def _kfgins() -> bytes:
+    rows = np.column_stack((np.arange(40) * 0.005, NUMBERS * 1e-5, NUMBERS * 1e-4 + np.array([0, 0, 0.049])))
+    return rows.astype("<f8").tobytes()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -204,6 +303,14 @@ SEEDS = {
     "squeezed.mat": Seed(lambda: _matlab(do_compression=True)),
     "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 50_000),
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
+    "flight.ulg": Seed(_ulog, {}, 1_000),
+    "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}, 3_000),
+    "sheet.xlsx": Seed(_workbook, {}, 300),
+    "run.tdms": Seed(_tdms, {}, 500),
+    "run.lvm": Seed(_labview, {}, 3_000),
+    "vn100.txt": Seed(_sentences, ASKED, 3_000),
+    "run.mf4": Seed(_mdf, {}, 200),
+    "kfgins.bin": Seed(_kfgins, {}, 3_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),
@@ -263,7 +370,7 @@ def outcome(path: Path, options: dict) -> str:
 
 
 class Forked:
-    """What `subprocess.Popen` is for the process that reads HDF5, MATLAB and R, but forked."""
+    """What `subprocess.Popen` is for the process that reads a file of a fragile format, but forked."""
 
     def __init__(self, arguments, *, stderr, **_):
         (ask, asked), (answer, answered) = os.pipe(), os.pipe()
@@ -316,12 +423,10 @@ def _work(arguments, ours, theirs) -> None:
         os._exit(code)
 
 
-def _fork_workers() -> None:
+def _fork_workers(name: str) -> None:
     # what is imported now need not be in each child
-    import h5py  # noqa: F401
-    import rdata.parser  # noqa: F401
-    import scipy.io  # noqa: F401
-
+    importlib.import_module(IMPORTED[os.path.splitext(name)[1]])
+    importlib.import_module("h5py")  # MATLAB 7.3
     from allanite.readers.sandbox import process
 
     spec = importlib.util.spec_from_file_location("worker", process.WORKER)
@@ -339,12 +444,13 @@ def _serve(name: str, data: bytes, span: tuple[int, int], place, *, pipe, fork: 
     """Read the mutations of a span; `place` holds the one at work, `pipe` takes what is found."""
     seed = SEEDS[name]
     if fork and name.endswith(CONTAINED):
-        _fork_workers()
+        _fork_workers(name)
     with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
         path = Path(folder, name)
         path.write_bytes(data)
         for _ in range(3):
             outcome(path, seed.options)  # what is imported and cached is there before the memory is watched
+        followed(np.arange(4.0), np.arange(4), 16, 0.5)  # compiled, for time stamps that are damaged
         base, counts, slowest = _peak(), Counter(), 0.0
         for k in range(*span):
             place.value = k

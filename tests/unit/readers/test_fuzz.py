@@ -5,6 +5,7 @@ The first mutations of the same seed files of which `benchmarks/fuzz_readers.py`
 
 import importlib.util
 import time
+from pathlib import Path
 
 import pytest
 from tests import ROOT
@@ -17,8 +18,8 @@ spec.loader.exec_module(fuzz)
 
 @pytest.mark.parametrize("name", fuzz.SEEDS)
 def test_damaged_files_are_read_or_refused(tmp_path, name):
-    if name.endswith((".rda", ".rds")):
-        pytest.importorskip("rdata")
+    if (suffix := Path(name).suffix) in fuzz.IMPORTED:
+        pytest.importorskip(fuzz.IMPORTED[suffix])
     seed = fuzz.SEEDS[name]
     data, path = seed.make(), tmp_path / name
     path.write_bytes(data)

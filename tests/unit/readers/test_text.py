@@ -421,12 +421,6 @@ def test_a_damaged_date_is_named(write):
         read(write("time,gx [deg/s]\n" + "\n".join(rows)))
 
 
-def test_a_sentence_of_a_receiver(write):
-    body = lines(NOISE, lambda k, a, b, c, *_: f"$VNYMR,+{k % 9}.5,{a:+},{b:+},{c:+09.4f}*{k % 256:02X}")
-    recording = read(write(body), rate=40, unit="rad/s", channels=["5"])
-    assert np.array_equal(recording[0].values, NOISE[:, 2])
-
-
 @pytest.mark.parametrize(
     ("first", "repeated", "last"), [("gx (", " ", ""), ("gx ", "(", ""), ("gx [", "s*", "s]"), ("", "a[", "")]
 )

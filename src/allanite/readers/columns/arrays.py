@@ -83,7 +83,7 @@ def numbers(values: NDArray[Any], header: str) -> NDArray[Any]:
         fits = values.dtype != np.uint64 or not len(values) or values.max() <= np.iinfo(np.int64).max
         return values.astype(np.int64 if fits else np.float64, copy=copy)
     if values.dtype.kind == "f":
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):  # the latter for signaling NaN
             return values.astype(np.float64, copy=copy)
     raise DataError(
         say("{header!r} holds values of type {dtype}; expected real numbers", header=header, dtype=values.dtype)

@@ -38,11 +38,19 @@ class Writer(Protocol):
 
 READERS: dict[str, str] = {  # tried in this order; plugins come before text, which is the least specific
     "numpy": "numpy_file",
+    "ulog": "ulog",
+    "dataflash": "dataflash",
+    "xlsx": "xlsx",
+    "tdms": "tdms",
+    "lvm": "lvm",
+    "sentences": "sentences",
+    "mdf": "mdf",
     "psins": "psins",
     "parquet": "parquet",
     "hdf5": "hdf5",
     "mat": "mat",
     "r": "r",
+    "kfgins": "kfgins",
     "raw": "raw",
     "text": "text",
 }

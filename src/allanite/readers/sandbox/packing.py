@@ -131,7 +131,7 @@ def _member(path: str, member: str, judge: Judge, folder: str) -> str:
 def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
     """The only readable member."""
     if "xl/workbook.xml" in names:
-        raise DataError("this is an Excel workbook; save the sheet with the samples as CSV and read that")
+        raise DataError("this is an Excel workbook; give its name the suffix .xlsx")
     likely = [name for name in names if not PROSE.search(name)][:1000]
     readable = [name for name in likely if _readable(archive, name, judge)]
     if len(readable) == 1:

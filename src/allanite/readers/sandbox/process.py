@@ -19,26 +19,34 @@ from allanite.core.errors import DataError
 
 from .guard import demand_library, most
 
+WAIT, SPEED = 20.0, 5e5
+"""Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
+
 
 class Library(NamedTuple):
-    """What opens a format: the package, the extra that installs it, and advice for a file that it cannot open."""
+    """What opens a format: the package, the extra that installs it, advice for a file that it cannot open, and speed.
+
+    The speed is that of opening a file, in bytes per second at least, on a slow disk.
+    """
 
     package: str
     extra: str
     remedy: str
+    speed: float = SPEED
 
 
 LIBRARIES = {
     "hdf5": Library("h5py", "hdf5", "rewrite it with h5repack"),
     "mat": Library("scipy", "", "save it again in MATLAB: save('again.mat', '-v7')"),
+    "ulog": Library("pyulog", "ulog", "write its topics as CSV with ulog2csv and read that"),
+    "xlsx": Library("openpyxl", "xlsx", "save the sheet with the samples as CSV and read that", 5e4),
+    "tdms": Library("nptdms", "tdms", "write it again with LabVIEW or DIAdem, as one segment"),
+    "mdf": Library("asammdf", "mdf", "export the signals as CSV"),
     "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
 """One entry for each of `worker.FORMATS`."""
 
 WORKER = Path(__file__).with_name("worker.py")
-
-WAIT, SPEED = 20.0, 5e5
-"""Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
 
 _TIMEOUTS = (9, 24)
 """Signals by which we stop a process, and by which the system stops one that has used its time."""
@@ -50,7 +58,7 @@ class Process:
     def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
         self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
-        self._wait = WAIT + os.path.getsize(path) / SPEED
+        self._wait = WAIT + os.path.getsize(path) / self._library.speed
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell

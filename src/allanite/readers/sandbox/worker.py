@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any
 
-FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6}
+FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6, "ulog": 2e6, "xlsx": 1e5, "tdms": 2e6, "mdf": 2e6}
 """Formats, opened by ``opened`` of the file ``<format>_contents.py`` beside this one, and the bytes of a file processed
 per second at least; HDF5 is opened without being read.
 """

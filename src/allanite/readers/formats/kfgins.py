@@ -1,0 +1,54 @@
+"""Binary files of KF-GINS: rows of seven doubles, time and increments of three gyroscopes and three accelerometers.
+
+Source of the format: KF-GINS (i2Nav Group, Wuhan University), README.
+"""
+
+import os
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.language import say
+from allanite.core.record import Recording
+from allanite.readers.columns.column import Column
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+
+TITLE = "KF-GINS binary: rows of time, increments of three gyros and three accelerometers as doubles"
+
+_CHANNELS = (("gx", "rad"), ("gy", "rad"), ("gz", "rad"), ("ax", "m/s"), ("ay", "m/s"), ("az", "m/s"))
+_WIDTH = 8 * (1 + len(_CHANNELS))
+_FEWEST = 20
+_STEPS, _RATE, _GRAVITY = (1e-4, 0.5), 20.0, (8.0, 12.0)  # s, rad/s, m/s^2
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the first rows have even times, and increments of a unit on the Earth that hardly moves."""
+    count = len(head) // _WIDTH
+    if count < _FEWEST:
+        return False
+    rows = np.frombuffer(head, "<f8", 7 * count).reshape(count, 7)
+    # most doubles of other files are far too large or too small
+    if not np.all(np.isfinite(rows)) or np.abs(rows).max() > 1e12:
+        return False
+    steps = np.diff(rows[:, 0])
+    step = float(np.median(steps))
+    if not _STEPS[0] <= step <= _STEPS[1] or np.mean(np.abs(steps / step - 1) < 0.2) < 0.9:
+        return False
+    rates = np.abs(rows[:, 1:4]).max() / step
+    gravity = float(np.median(np.sqrt(np.square(rows[:, 4:]).sum(axis=1)))) / step
+    return bool(rates < _RATE and _GRAVITY[0] < gravity < _GRAVITY[1])
+
+
+def read(path: str, options: Options) -> Recording:
+    """The six channels ``gx gy gz ax ay az`` as increments, and their clock."""
+    size = os.path.getsize(path)
+    count, rest = divmod(size, _WIDTH)
+    rows: NDArray[np.float64] = np.memmap(path, "<f8", mode="r", shape=(count, 7))
+    columns = [Column(np.array(rows[:, 0]), 1, "time", "s", header="time")]
+    for place, (name, unit) in enumerate(_CHANNELS, 1):
+        columns.append(Column(np.array(rows[:, place]), place + 1, name, unit, "increment", header=name))
+    notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
+    if rest:
+        notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))
+    return Table(tuple(columns), notes=tuple(notes)).recording(options)

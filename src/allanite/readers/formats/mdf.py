@@ -1,0 +1,93 @@
+"""MDF files of ASAM, versions 3 and 4: the channels that have common time stamps."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.language import say
+from allanite.core.record import Recording
+from allanite.readers.columns import streams
+from allanite.readers.columns.arrays import column
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.process import Process
+
+TITLE = "ASAM MDF 3 and 4 .mf4 (pip install 'allanite[mdf]')"
+
+_MAGIC = (b"MDF     ", b"UnFinMF ")
+
+Item = Mapping[str, Any]
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the signature is that of an MDF file, or the name."""
+    return head.startswith(_MAGIC) or suffix in (".mf4", ".mdf")
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
+    with open(path, "rb") as file:
+        head = file.read(8)
+    if head not in _MAGIC:
+        raise DataError(say("the file does not begin like an MDF file (it begins with {head!r})", head=head))
+    with Process("mdf", path, {}) as process:
+        with worded():
+            found = _grouped(process.said["datasets"], process)
+            left = [str(name) for name in process.said["left"]]
+        names = ", ".join(left[:20])
+        notes = [say("left out, no numbers, or numbers converted by a formula: {names}", names=names)] if left else []
+        return streams.recording(found, options, notes)
+
+
+def _grouped(items: Sequence[Item], process: Process) -> list[streams.Stream]:
+    """A stream for the channels with common time stamps, named after the first group that has them."""
+    groups: dict[str, list[Item]] = {}
+    for item in items:
+        groups.setdefault(str(item["clock"]) or f"group {item['group']}", []).append(item)
+    titles = [str(own[0]["title"]) for own in groups.values()]
+    found = []
+    for title, own in zip(titles, groups.values(), strict=True):
+        group = _Group(tuple(own), process)
+        name = title if title and titles.count(title) == 1 else f"group {own[0]['group']}"
+        found.append(group.stream(name))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Channels with common time stamps."""
+
+    items: tuple[Item, ...]
+    process: Process
+
+    @property
+    def length(self) -> int:
+        """Number of samples."""
+        return int(self.items[0]["length"])
+
+    def stream(self, name: str) -> streams.Stream:
+        """The stream that loads them."""
+        span = float(self.items[0]["span"])
+        rate = (self.length - 1) / span if span > 0 else None
+        names = tuple(str(item["name"]) for item in self.items)
+        fits = streams.inertial(
+            f"{item['name']} [{item['unit']}]" if item["unit"] else str(item["name"]) for item in self.items
+        )
+        return streams.Stream(name, self.length, names, self.table, rate, fits)
+
+    def table(self) -> Table:
+        """Time stamps and samples."""
+        demand_size(8 * self.length * (1 + len(self.items)), self.process.path, "the group")
+        kind, shape = np.dtype(np.float64), (self.length,)
+        columns = []
+        if self.items[0]["clock"]:
+            times = self.process.load(str(self.items[0]["group"]), shape, kind)
+            columns.append(column("time", times, 1, unit="s"))
+        for place, item in enumerate(self.items, 2):
+            values = self.process.load(str(item["path"]), shape, kind)
+            columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
+        return Table(tuple(columns))

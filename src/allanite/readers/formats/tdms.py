@@ -1,0 +1,85 @@
+"""TDMS files of LabVIEW and DIAdem: channels of a group that have one length and time step."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.language import say
+from allanite.core.record import Recording
+from allanite.readers.columns import streams
+from allanite.readers.columns.arrays import column
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.process import Process
+
+TITLE = "LabVIEW TDMS (pip install 'allanite[tdms]')"
+
+_MAGIC = b"TDSm"
+
+Item = Mapping[str, Any]
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether the signature is that of a TDMS segment, or the name."""
+    return head.startswith(_MAGIC) or suffix == ".tdms"
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a group, with units and time step from the properties of the channels."""
+    with open(path, "rb") as file:
+        head = file.read(len(_MAGIC))
+    if head != _MAGIC:
+        raise DataError(say("the file does not begin like a TDMS file (it begins with {head!r})", head=head))
+    with Process("tdms", path, {}) as process:
+        with worded():
+            found = _grouped(process.said["datasets"], process)
+        return streams.recording(found, options)
+
+
+def _grouped(items: Sequence[Item], process: Process) -> list[streams.Stream]:
+    """A stream for the channels of a group with one length and time step; with several of them, each has a number."""
+    groups: dict[tuple[str, int, float], list[Item]] = {}
+    for item in items:
+        length = int(item["shape"][0])
+        if np.dtype(str(item["fields"][0][1])).kind in "iufM" and length > 1:
+            groups.setdefault((str(item["group"]), length, float(item["step"])), []).append(item)
+    names = [group for group, _, _ in groups]
+    found = list[streams.Stream]()
+    for (group, length, step), own in groups.items():
+        number = sum(stream.name.startswith(f"{group}/") for stream in found) + 1
+        name = f"{group}/{number}" if names.count(group) > 1 else group
+        found.append(_stream(name, length, step, _Loader(own, process, length, step)))
+    return found
+
+
+class _Loader:
+    """Loads the channels of a stream when they are wanted."""
+
+    def __init__(self, items: Sequence[Item], process: Process, length: int, step: float) -> None:
+        self.items, self.process, self.length, self.step = items, process, length, step
+
+    @property
+    def headers(self) -> list[str]:
+        """Names with units."""
+        return [f"{item['name']} [{item['unit']}]" if item["unit"] else str(item["name"]) for item in self.items]
+
+    def __call__(self) -> Table:
+        columns = []
+        for place, item in enumerate(self.items, 1):
+            dtype = np.dtype(str(item["fields"][0][1]))
+            demand_size(self.length * dtype.itemsize, self.process.path, f"channel {item['name']!r}")
+            values = self.process.load(str(item["path"]), (self.length,), dtype)
+            columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
+        rate = 1 / self.step if self.step > 0 else None
+        start = float(self.items[0]["start"]) if rate else None
+        return Table(tuple(columns), rate, str(say("the property wf_increment of the channels")), (), start)
+
+
+def _stream(name: str, length: int, step: float, load: _Loader) -> streams.Stream:
+    names = tuple(str(item["name"]) for item in load.items)
+    return streams.Stream(
+        name, length, names, load, 1 / step if step > 0 else None, fits=streams.inertial(load.headers)
+    )

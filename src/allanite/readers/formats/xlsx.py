@@ -1,0 +1,57 @@
+"""Excel workbooks .xlsx: a sheet with one row per sample is read like a CSV file."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.language import say
+from allanite.core.record import Recording
+from allanite.readers.columns import layout, streams
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.process import Process
+
+from . import text
+
+TITLE = "Excel workbook .xlsx (pip install 'allanite[xlsx]')"
+
+_ZIP, _PART = b"PK\x03\x04", b"xl/workbook.xml"
+
+
+def sniff(head: bytes, suffix: str) -> bool:
+    """Whether it is an archive with the suffix or the parts of a workbook."""
+    return head.startswith(_ZIP) and (suffix in (".xlsx", ".xlsm") or _PART in head)
+
+
+def read(path: str, options: Options) -> Recording:
+    """The channels of a sheet, with the stored results of formulas; nothing in the workbook is executed."""
+    with Process("xlsx", path, {}) as process:
+        with worded("the workbook"):
+            found = [stream for item in process.said["datasets"] for stream in _sheet(item, process, options)]
+        if not found:
+            raise DataError(
+                say("no sheet of the workbook has rows of numbers; formulas are read only if their results are stored")
+            )
+        likely = [stream for stream in found if stream.fits]
+        return streams.recording(found if likely else [replace(one, fits=True) for one in found], options)
+
+
+def _sheet(item: Mapping[str, Any], process: Process, options: Options) -> list[streams.Stream]:
+    """The stream of a sheet; none if it has no rows of numbers."""
+    name, size, rows = str(item["path"]), int(item["size"]), int(item["rows"])
+    try:
+        found = layout.find(str(item["head"]).encode())
+    except DataError:
+        return []
+    headers = [f"{column} [{unit}]" if unit else column for column, unit in zip(found.names, found.units, strict=True)]
+
+    def load() -> Table:
+        demand_size(size, process.path, f"sheet {name!r}")
+        columns, tags, notes = text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes())
+        return text.arranged(columns, tags, notes, options)
+
+    return [streams.Stream(name, rows - found.line + 1, found.names, load, fits=streams.inertial(headers))]

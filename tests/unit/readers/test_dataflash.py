@@ -1,0 +1,148 @@
+"""ArduPilot logs: instances, batches, and messages that are damaged."""
+
+import struct
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+
+RNG = np.random.default_rng(7)
+KINDS = {
+    "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
+    "IMU": (130, "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ"),
+    "GYR": (131, "QBQfff", "TimeUS,I,SampleUS,GyrX,GyrY,GyrZ"),
+    "BARO": (132, "Qfc", "TimeUS,Alt,Temp"),
+    "ISBH": (133, "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate"),
+    "ISBD": (134, "QHHaaa", "TimeUS,N,seqno,x,y,z"),
+}
+CODES = {"n": "4s", "N": "16s", "Z": "64s", "a": "32h", "c": "h"}
+
+
+def code(letters):
+    return "<" + "".join(CODES.get(letter, letter) for letter in letters)
+
+
+def message(kind, *values):
+    number, letters, _ = KINDS[kind]
+    return b"\xa3\x95" + bytes([number]) + struct.pack(code(letters), *values)
+
+
+def header():
+    made = b""
+    for name, (number, letters, columns) in KINDS.items():
+        length = 3 + struct.calcsize(code(letters))
+        made += message("FMT", number, length, name.encode(), letters.encode(), columns.encode())
+    return made
+
+
+def log(path, *messages):
+    path.write_bytes(header() + b"".join(messages))
+    return path
+
+
+@pytest.fixture
+def flight(tmp_path):
+    imu, gyro, made = RNG.normal(size=(600, 6)).astype("f4"), RNG.normal(size=(900, 3)).astype("f4"), []
+    for i in range(300):
+        made += [message("IMU", 10**9 + i * 20_000 + k, k, *imu[2 * i + k]) for k in (0, 1)]
+        made += [
+            message("GYR", 10**9 + i * 20_000 + 9, 0, 10**9 + (3 * i + k) * 6667, *gyro[3 * i + k]) for k in range(3)
+        ]
+        made += [message("BARO", 10**9 + i * 20_000, 1.5, 2500)]
+    return log(tmp_path / "flight.bin", *made), gyro
+
+
+def test_instances_are_listed_and_chosen(flight):
+    path, gyro = flight
+    words = r"3 tables.*\(IMU/0 \(300 rows at 50 Hz\), IMU/1 \(300 rows at 50 Hz\), GYR/0 \(900 rows at 150.3 Hz\)\)"
+    with pytest.raises(UsageError, match=words):
+        al.read(path)
+    recording = al.read(path, channels=["GYR"])
+    assert recording.channels == ("GyrX", "GyrY", "GyrZ")
+    assert (recording[0].unit, recording[0].size) == ("rad/s", 900)
+    assert recording[0].rate == pytest.approx(1e6 / 6667)
+    assert np.array_equal(recording[1].values, gyro[:, 1].astype(float))
+    assert any("'SampleUS [us]' is used as the clock, of 2 candidates" in note for note in recording.notes)
+    second = al.read(path, channels=["IMU/1"])
+    assert [record.unit for record in second] == ["rad/s"] * 3 + ["m/s^2"] * 3
+    assert al.read(path, channels=["imu/1/AccZ"]).channels == ("AccZ",)
+    with pytest.raises(UsageError, match="no table or column 'GYRO' in the file; it contains IMU/0"):
+        al.read(path, channels=["GYRO"])
+    with pytest.raises(UsageError, match=r"no column is recognized as an inertial signal.*'Alt'"):
+        al.read(path, channels=["BARO"])
+
+
+def test_the_samples_are_those_of_pymavlink(flight):
+    reader = pytest.importorskip("pymavlink.DFReader").DFReader_binary(str(flight[0]))
+    expected = {}
+    while (found := reader.recv_msg()) is not None:
+        if found.get_type() in ("IMU", "GYR"):
+            fields = found.to_dict()
+            expected.setdefault(f"{fields['mavpackettype']}/{fields['I']}", []).append(fields)
+    reader.data_map.close()
+    reader.filehandle.close()
+    assert set(expected) == {"IMU/0", "IMU/1", "GYR/0"}
+    for name, rows in expected.items():
+        recording = al.read(flight[0], channels=[name])
+        assert all(np.array_equal(r.values, [row[r.name] for row in rows]) for r in recording)
+
+
+def batch(number, counts, start, *, sensor=1, rate=1000.0, missing=()):
+    head = message("ISBH", start, number, sensor, 0, 500, counts.shape[1], start, rate)
+    parts = [
+        message("ISBD", start, number, k, *counts[:, 32 * k : 32 * k + 32].ravel())
+        for k in range(counts.shape[1] // 32)
+        if k not in missing
+    ]
+    return [head, *parts]
+
+
+def test_batches_are_unrolled_with_gaps_between_them(tmp_path):
+    counts = RNG.integers(-9000, 9000, (3, 3, 1024))
+    made = [
+        part for i in range(3) for part in batch(i, counts[i], 10**9 + i * 1_500_000, missing=(5,) if i == 1 else ())
+    ]
+    recording = al.read(log(tmp_path / "a.bin", *made))
+    assert "3 batches of up to 1024 samples" in recording.notes
+    assert (recording.channels, recording[0].unit) == (("x", "y", "z"), "rad/s")
+    assert recording[0].rate == pytest.approx(1000.0)
+    assert recording[2].size == 3000 + 1024
+    values = recording[2].values
+    assert np.allclose(values[:1024], counts[0, 2] / 500, rtol=1e-12)
+    assert np.allclose(values[3000:], counts[2, 2] / 500, rtol=1e-12)
+    assert np.isnan(values[1024:1500]).all()
+    assert np.isnan(values[1660:1692]).all()
+    assert not np.isnan(values[1692:2524]).any()
+
+
+def test_damaged_logs(flight, tmp_path):
+    whole = flight[0].read_bytes()
+    cut = tmp_path / "cut.bin"
+    cut.write_bytes(whole[: len(whole) // 2])
+    assert 400 < al.read(cut, channels=["GYR/0"])[0].size <= 450
+    at = whole.index(b"\xa3\x95\x83", len(whole) // 2)
+    cut.write_bytes(whole[: at + 9] + whole[at + 20 :])  # eleven bytes lost in a message
+    damaged = al.read(cut, channels=["GYR/0"])
+    assert np.isnan(damaged[0].values).sum() == 1
+    assert np.nanmax(np.abs(damaged[0].values)) < 10
+    assert any("bytes belong to no message" in note for note in damaged.notes)
+    cut.write_bytes(whole[:534])
+    with pytest.raises(DataError, match="no rows of numbers"):
+        al.read(cut)
+    cut.write_bytes(header() + message("BARO", 1, 2.0, 3) * 9)
+    with pytest.raises(DataError, match=r"no table of the file has inertial signals.*BARO \(9 rows\)"):
+        al.read(cut)
+
+
+def test_exit_codes(flight, tmp_path):
+    def code(path, *options):
+        return CliRunner().invoke(main, ["info", str(path), *options]).exit_code
+
+    (tmp_path / "b.bin").write_bytes(header()[:300])
+    assert code(flight[0]) == code(flight[0], "--channels", "GYRO") == 2
+    assert code(flight[0], "--channels", "GYR") == 0
+    assert code(tmp_path / "b.bin") == 3

@@ -1,0 +1,56 @@
+"""Rows of seven doubles are recognized by what they hold, and nothing else is taken for them."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError
+from allanite.readers.formats import kfgins
+
+RNG = np.random.default_rng(12)
+
+
+def rows(count=400, rate=200.0):
+    made = np.empty((count, 7))
+    made[:, 0] = 456_300 + np.arange(count) / rate
+    made[:, 1:] = RNG.normal(0, 1e-5, (count, 6))
+    made[:, 6] -= 9.8 / rate
+    return made
+
+
+def test_increments_and_their_clock(tmp_path):
+    made = np.delete(rows(), 100, axis=0)
+    (tmp_path / "imu.bin").write_bytes(made.tobytes() + bytes(9))
+    recording = al.read(tmp_path / "imu.bin")
+    assert recording.channels == ("gx", "gy", "gz", "ax", "ay", "az")
+    assert {record.kind for record in recording} == {"increment"}
+    assert [record.unit for record in recording] == ["rad"] * 3 + ["m/s"] * 3
+    assert recording[0].rate == pytest.approx(200.0)
+    assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100]
+    assert np.array_equal(np.delete(recording["az"].values, 100), made[:, 6])
+    assert "the last 9 bytes are no whole row and are left out" in recording.notes
+    assert CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin")]).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda r: r[:, :6],
+        lambda r: r[:5],
+        lambda r: r * np.array([1, 1, 1, 1, 3, 3, 3]),
+        lambda r: r[::-1],
+        lambda r: np.where(np.arange(7) == 1, np.nan, r),
+        lambda r: r.astype("f4"),
+        lambda r: RNG.bytes(9000),
+    ],
+    ids=["six columns", "few rows", "no gravity", "backwards", "not a number", "floats", "anything"],
+)
+def test_nothing_else_is_taken_for_it(tmp_path, change):
+    changed = change(rows())
+    data = changed if isinstance(changed, bytes) else np.ascontiguousarray(changed).tobytes()
+    assert not kfgins.sniff(data, ".bin")
+    (tmp_path / "a.bin").write_bytes(data)
+    with pytest.raises(DataError, match="unknown file format"):
+        al.read(tmp_path / "a.bin")

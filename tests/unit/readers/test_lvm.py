@@ -1,0 +1,101 @@
+"""LabVIEW measurement files: headers, segments, separators, and what is incomplete."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+
+GYRO = np.random.default_rng(6).normal(size=(400, 2))
+
+
+def head(times, mark="Tab", decimal="."):
+    said = {
+        "Writer_Version": 2,
+        "Separator": mark,
+        "Decimal_Separator": decimal,
+        "X_Columns": times,
+        "Operator": "N. N.",
+    }
+    sign = "," if mark == "Comma" else "\t"
+    return (
+        "LabVIEW Measurement\t\n" + "".join(f"{k}{sign}{v}\n" for k, v in said.items()) + "***End_of_Header***\t\n\t\n"
+    )
+
+
+def segment(names, rows, *, second=5.25, step=0.01, units=("deg/s", "deg/s"), sign="\t"):
+    two = {
+        "Samples": [len(rows)] * 2, "Date": ["2026/01/02"] * 2, "Time": [f"03:04:{second:09.6f}00000"] * 2,
+        "Y_Unit_Label": units, "X_Dimension": ["Time"] * 2, "X0": ["0.0E+0"] * 2, "Delta_X": [f"{step:.6f}"] * 2,
+    }  # fmt: skip
+    about = f"Channels{sign}2\n" + "".join(sign.join(map(str, (k, *v))) + "\n" for k, v in two.items())
+    return about + "***End_of_Header***\n" + sign.join(names) + "\n" + "\n".join(rows) + "\n"
+
+
+def rows(values, sign="\t", times=True):
+    return [sign.join((f"{k * 0.01:.6f}" if times else "", *map(repr, v))) for k, v in enumerate(values.tolist())]
+
+
+def save(path, text, *, decimal="."):
+    path.write_text(text.replace(".", decimal) if decimal != "." else text)
+    return path
+
+
+def test_one_segment_with_times_and_a_comment(tmp_path):
+    lines = rows(GYRO)
+    lines[3] += "\ton the table"
+    recording = al.read(save(tmp_path / "a.lvm", head("One") + segment(("X_Value", "gx", "gy", "Comment"), lines)))
+    assert recording.channels == ("gx", "gy")
+    assert (recording[0].unit, recording[0].size) == ("deg/s", 400)
+    assert recording[0].rate == pytest.approx(100.0)
+    assert np.array_equal(np.column_stack([r.values for r in recording]), GYRO)
+
+
+def test_without_times_the_step_of_the_header_counts(tmp_path):
+    text = head("No") + segment(("X_Value", "gx", "gy"), rows(GYRO, times=False), step=0.004)
+    recording = al.read(save(tmp_path / "a.lvm", text))
+    assert recording[0].rate == 250.0
+    assert "rate 250.0 Hz from Delta_X in the header" in recording.notes
+    assert np.array_equal(recording[1].values, GYRO[:, 1])
+
+
+def test_a_time_for_each_channel_commas_and_decimal_commas(tmp_path):
+    four = np.column_stack((GYRO[:, 0], np.arange(400) * 0.01, GYRO[:, 1]))
+    text = head("Multi") + segment(("X_Value", "gx", "X_Value", "gy"), rows(four))
+    assert np.array_equal(al.read(save(tmp_path / "a.lvm", text))["gy"].values, GYRO[:, 1])
+    comma = head("One", "Comma") + segment(("X_Value", "gx", "gy"), rows(GYRO, ","), sign=",")
+    assert np.array_equal(al.read(save(tmp_path / "a.lvm", comma))["gx"].values, GYRO[:, 0])
+    text = head("One", decimal=",") + segment(("X_Value", "gx", "gy"), rows(GYRO))
+    recording = al.read(save(tmp_path / "a.lvm", text, decimal=","))
+    assert recording[0].rate == pytest.approx(100.0)
+    assert np.array_equal(recording["gx"].values, GYRO[:, 0])
+
+
+def test_segments_are_joined_by_their_times(tmp_path):
+    names = ("X_Value", "gx", "gy")
+    parts = [segment(names, rows(GYRO[at : at + 200]), second=s) + "\n" for at, s in ((0, 5.25), (200, 7.75))]
+    for times, text in (("One", "".join(parts)), ("No", "".join(parts))):
+        recording = al.read(save(tmp_path / "a.lvm", head(times) + text))
+        assert recording[0].rate == pytest.approx(100.0)
+        assert recording[0].size == 450
+        assert np.isnan(recording[0].values[200:250]).all()
+        assert np.array_equal(recording[1].values[250:], GYRO[200:, 1])
+
+
+def test_incomplete_files_and_units_that_are_missing(tmp_path):
+    whole = head("One") + segment(("X_Value", "gx", "gy"), rows(GYRO), units=("", ""))
+    path = save(tmp_path / "a.lvm", whole)
+    with pytest.raises(UsageError, match="'gx', 'gy': the unit is unknown"):
+        al.read(path)
+    for text, words in (
+        (whole[:200], "the end of a header, .* is missing"),
+        (whole[: whole.index("X_Value\t")], "should name 2 channels"),
+        (whole[: whole.index("0.000000\t")], "no rows of numbers"),
+        (whole.replace("Channels\t2", "Channels\tx"), "damaged"),
+        (whole.replace("\n0.020000\t", "\n0.0x20000\t"), r"line 21.*'0\.0x20000' is not a number"),
+    ):
+        with pytest.raises(DataError, match=words):
+            al.read(save(path, text), unit="deg/s")
+        assert CliRunner().invoke(main, ["info", str(path)]).exit_code == 3

@@ -1,0 +1,70 @@
+"""MDF files: groups and their clocks, conversions, and what is damaged."""
+
+import warnings
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    asammdf = pytest.importorskip("asammdf")
+
+GYRO, TIMES = np.random.default_rng(2).normal(size=(500, 2)), np.arange(500) * 0.01
+COUNTS = np.arange(500, dtype="i2") % 97
+
+
+def signal(name, values, times, unit, **more):
+    return asammdf.Signal(values, times, name=name, unit=unit, **more)
+
+
+@pytest.fixture(params=["4.10 packed", "3.30"])
+def mdf(request, tmp_path):
+    version, _, packed = request.param.partition(" ")
+    with asammdf.MDF(version=version) as file:
+        counts = signal("gy", COUNTS, TIMES, "deg/s", conversion={"a": 0.5, "b": 1.0})
+        file.append([signal("gx", GYRO[:, 0], TIMES, "deg/s"), counts])
+        file.append([signal("gz", GYRO[:, 1], TIMES, "deg/s")])
+        file.append([signal("acc", GYRO[:300, 0], TIMES[:300] * 5, "m/s^2")])
+        file.append([signal("speed", GYRO[:, 0], TIMES + 7, "km/h", conversion={"formula": "X1 * 2"})])
+        file.append([signal("word", np.array([b"on"] * 500), TIMES, "", encoding="utf-8")])
+        return file.save(tmp_path / ("a.mf4" if version > "4" else "a.mdf"), compression=2 if packed else 0)
+
+
+def test_groups_with_common_times_are_one_and_others_are_listed(mdf):
+    words = r"2 tables.*\(group 0 \(500 rows at 100 Hz\), group 2 \(300 rows at 20 Hz\)\).*channels='group 0'"
+    with pytest.raises(UsageError, match=words):
+        al.read(mdf)
+    recording = al.read(mdf, channels=["group 0"])
+    assert recording.channels == ("gx", "gy", "gz")
+    assert recording[0].rate == pytest.approx(100.0)
+    assert recording[0].unit == "deg/s"
+    assert np.array_equal(recording["gz"].values, GYRO[:, 1])
+    assert np.array_equal(recording["gy"].values, COUNTS * 0.5 + 1)
+    assert any("no numbers, or numbers converted by a formula: " in note for note in recording.notes)
+    assert recording["gx"].size == 500
+    assert al.read(mdf, channels=["group 0/gz"]).channels == ("gz",)
+    with pytest.raises(UsageError, match="no table or column 'imu' in the file; it contains group 0"):
+        al.read(mdf, channels=["imu"])
+
+
+def test_the_samples_are_those_of_asammdf(mdf):
+    found = al.read(mdf, channels=["acc"])
+    assert found[0].rate == pytest.approx(20.0)
+    with asammdf.MDF(mdf) as file:
+        assert np.array_equal(found[0].values, file.get("acc").samples)
+        assert np.array_equal(COUNTS * 0.5 + 1, file.get("gy").samples)
+
+
+def test_damaged_files(tmp_path):
+    (tmp_path / "b.mf4").write_bytes(bytes(100))
+    with pytest.raises(DataError, match="does not begin like an MDF file"):
+        al.read(tmp_path / "b.mf4")
+    (tmp_path / "b.mf4").write_bytes(b"MDF     4.10    " + bytes(200))
+    with pytest.raises(DataError, match=r"damaged or incomplete: asammdf failed|no rows of numbers"):
+        al.read(tmp_path / "b.mf4")
+    assert CliRunner().invoke(main, ["info", str(tmp_path / "b.mf4")]).exit_code == 3

@@ -1,0 +1,122 @@
+"""Excel workbooks: sheets are chosen and read like CSV files, and claims of a workbook are not believed."""
+
+import datetime
+import zipfile
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+
+openpyxl = pytest.importorskip("openpyxl")
+GYRO = np.random.default_rng(9).normal(size=(300, 2))
+START = datetime.datetime(2026, 1, 2, 3, 4, 5)
+
+
+def workbook(path, **sheets):
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name.replace("_", " "))
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+def timed(count=300):
+    rows = [["time [s]", "gx [deg/s]", "gy [deg/s]", "T [degC]"]]
+    return rows + [[i * 0.01, *GYRO[i].tolist(), 25.5] for i in range(count)]
+
+
+def test_the_only_sheet_with_a_gyro_is_read_like_csv(tmp_path):
+    above = [["Unit 5, on the table"], [], [None, "operator", "N. N."]]
+    path = workbook(tmp_path / "a.xlsx", Notes=[["nothing"]], Run_1=above + timed(), Mean=[["mean", 3.5], ["std", 0.1]])
+    recording = al.read(path)
+    assert recording.channels == ("gx", "gy")
+    assert recording[0].rate == pytest.approx(100.0)
+    assert np.allclose(recording[1].values, GYRO[:, 1], rtol=1e-15)  # written with 16 digits
+    assert recording.others[0].unit == "degC"
+    assert "samples of Run 1 (300 rows)" in recording.notes
+
+
+def test_dates_empty_cells_and_units_in_a_row_of_their_own(tmp_path):
+    rows = [["when", "gx", "gy", "remark"], [None, "deg/s", "deg/s", None]]
+    for i in range(300):
+        gx = None if i == 7 else float(GYRO[i, 0])
+        rows.append(
+            [START + i * datetime.timedelta(milliseconds=20), gx, float(GYRO[i, 1]), "on" if i == 200 else None]
+        )
+    recording = al.read(workbook(tmp_path / "a.xlsx", Run=rows), time="when")
+    assert recording.channels == ("gx", "gy")
+    assert recording[0].rate == pytest.approx(50.0)
+    assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [7]
+    assert np.allclose(recording[1].values, GYRO[:, 1], rtol=1e-15)  # written with 16 digits
+
+
+def test_several_sheets_are_listed_and_chosen(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", Run_1=timed(), Run_2=timed(250))
+    with pytest.raises(UsageError, match=r"2 tables .*\(Run 1 \(300 rows\), Run 2 \(250 rows\)\).*channels='Run 1'"):
+        al.read(path)
+    assert al.read(path, channels=["Run 2"])[0].size == 250
+    assert al.read(path, channels=["Run 2/gy"]).channels == ("gy",)
+    with pytest.raises(UsageError, match=r"no table or column 'Run 3' in the file; it contains Run 1"):
+        al.read(path, channels=["Run 3"])
+    result = CliRunner().invoke(main, ["info", str(path)])
+    assert result.exit_code == 2
+    assert "--channels 'Run 1'" in " ".join(result.output.split())
+
+
+def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", Run=GYRO.tolist())
+    with pytest.raises(UsageError, match=r"sampling rate.*unit is unknown"):
+        al.read(path)
+    assert al.read(path, rate=100, unit="deg/s")[0].size == 300
+
+
+def test_workbooks_without_numbers_and_damaged_ones(tmp_path):
+    with pytest.raises(DataError, match="no sheet of the workbook has rows of numbers"):
+        al.read(workbook(tmp_path / "a.xlsx", Notes=[["nothing"]]))
+    whole = workbook(tmp_path / "a.xlsx", Run=timed()).read_bytes()
+    (tmp_path / "b.xlsx").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "c.xlsx").write_bytes(whole[:4] + bytes(500))
+    for name in ("b.xlsx", "c.xlsx"):
+        with pytest.raises(DataError, match="damaged or incomplete: openpyxl failed"):
+            al.read(tmp_path / name)
+        assert CliRunner().invoke(main, ["info", str(tmp_path / name)]).exit_code == 3
+
+
+def replaced(folder, sheet):
+    sheet = sheet.replace(
+        "<worksheet>", '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">'
+    )
+    whole = workbook(folder / "a.xlsx", Run=timed())
+    with zipfile.ZipFile(whole) as old, zipfile.ZipFile(folder / "b.xlsx", "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            new.writestr(name, sheet if name == "xl/worksheets/sheet1.xml" else old.read(name))
+    return folder / "b.xlsx"
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',
+        '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">'
+        + "".join(f'<!ENTITY {b} "{("&" + a + ";") * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))
+        + "]><worksheet><sheetData><row><c><v>&i;</v></c></row></sheetData></worksheet>",
+        "<worksheet><sheetData><row><c><v>" + "1" * 60_000_000 + "</v></c></row></sheetData></worksheet>",
+    ],
+    ids=["row number", "entities", "a long cell"],
+)
+def test_bombs_are_refused(tmp_path, sheet):
+    with pytest.raises(DataError, match=r"openpyxl failed|claims|no sheet"):
+        al.read(replaced(tmp_path, sheet), rate=1, unit="deg/s")
+
+
+def test_a_sheet_that_claims_to_be_larger_is_read(tmp_path):
+    rows = "".join(f'<row r="{i}"><c r="A{i}"><v>{i * i % 101}.5</v></c></row>' for i in range(1, 900))
+    sheet = f'<worksheet><dimension ref="A1:XFD1048576"/><sheetData>{rows}</sheetData></worksheet>'
+    assert al.read(replaced(tmp_path, sheet), rate=1, unit="deg/s")[0].size == 899
