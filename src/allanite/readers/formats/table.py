@@ -43,6 +43,7 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "hdf5": "hdf5",
     "mat": "mat",
     "r": "r",
+    "bag": "bag",
     "raw": "raw",
     "text": "text",
 }

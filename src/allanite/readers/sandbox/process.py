@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from .guard import demand_library, most
+from .source import size_of
 
 
 class Library(NamedTuple):
@@ -31,6 +32,7 @@ class Library(NamedTuple):
 LIBRARIES = {
     "hdf5": Library("h5py", "hdf5", "rewrite it with h5repack"),
     "mat": Library("scipy", "", "save it again in MATLAB: save('again.mat', '-v7')"),
+    "bag": Library("rosbags", "ros", "make its index again: rosbag reindex, ros2 bag reindex or mcap recover"),
     "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
 """One entry for each of `worker.FORMATS`."""
@@ -50,11 +52,13 @@ class Process:
     def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
         self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
-        self._wait = WAIT + os.path.getsize(path) / SPEED
+        size = size_of(path)
+        self._wait = WAIT + size / SPEED
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
-            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names)],
+            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names),
+             str(size)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -77,7 +81,7 @@ class Process:
         """A dataset, or those of its fields that are in `dtype`."""
         size = math.prod(shape) * dtype.itemsize
         array = np.empty(size, np.uint8)
-        with self._deadline(WAIT + size / SPEED):
+        with self._deadline(self._wait + size / SPEED):
             self._ask({"path": path, "fields": list(dtype.names or ())})
             filled, view = 0, array.data
             while filled < size and (count := self._stdout.readinto(view[filled:])):

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any
 
-FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6}
+FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6, "bag": 1e6}
 """Formats, opened by ``opened`` of the file ``<format>_contents.py`` beside this one, and the bytes of a file processed
 per second at least; HDF5 is opened without being read.
 """
@@ -26,15 +26,15 @@ ROOM = 48 << 20
 
 
 def main() -> None:
-    """Serve one file; the arguments are the format, path, bytes that it may unpack to, and names to look for.
+    """Serve one file; the arguments are the format, path, bytes that it may unpack to, names to look for, and its size.
 
     ``opened(path, most, names)`` returns the contents of the file as a dictionary for JSON, and a function that takes
-    the path and the fields of a dataset and returns its size in bytes and an iterator of its blocks.
+    the path and the fields of a dataset and returns its size in bytes, which limits the time, and an iterator of blocks.
     """
     form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
     opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
     _limit_memory(most + ROOM)
-    _allow(os.path.getsize(path) / FORMATS[form])
+    _allow(int(sys.argv[5]) / FORMATS[form])
     try:
         said, load = opened(path, most, names)
         _send([json.dumps(said).encode() + b"\n"])
