@@ -96,7 +96,9 @@ def _demand_bag(path: str) -> None:
             "unpack it with zstd -d"
         )
     if not head.startswith(_MAGIC):
-        raise DataError(f"the file does not begin like a ROS bag (it begins with {head[:8]!r}); check that it is complete")
+        raise DataError(
+            f"the file does not begin like a ROS bag (it begins with {head[:8]!r}); check that it is complete"
+        )
 
 
 def _topic(place: int, said: dict[str, Any]) -> Topic:
@@ -157,7 +159,7 @@ def _how(topic: Topic | None = None) -> str:
 
 
 def _columns(topic: Topic, rows: NDArray[Any]) -> list[Column]:
-    """The columns; the angular rate and specific force of a single sensor are called gx to az, counters of headers seq."""
+    """The columns; the angular rate and specific force of a single sensor are called gx to az."""
     called = {name: _LETTERS[match[1]] + match[2] for name, _, _ in topic.columns if (match := _AXIS.fullmatch(name))}
     if len(set(called.values())) < len(called):
         called = {}
@@ -171,11 +173,13 @@ def _columns(topic: Topic, rows: NDArray[Any]) -> list[Column]:
 
 
 def _notes(topic: Topic, topics: Sequence[Topic]) -> list[str]:
-    others = [str(other) for other in topics if other is not topic]
     units = sorted({unit for _, _, unit in topic.columns if headers.inertial(unit)}, reverse=True)
-    notes: list[str] = [say("topic {topic}", topic=str(topic))]
-    notes += [say("{units} by the definition of the message", units=" and ".join(units))] if units else []
-    notes += [say("other topics: {others}", others=some(others, 10))] if others else []
-    notes += [say("defined by {files} beside the bag", files=", ".join(topic.beside))] if topic.beside else []
-    notes += [say("left out, not measured by an inertial sensor or of no fixed number: {left}", left=", ".join(topic.left))] if topic.left else []
-    return notes
+    others = [str(other) for other in topics if other is not topic]
+    said = (
+        say("topic {topic}", topic=str(topic)),
+        say("{units} by the definition of the message", units=" and ".join(units)) if units else "",
+        say("other topics: {others}", others=some(others, 10)) if others else "",
+        say("defined by {files} beside the bag", files=", ".join(topic.beside)) if topic.beside else "",
+        say("left out, no signal or of no fixed number: {left}", left=", ".join(topic.left)) if topic.left else "",
+    )
+    return [note for note in said if note]

@@ -107,7 +107,9 @@ class Topic:
     def _rate(self) -> float:
         """Approximate rate in Hz; 0 if it is unknown."""
         if isinstance(self.reader, Reader1):
-            entries = [e for c in self.connections if (index := self.reader.indexes[c.id]) for e in (index[0], index[-1])]
+            entries = [
+                e for c in self.connections if (index := self.reader.indexes[c.id]) for e in (index[0], index[-1])
+            ]
             span = max(entries).time - min(entries).time if entries else 0
         else:
             span = getattr(self.reader, "metadata", self.reader).duration

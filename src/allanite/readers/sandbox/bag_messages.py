@@ -1,10 +1,10 @@
 """Numbers of ROS messages, decoded many at a time; used by `bag_contents`.
 
-A definition becomes steps, which are walked once for all messages of one length: where their texts are equally long too,
-each number is at the same place in all of them. Nothing of a definition is executed.
+A definition becomes steps, which are walked once for all messages of one length: where their texts are equally long
+too, each number is at the same place in all of them. Nothing of a definition is executed.
 
-Sources of the formats: ROS wiki, "msg" (rev. 2021), section 2.1.1, for ROS 1, which has no padding; OMG, "Common Object
-Request Broker Architecture", version 3.3, part 2, section 9.3, for ROS 2 (CDR), whose numbers are aligned to their sizes.
+ROS 1 writes fields one after the other. ROS 2 aligns numbers to their sizes; source: OMG, Common Object Request Broker
+Architecture 3.3, part 2, section 9.3 (CDR transfer syntax).
 """
 
 import re
@@ -27,7 +27,8 @@ UNUSED = re.compile("orientation|magnetic_field|covariance|variance")
 
 STAMPS = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 
-NUMBERS = {name: np.dtype(name) for name in "int8 int16 int32 int64 uint8 uint16 uint32 uint64 float32 float64".split()}
+INTEGERS = ("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64")
+NUMBERS = {name: np.dtype(name) for name in (*INTEGERS, "float32", "float64")}
 NUMBERS |= dict.fromkeys(("bool", "byte", "char"), np.dtype("uint8"))
 
 MOST_STEPS, MOST_COLUMNS, LONGEST = 10_000, 500, 64
@@ -38,7 +39,7 @@ class Numbers(NamedTuple):
     """Numbers of one type, and their names; none if they are skipped."""
 
     dtype: Any
-    count: int
+    size: int
     names: tuple[str, ...] = ()
 
 
@@ -60,7 +61,7 @@ class Many(NamedTuple):
 
 
 class Definition:
-    """The steps of a message type, and its `columns` (name: type of number, unit); those that are `left` are no columns.
+    """The steps of a message type, and its `columns` (name: type of number, unit); the fields `left` are no columns.
 
     `types` are the definitions of `rosbags.typesys` by name; `aligned` is true for ROS 2. Definitions that contain
     themselves, or what is not known here, raise ValueError.
@@ -90,9 +91,11 @@ class Definition:
             raise ValueError("its definition is too large")
         what, inner = about
         if what == Nodetype.BASE:
-            return [Text()] if inner[0] == "string" else [self._numbers(inner[0], [where], unit, taken=taken)]
+            return [Text()] if inner[0] == "string" else [self._numbers(inner[0], where, unit, taken=taken)]
+        if what == Nodetype.NAME and inner in STAMPS:
+            return [self._stamp(where, taken=taken)]
         if what == Nodetype.NAME:
-            return [self._stamp(where, taken=taken)] if inner in STAMPS else self._message(inner, where, unit, taken=taken)
+            return self._message(inner, where, unit, taken=taken)
         element, size = inner
         if what == Nodetype.SEQUENCE or size > LONGEST:
             self.left += [where] if taken else []
@@ -100,15 +103,17 @@ class Definition:
         if what == Nodetype.SEQUENCE:
             return [Many(tuple(self._field(element, where, "", taken=False)))]
         if element[0] == Nodetype.BASE and element[1][0] != "string":
-            return [self._numbers(element[1][0], [f"{where}[{i}]" for i in range(size)], unit, taken=taken)]
+            return [self._numbers(element[1][0], where, unit, size, taken=taken)]
         return [step for i in range(size) for step in self._field(element, f"{where}[{i}]", unit, taken=taken)]
 
-    def _numbers(self, kind: str, names: list[str], unit: str, *, taken: bool) -> Numbers:
+    def _numbers(self, kind: str, where: str, unit: str, size: int | None = None, *, taken: bool) -> Numbers:
         if kind not in NUMBERS:
-            raise ValueError(f"{names[0]} is of type {kind}, which is not supported")
-        if taken:
-            self.columns |= dict.fromkeys(names, (NUMBERS[kind].str, unit))
-        return Numbers(NUMBERS[kind], len(names), tuple(names) if taken else ())
+            raise ValueError(f"{where} is of type {kind}, which is not supported")
+        if not taken:
+            return Numbers(NUMBERS[kind], 1 if size is None else size)
+        names = (where,) if size is None else tuple(f"{where}[{i}]" for i in range(size))
+        self.columns |= dict.fromkeys(names, (NUMBERS[kind].str, unit))
+        return Numbers(NUMBERS[kind], len(names), names)
 
     def _stamp(self, where: str, *, taken: bool) -> Stamp:
         if taken:
@@ -183,7 +188,12 @@ class Walk:
         if not self.places:
             return
         formats, offsets = zip(*self.places.values(), strict=True)
-        about = {"names": list(self.places), "formats": formats, "offsets": offsets, "itemsize": self.rows.shape[1]}
+        about: Any = {
+            "names": list(self.places),
+            "formats": formats,
+            "offsets": offsets,
+            "itemsize": self.rows.shape[1],
+        }
         found = self.rows.reshape(-1).view(np.dtype(about))
         for name in self.places:
             values = found[name]
@@ -192,18 +202,19 @@ class Walk:
             out[name][where] = values
 
     def _numbers(self, step: Numbers, *, taken: bool) -> None:
-        self._align(step.dtype.itemsize)
         size = step.dtype.itemsize
-        self._demand(step.count * size)
+        self._align(size if step.size else 1)
+        self._demand(step.size * size)
         for i, name in enumerate(step.names if taken else ()):
             self.places[name] = (step.dtype.newbyteorder(self.order), self.at + i * size)
-        self.at += step.count * size
+        self.at += step.size * size
 
     def _stamp(self, step: Stamp, *, taken: bool) -> None:
         self._align(4)
         self._demand(8)
         if step.name and taken:
-            self.places[step.name] = (np.dtype([("s", self.order + step.seconds), ("ns", f"{self.order}u4")]), self.at)
+            about: Any = [("s", self.order + step.seconds), ("ns", f"{self.order}u4")]
+            self.places[step.name] = (np.dtype(about), self.at)
         self.at += 8
 
     def _many(self, step: Many) -> None:
@@ -211,8 +222,8 @@ class Walk:
         if count > self.rows.shape[1] - self.at:
             _refuse("shorter")
         first = step.element[0] if len(step.element) == 1 else None
-        if isinstance(first, Numbers) and count:
-            self._numbers(Numbers(first.dtype, count * first.count), taken=False)
+        if isinstance(first, Numbers):
+            self._numbers(Numbers(first.dtype, count * first.size), taken=False)
         else:
             for _ in range(count):
                 self.through(step.element, taken=False)

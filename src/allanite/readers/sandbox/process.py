@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -57,8 +56,16 @@ class Process:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
-            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names),
-             str(size)],
+            [
+                sys.executable,
+                "-P",
+                str(WORKER),
+                form,
+                str(Path(path).absolute()),
+                str(most(path)),
+                json.dumps(names),
+                str(size),
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,

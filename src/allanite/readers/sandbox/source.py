@@ -86,7 +86,7 @@ def landed(path: Any) -> Iterator[tuple[str, str, str]]:
 
 
 def parts(name: str) -> list[str]:
-    """The file itself, or those that hold the messages in a folder that ROS 2 has recorded; none in any other folder."""
+    """The file itself, or the files of messages in a folder that ROS 2 has recorded; none in any other folder."""
     if not os.path.isdir(name):
         return [name]
     if not os.path.isfile(os.path.join(name, METADATA)):
