@@ -4,6 +4,7 @@ One topic is read. Its columns are the numbers in its messages, with the units t
 stamp of a header and the time at which the bag received a message are candidates for the clock.
 """
 
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,6 +24,7 @@ from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.source import head_of
 
 TITLE = "ROS bags .bag, .db3 and .mcap (pip install 'allanite[ros]')"
 
@@ -35,7 +37,7 @@ _LETTERS = {"angular_velocity": "g", "linear_acceleration": "a"}
 
 def sniff(head: bytes, suffix: str) -> bool:
     """Whether the first bytes, or the name, are those of a bag."""
-    return head.startswith(_MAGIC) or suffix in (".bag", ".db3", ".mcap", ".zstd")
+    return head.startswith((*_MAGIC, _PACKED)) or suffix in (".bag", ".db3", ".mcap")
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,6 @@ class Topic:
     `why` says why there are none; `left` are the fields that are not read, `beside` the files of definitions used.
     """
 
-    place: int
     topic: str
     type: str
     count: int
@@ -77,34 +78,35 @@ def read(path: str, options: Options) -> Recording:
     _demand_bag(path)
     with Process("bag", path, {}) as process:
         with worded():
-            topics = [_topic(i, item) for i, item in enumerate(process.said["topics"])]
+            topics = [_topic(item) for item in process.said["topics"]]
         topic, options = _chosen(topics, options)
         with worded():
             dtype = topic.dtype
         demand_size(topic.count * dtype.itemsize, process.path, f"topic {topic.topic!r}")
-        rows = process.load(str(topic.place), (topic.count,), dtype)
+        rows = process.load(f"{topic.topic} ({topic.type})", (topic.count,), dtype)
+    received = rows[topic.columns[0][0]]
+    if np.any(received[1:] < received[:-1]):
+        rows = rows[np.argsort(received, kind="stable")]
     return Table(tuple(_columns(topic, rows)), notes=tuple(_notes(topic, topics))).recording(options)
 
 
 def _demand_bag(path: str) -> None:
-    from allanite.readers.sandbox.source import head_of
-
     head = head_of(path)[:16]
-    if head.startswith(_PACKED):
+    if head.startswith(_PACKED) and not os.path.isdir(path):
         raise DataError(
-            "the file is a bag compressed as a whole by ROS 2; give the folder that holds it and its metadata.yaml, or "
-            "unpack it with zstd -d"
+            "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its metadata.yaml; "
+            "unpack any other file with zstd -d"
         )
-    if not head.startswith(_MAGIC):
+    if not head.startswith((*_MAGIC, _PACKED)):
         raise DataError(
             f"the file does not begin like a ROS bag (it begins with {head[:8]!r}); check that it is complete"
         )
 
 
-def _topic(place: int, said: dict[str, Any]) -> Topic:
+def _topic(said: dict[str, Any]) -> Topic:
     columns = tuple((str(name), str(kind), str(unit)) for name, kind, unit in said["columns"])
     about = (str(said["topic"]), str(said["type"]), max(0, int(said["count"])), float(said["rate"]))
-    return Topic(place, *about, columns, tuple(said["left"]), str(said["why"]), tuple(said.get("beside", ())))
+    return Topic(*about, columns, tuple(said["left"]), str(said["why"]), tuple(said.get("beside", ())))
 
 
 def _chosen(topics: Sequence[Topic], options: Options) -> tuple[Topic, Options]:

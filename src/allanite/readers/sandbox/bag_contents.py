@@ -6,6 +6,7 @@ Of rosbags, only what reads containers and definitions is used: its own decoders
 import os
 import re
 import runpy
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,11 +17,12 @@ from urllib.parse import quote
 
 import numpy as np
 from rosbags.interfaces import MessageDefinitionFormat
-from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
 from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
-Definition = runpy.run_path(os.path.join(os.path.dirname(__file__), "bag_messages.py"))["Definition"]
+_HERE = os.path.dirname(__file__)
+Definition = runpy.run_path(os.path.join(_HERE, "bag_messages.py"))["Definition"]
+Chunks = runpy.run_path(os.path.join(_HERE, "bag_chunks.py"))["Chunks"]
 
 MOST_TOPICS, LONGEST = 1000, 1 << 20
 BATCH, BYTES = 4096, 8 << 20
@@ -40,9 +42,10 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     with _worded():
         reader = _opened(path)
         topics = [Topic(reader, group, path) for group in _grouped(reader.connections)]
+    named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
-        return COST * _size(path), topics[int(where)].blocks()
+        return COST * int(sys.argv[5]), named[where].blocks()
 
     return {"topics": [topic.said for topic in topics]}, load
 
@@ -67,12 +70,15 @@ def _opened(path: str) -> Any:
         with open(path, "rb") as file:
             head = file.read(8)
         if head.startswith(b"#ROSBAG"):
-            reader = Reader1(path)
+            reader = Chunks(path)
         elif head.startswith(b"SQLite"):
             reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
         else:
             reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
     reader.open()
+    for storage in reader.storage.storages if os.path.isdir(path) else ():
+        if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
+            shutil.rmtree(storage.path.parent, ignore_errors=True)
     return reader
 
 
@@ -95,7 +101,7 @@ class Topic:
         types = Types(path)
         try:
             types.update(_parsed(first.msgdef.format, first.msgdef.data, first.msgtype))
-            self.definition = Definition(types, first.msgtype, aligned=not isinstance(reader, Reader1))
+            self.definition = Definition(types, first.msgtype, aligned=not isinstance(reader, Chunks))
         except Exception as error:  # the parser and what it is given may fail in any way; other topics remain
             self.said["why"] = str(error)[:200] or type(error).__name__
             return
@@ -106,13 +112,7 @@ class Topic:
 
     def _rate(self) -> float:
         """Approximate rate in Hz; 0 if it is unknown."""
-        if isinstance(self.reader, Reader1):
-            entries = [
-                e for c in self.connections if (index := self.reader.indexes[c.id]) for e in (index[0], index[-1])
-            ]
-            span = max(entries).time - min(entries).time if entries else 0
-        else:
-            span = getattr(self.reader, "metadata", self.reader).duration
+        span = getattr(self.reader, "metadata", self.reader).duration
         return 1e9 * (self.count - 1) / span if span > 0 and self.count > 1 else 0.0
 
     def blocks(self) -> Iterator[Any]:
@@ -180,9 +180,3 @@ def _standard() -> dict[str, Any]:
     from rosbags.typesys.stores.ros2_humble import FIELDDEFS
 
     return dict(FIELDDEFS)
-
-
-def _size(path: str) -> int:
-    if os.path.isdir(path):
-        return sum(entry.stat().st_size for entry in os.scandir(path) if entry.is_file())
-    return os.path.getsize(path)

@@ -31,6 +31,8 @@ INTEGERS = ("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uin
 NUMBERS = {name: np.dtype(name) for name in (*INTEGERS, "float32", "float64")}
 NUMBERS |= dict.fromkeys(("bool", "byte", "char"), np.dtype("uint8"))
 
+_ZSTD = b"\x28\xb5\x2f\xfd"
+
 MOST_STEPS, MOST_COLUMNS, LONGEST = 10_000, 500, 64
 """Maximum number of fields and columns of a definition, and of elements of an array that become columns."""
 
@@ -161,6 +163,8 @@ class Walk:
         self.places: dict[str, tuple[Any, int]] = {}
         if aligned:
             self._demand(4)
+            if rows[0, :4].tobytes() == _ZSTD:
+                raise ValueError("its messages are compressed one by one; give the folder that holds its metadata.yaml")
             # 0 0 big-endian, 0 1 little-endian, and two bytes that mean nothing
             self.order, self.at = "><"[self._common(rows[:, :2].astype(np.int64) @ [256, 1], 1)], 4
 
@@ -252,4 +256,4 @@ class Walk:
 
 
 def _refuse(how: str) -> NoReturn:
-    raise ValueError(f"a message is {how} than its definition, or compressed")
+    raise ValueError(f"a message is {how} than its definition")

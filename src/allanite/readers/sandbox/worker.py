@@ -55,13 +55,14 @@ def _send(blocks: Iterable[Any]) -> None:
 
 
 def _limit_memory(size: int) -> None:
-    """Limit what the process may use from here on, if the system supports it."""
+    """Limit the memory that the process may use, and what it may write, if the system supports it."""
     try:
         import resource
 
         with open("/proc/self/statm") as file:
             now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))  # what is unpacked to a file
     except (ImportError, OSError, ValueError):
         pass  # the parent limits what it requests and how long it waits, on every system
 
