@@ -75,10 +75,14 @@ def write(folder: Path, form: str, topics: list[Topic], *, compression: str = ""
     path, store = Path(folder) / ("run.bag" if form == "bag" else f"run_{form}"), store or types(form)
     with _writer(path, form, compression) as writer:
         places = {t.name: writer.add_connection(t.name, t.type, typestore=store) for t in topics}
-        rows = (((time, topic.name, data) for time, data in topic.messages) for topic in topics)
-        for time, name, data in merge(*rows, key=lambda row: row[0]):
+        for time, name, data in merge(*map(_named, topics), key=lambda row: row[0]):
             writer.write(places[name], time, data)
     return path
+
+
+def _named(topic: Topic):
+    for time, data in topic.messages:
+        yield time, topic.name, data
 
 
 def file_of(path: Path) -> Path:

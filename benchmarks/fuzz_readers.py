@@ -5,7 +5,7 @@
 Mutation k of a seed file is always the same: its generator is seeded by the name of the file and k, and one that fails
 is printed with both. Each file is read in a process that is watched: a crash and a hang are failures as well as an
 error of another type than AllaniteError, more than 2 s of processor time, and more than 3 times the file and 100 MB.
-HDF5, MATLAB and R are read as always by a process of their own, here forked from one that has imported their
+HDF5, MATLAB, R and bags are read as always by a process of their own, here forked from one that has imported their
 libraries, which saves 0.1 s to 1 s.
 Ends with exit code 1 if there is a failure.
 """
@@ -39,7 +39,8 @@ import numpy as np
 
 import allanite as al
 
-CONTAINED = (".h5", ".mat", ".rda", ".rds")
+BAGS = (".bag", ".db3", ".mcap")
+CONTAINED = (".h5", ".mat", ".rda", ".rds", *BAGS)
 """Formats that are read by a process of their own."""
 
 WORKER = []
@@ -159,6 +160,15 @@ def _r(suffix: str) -> bytes:
         return gzip.decompress(path.read_bytes())  # what is in it is the target, not its packing
 
 
+def _bag(form: str, compression: str = "") -> bytes:
+    import bag_files
+
+    topic = bag_files.imu_topic(form, np.tile(NUMBERS, 2), frame="imu")
+    with tempfile.TemporaryDirectory() as folder:
+        path = bag_files.write(Path(folder), form, [topic], compression=compression)
+        return bag_files.file_of(path).read_bytes()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -204,6 +214,11 @@ SEEDS = {
     "squeezed.mat": Seed(lambda: _matlab(do_compression=True)),
     "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 50_000),
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
+    "plain.bag": Seed(lambda: _bag("bag"), {}, 10_000),
+    "squeezed.bag": Seed(lambda: _bag("bag", "lz4"), {}, 10_000),
+    "plain.db3": Seed(lambda: _bag("db3"), {}, 10_000),
+    "plain.mcap": Seed(lambda: _bag("mcap"), {}, 10_000),
+    "squeezed.mcap": Seed(lambda: _bag("mcap", "storage"), {}, 10_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),
@@ -263,7 +278,7 @@ def outcome(path: Path, options: dict) -> str:
 
 
 class Forked:
-    """What `subprocess.Popen` is for the process that reads HDF5, MATLAB and R, but forked."""
+    """What `subprocess.Popen` is for the process that reads HDF5, MATLAB, R and bags, but forked."""
 
     def __init__(self, arguments, *, stderr, **_):
         (ask, asked), (answer, answered) = os.pipe(), os.pipe()
@@ -320,6 +335,9 @@ def _fork_workers() -> None:
     # what is imported now need not be in each child
     import h5py  # noqa: F401
     import rdata.parser  # noqa: F401
+    import rosbags.rosbag1
+    import rosbags.rosbag2
+    import rosbags.typesys.stores.ros2_humble  # noqa: F401
     import scipy.io  # noqa: F401
 
     from allanite.readers.sandbox import process

@@ -129,7 +129,8 @@ class Topic:
                     yield self._rows(batch, times)
                     batch, times, size = [], [], 0
             if left:
-                raise ValueError(f"{self.count} messages are announced, but {self.count - left} or more are there")
+                found = "more" if left < 0 else self.count - left
+                raise ValueError(f"{self.count} messages are announced, but {found} are there")
             if batch:
                 yield self._rows(batch, times)
 

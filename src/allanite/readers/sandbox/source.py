@@ -94,6 +94,11 @@ def parts(name: str) -> list[str]:
     return sorted(str(file) for file in Path(name).iterdir() if _STORAGE.search(file.name) and file.is_file())
 
 
+def is_recording(name: str | os.PathLike[str]) -> bool:
+    """Whether this may be read: a file, or the folder of a ROS 2 bag."""
+    return os.path.isfile(name) or (os.path.isdir(name) and bool(parts(os.fspath(name))))
+
+
 def size_of(name: str) -> int:
     """The size of a file, or of the files of a folder, in bytes."""
     return sum(os.path.getsize(part) for part in parts(name))
