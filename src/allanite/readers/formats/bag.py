@@ -123,15 +123,21 @@ def _chosen(topics: Sequence[Topic], options: Options) -> tuple[Topic, Options]:
     else:
         best = max((topic.likeness for topic in topics), default=0)
         if not best:
-            unknown = next((f" ({topic.topic}: {topic.why})" for topic in topics if topic.why), "")
-            raise UsageError(
-                f"no topic of the bag is recognized as that of an inertial sensor{unknown}; it has {_listed(topics)}; "
-                f"name the topic with {_how()}"
-            )
+            raise UsageError(_none(topics))
         topic = _only([topic for topic in topics if topic.likeness == best], topics, "may be those of a sensor")
     if topic.why:
         raise UsageError(f"the messages of {topic} cannot be decoded: {topic.why}")
     return topic, options
+
+
+def _none(topics: Sequence[Topic]) -> str:
+    """That no topic is recognized, and what the one with most messages lacks, if it cannot be decoded."""
+    first = max(topics, key=lambda topic: (bool(topic.why), topic.count), default=None)
+    why = f" ({first.topic}: {first.why})" if first and first.why else ""
+    return (
+        f"no topic of the bag is recognized as that of an inertial sensor{why}; it has {_listed(topics)}; name the "
+        f"topic with {_how(first)}"
+    )
 
 
 def _within(topic: Topic, key: str) -> str | None:
