@@ -3,7 +3,8 @@
     python benchmarks/bags.py [--messages 1000000] [--forms bag db3 ...] [--write PATH]
 
 The bags hold one topic of sensor_msgs/Imu at 200 Hz and are written here. Each is read in a new process of its own;
-time is that of the processor, of that process and of those that it starts; memory is the largest resident size of that process and of those that it starts, together, less that of the imports.
+time is that of the processor, and memory the largest resident size, of that process and of those that it starts,
+together, less that after the imports.
 Both give the same samples, which is checked.
 """
 
