@@ -1,10 +1,9 @@
-"""Bags of a million messages: time and memory of reading one, next to decoding with rosbags message by message.
+"""Bags of a million messages: time of reading one, next to decoding with rosbags message by message.
 
     python benchmarks/bags.py [--messages 1000000] [--forms bag db3 ...] [--write PATH]
 
 The bags hold one topic of sensor_msgs/Imu at 200 Hz and are written here. Each is read in a new process of its own;
-time is that of the processor, and memory the largest resident size, of that process and of those that it starts,
-together, less that after the imports.
+time is that of the processor, of that process and of those that it starts, without their imports.
 Both give the same samples, which is checked.
 """
 
@@ -12,7 +11,6 @@ from table import begin, markdown
 
 import json
 import os
-import resource
 import struct
 import subprocess
 import sys
@@ -31,7 +29,7 @@ FORMS = {
     "mcap": ("mcap", ""),
     "zstd": ("mcap", "storage"),
 }
-HEADINGS = ("bag", "file MB", "rosbags s", "allanite s", "times faster", "samples MB", "memory MB", "of the file")
+HEADINGS = ("bag", "file MB", "rosbags s", "allanite s", "times faster")
 
 
 def messages(form: str, count: int):
@@ -68,17 +66,12 @@ def ours(path: Path) -> list[float]:
     return [float(record.values.sum()) for record in al.read(path)]
 
 
-def _peak() -> float:
-    kinds = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    return sum(resource.getrusage(kind).ru_maxrss for kind in kinds) / 1024
-
-
 def _seconds() -> float:
     return sum(os.times()[:4])
 
 
 def measured(reader: str, path: Path) -> dict:
-    """Seconds, MB and sums of a new process; the imports are there before it begins."""
+    """Seconds and sums of a new process; the imports are there before it begins."""
     done = subprocess.run([sys.executable, __file__, reader, str(path)], capture_output=True, text=True, check=True)
     return dict(json.loads(done.stdout))
 
@@ -88,9 +81,9 @@ def _serve(reader: str, path: str) -> None:
         for form in ("bag", "db3"):
             small = bag_files.imu_topic(form, np.random.default_rng(1).normal(size=(20, 6)))
             globals()[reader](bag_files.write(Path(folder), form, [small]))
-    base, start = _peak(), _seconds()
+    start = _seconds()
     sums = globals()[reader](Path(path))
-    print(json.dumps({"seconds": _seconds() - start, "MB": _peak() - base, "sums": sums}))
+    print(json.dumps({"seconds": _seconds() - start, "sums": sums}))
 
 
 def row(form: str, compression: str, count: int) -> tuple[str, ...]:
@@ -103,17 +96,15 @@ def row(form: str, compression: str, count: int) -> tuple[str, ...]:
     np.testing.assert_allclose(a["sums"], b["sums"], rtol=1e-12)
     name = f"{form} {compression}".replace("storage", "zstd").strip()
     times = (a["seconds"], b["seconds"], a["seconds"] / b["seconds"])
-    memory = b["MB"] * 1.048576
-    return (name, f"{size:.0f}", *(f"{x:.1f}" for x in times), f"{48 * count / 1e6:.0f}", f"{memory:.0f}",
-            f"{memory / size:.2f}")  # fmt: skip
+    return (name, f"{size:.0f}", *(f"{x:.1f}" for x in times))
 
 
 def main() -> None:
     run = begin(__doc__, messages=1_000_000, forms=list(FORMS))
     rows = [row(*FORMS[form], run.asked.messages) for form in run.asked.forms]
     notes = [
-        f"{run.asked.messages} messages with seeds 1; samples MB: the six channels as float64",
-        "memory MB is above that after reading a bag of 20 messages, which imports everything",
+        f"{run.asked.messages} messages with seeds 1",
+        "seconds do not count imports: a bag of 20 messages is read before",
     ]
     run.publish("Reading bags", notes, markdown(HEADINGS, rows))
 
