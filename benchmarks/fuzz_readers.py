@@ -44,6 +44,7 @@ from allanite.kernels.clock import followed
 
 IMPORTED = {".h5": "h5py", ".mat": "scipy.io", ".rda": "rdata.parser", ".rds": "rdata.parser", ".ulg": "pyulog"}
 IMPORTED |= {".xlsx": "openpyxl", ".tdms": "nptdms", ".mf4": "asammdf"}
+IMPORTED |= dict.fromkeys((".bag", ".db3", ".mcap"), "rosbags.typesys.stores.ros2_humble")
 """What the process of their own imports that reads these formats."""
 
 CONTAINED = tuple(IMPORTED)
@@ -258,6 +259,15 @@ def _kfgins() -> bytes:
     return rows.astype("<f8").tobytes()
 
 
+def _bag(form: str, compression: str = "") -> bytes:
+    import bag_files
+
+    topic = bag_files.imu_topic(form, np.tile(NUMBERS, 2), frame="imu")
+    with tempfile.TemporaryDirectory() as folder:
+        path = bag_files.write(Path(folder), form, [topic], compression=compression)
+        return bag_files.file_of(path).read_bytes()
+
+
 def _zip(how: int) -> bytes:
     def save(file):
         with zipfile.ZipFile(file, "w", how) as archive:
@@ -311,6 +321,11 @@ SEEDS = {
     "vn100.txt": Seed(_sentences, ASKED, 3_000),
     "run.mf4": Seed(_mdf, {}, 200),
     "kfgins.bin": Seed(_kfgins, {}, 3_000),
+    "plain.bag": Seed(lambda: _bag("bag"), {}, 10_000),
+    "squeezed.bag": Seed(lambda: _bag("bag", "lz4"), {}, 10_000),
+    "plain.db3": Seed(lambda: _bag("db3"), {}, 10_000),
+    "plain.mcap": Seed(lambda: _bag("mcap"), {}, 10_000),
+    "squeezed.mcap": Seed(lambda: _bag("mcap", "storage"), {}, 10_000),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

@@ -1,5 +1,7 @@
 """Real recordings in R, MATLAB 7.3 and ASCII .mat files: figures found independently of this package."""
 
+import shutil
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -43,6 +45,22 @@ def test_an_ascii_mat(recordings):
     with pytest.raises(UsageError, match=r"sampling rate .*rate=100.*'column 2'.*unit="):
         read(path)
     assert {r.size for r in read(path, rate=100, unit="deg/s", scale=0.01)} == {51175}
+
+
+def test_a_folder_of_ros_2_with_a_definition_beside_it(recordings, tmp_path):
+    shutil.copy(recordings / "format_only_vn100_moving_0.db3", tmp_path / "data_circle2_0.db3")
+    shutil.copy(recordings / "format_only_vn100_moving_db3_metadata.yaml", tmp_path / "metadata.yaml")
+    with pytest.raises(UsageError, match=r"imu_msg/IMUmsg is missing: put it beside the bag as IMUmsg\.msg"):
+        read(tmp_path)
+    definition = (
+        "std_msgs/Header header\nsensor_msgs/Imu imu\nsensor_msgs/MagneticField mag_field\nstring raw_imu_string"
+    )
+    (tmp_path / "IMUmsg.msg").write_text(definition)
+    recording = read(tmp_path)
+    assert recording.channels == ("gx", "gy", "gz", "ax", "ay", "az")
+    assert {r.size for r in recording} == {2617}
+    assert recording[0].rate == pytest.approx(40.0002, abs=1e-4)
+    assert any("'imu.header.stamp' is constant" in note for note in recording.notes)
 
 
 @pytest.mark.parametrize(

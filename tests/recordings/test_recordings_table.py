@@ -82,6 +82,31 @@ TABLE = [
     Row("aegiverse_fpga_gyro_0802.txt", "info", "--time 1 --unit deg/s --channels 2", 0, 96.071745, (
         r"from column 1", r"111\.3 s long",
     )),
+    Row("vn100_car_idle.bag", "info", "", 0, 40.000076, (
+        r"topic /imu \(sensor_stack/Vectornav, 2732 messages, 39.85 Hz\)", r"rad/s and m/s\^2 by the definition",
+        r"'header\.stamp' is used as the clock, of 4 candidates",
+        r"'imu\.header\.stamp' repeats 97 % of its time stamps", r"'receive time' scatters by 100 %",
+        r"spectral lines at 10, 18\.3, 19\.8 Hz", r"gx gyroscope, rate in rad/s, .* 2732 samples",
+    ), "bag"),
+    Row("vn100_car_idle.bag", "analyze", "--channels gx,gy", 0, 40.000076, (
+        r"no model of these terms explains", r"lines at 10, 18\.3, 19\.8 Hz contain 70 %",
+    ), "bag"),
+    Row("vn100_car_idle.bag", "info", "--channels /gnss", 2, None, (r"'HDOP', .*: the unit is unknown",), "bag"),
+    Row("vn100_car_idle.bag", "info", "--channels /imu/raw", 2, None, (r"no column 'raw'; columns: ",), "bag"),
+    Row("vn100_car_idle.bag", "info", "--channels /imus", 2, None, (
+        r"no topic '/imus' in the bag, which has .*/imu \(sensor_stack/Vectornav, 2732 messages, 39.85 Hz\)",
+    ), "bag"),
+    Row("xsens_mti_utbm_imu-test.bag", "analyze", "", 0, 100.00738, (
+        r"topic /imu/data \(sensor_msgs/Imu, 978 messages, 100 Hz\)",
+        r"'header\.stamp' is used as the clock, of 2 candidates", r"explained \(goodness of fit", r"9\.779 s long",
+    ), "bag"),
+    Row("format_only_vn100_moving.mcap", "info", "", 0, 40.000206, (
+        r"topic /imu \(custom_interfaces/Vectornav, 2983 messages", r"2 samples .* missing in 1 gap",
+        r"the noise level changes by a factor",
+    ), "bag"),
+    Row("format_only_vn100_moving_0.db3", "info", "", 2, None, (
+        r"the definition of imu_msg/IMUmsg is missing: put it beside the bag as IMUmsg\.msg",
+    ), "bag"),
 ]  # fmt: skip
 
 
@@ -115,6 +140,7 @@ class Same(NamedTuple):
 
 
 SIX = dict(zip(("gx", "gy", "gz", "ax", "ay", "az"), map(str, range(1, 7)), strict=True))
+GYROS, ACCELEROMETERS = ({name: name for name in names} for names in (("gx", "gy", "gz"), ("ax", "ay", "az")))
 REFERENCE = [
     Same("phone_gyro4.txt", {"unit": "rad/s"}, {"gx": "3", "gy": "4", "gz": "5"}),
     Same("aegiverse_fog_0917.txt", {"unit": "deg/s"}, {"fog": "fog"}),
@@ -127,6 +153,10 @@ REFERENCE = [
     Same("adis_16405_imu2.rda", {"unit": "deg/s", "rate": 100}, dict(list(SIX.items())[:3]), reader="r"),
     Same("adis_16405_imu1.rda", {"unit": "g", "rate": 100}, dict(list(SIX.items())[3:]), reader="r"),
     Same("adis_16405_imu2.rda", {"unit": "g", "rate": 100}, dict(list(SIX.items())[3:]), reader="r"),
+    Same("vn100_car_idle.bag", {"unit": "rad/s", "rate": 40.0003}, GYROS, reader="bag"),
+    Same("vn100_car_idle.bag", {"unit": "m/s^2", "rate": 40.0003}, ACCELEROMETERS, reader="bag"),
+    Same("xsens_mti_utbm_imu-test.bag", {"unit": "rad/s", "rate": 100.008}, GYROS, reader="bag"),
+    Same("xsens_mti_utbm_imu-test.bag", {"unit": "m/s^2", "rate": 100.008}, ACCELEROMETERS, reader="bag"),
 ]  # fmt: skip
 
 

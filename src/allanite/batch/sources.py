@@ -9,7 +9,7 @@ from pathlib import Path
 from allanite.core.errors import DataError
 from allanite.core.language import say
 from allanite.readers.sandbox.packing import PROSE
-from allanite.readers.sandbox.source import STDIN
+from allanite.readers.sandbox.source import STDIN, is_recording
 
 PathLike = str | os.PathLike[str]
 
@@ -23,14 +23,16 @@ class Sources:
 
 
 def several(named: Sequence[PathLike]) -> bool:
-    """Whether these names ask for many units: more than one, a folder, or a pattern.
+    """Whether these names ask for many units: more than one, a folder that is not a ROS bag, or a pattern.
 
     Examples
     --------
     >>> several(["gyro.csv"]), several(["-"]), several(["a.csv", "b.csv"]), several(["units/*.csv"])
     (False, False, True, True)
     """
-    return len(named) != 1 or os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0]))
+    return len(named) != 1 or (
+        not is_recording(named[0]) and (os.path.isdir(named[0]) or _is_pattern(os.fspath(named[0])))
+    )
 
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
@@ -41,7 +43,7 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
     named : sequence of str or path
         A file, ``"-"`` for standard input, a folder (the files in it, in the order of their names, but not those of
         folders inside it), or a pattern such as ``"units/*.csv"`` (``**`` goes through folders). A file that is named
-        twice is taken once.
+        twice is taken once. The folder of a ROS 2 bag counts as a file.
     besides : iterable of path or None
         Files that are not recordings: those that will be written, and settings.
 
@@ -66,11 +68,11 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
 def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
     if name == STDIN:
         return [name]
-    if os.path.isdir(name):
+    if os.path.isdir(name) and not is_recording(name):
         return _in_folder(name, left, notes)
     if not _is_pattern(name):
         return [name]
-    files = [file for file in sorted(glob.glob(name, recursive=True)) if os.path.isfile(file)]
+    files = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
     files = [file for file in files if os.path.realpath(file) not in left]
     if not files:
         raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
@@ -79,7 +81,7 @@ def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
     try:
-        inside = sorted(str(path) for path in Path(folder).iterdir() if path.is_file() and path.name[0] != ".")
+        inside = sorted(str(path) for path in Path(folder).iterdir() if is_recording(path) and path.name[0] != ".")
     except OSError as error:
         raise DataError(f"the directory {folder!r} cannot be read ({error.strerror or error})") from None
     files = list(_recordings(inside, left))

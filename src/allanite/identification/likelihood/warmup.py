@@ -147,12 +147,16 @@ def _beside(found: Found, base: Subset, tau: float) -> Subset:
 
 
 def _profiled(subset: Subset) -> float:
-    """2 L at the best size of each loose direction, rather than its integral, whose unit would count."""
+    """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
+
+    Infinite for a direction of which the band shows nothing.
+    """
     flat = subset.likelihood.flat
     if not flat.any():
         return 2 * subset.value
     V = subset.likelihood.directions(subset.theta)[1][np.ix_(flat, flat)]
-    return 2 * subset.value + float(np.linalg.slogdet(V)[1])
+    value = 2 * subset.value + float(np.linalg.slogdet(V)[1])
+    return value if math.isfinite(value) else math.inf
 
 
 def _score(subset: Subset, slope: float | None) -> float:

@@ -50,6 +50,7 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
     "hdf5": "hdf5",
     "mat": "mat",
     "r": "r",
+    "bag": "bag",
     "kfgins": "kfgins",
     "raw": "raw",
     "text": "text",

@@ -1,13 +1,14 @@
 """What a file may not do: claim impossible sizes, break the library that reads it, or need a missing library."""
 
 import importlib.util
-import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+
+from .source import size_of
 
 RATIO = 100
 """Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
@@ -21,7 +22,7 @@ _outer: ContextVar[int | None] = ContextVar("outer", default=None)
 
 def most(path: str) -> int:
     """Maximum size in bytes of the contents of a file; for a packed file, that of the file that contains it."""
-    here = RATIO * os.path.getsize(path) + ROOM
+    here = RATIO * size_of(path) + ROOM
     outer = _outer.get()
     return here if outer is None else min(here, outer)
 

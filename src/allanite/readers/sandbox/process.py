@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from .guard import demand_library, most
+from .source import size_of
 
 WAIT, SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
@@ -42,6 +42,7 @@ LIBRARIES = {
     "xlsx": Library("openpyxl", "xlsx", "save the sheet with the samples as CSV and read that", 5e4),
     "tdms": Library("nptdms", "tdms", "write it again with LabVIEW or DIAdem, as one segment"),
     "mdf": Library("asammdf", "mdf", "export the signals as CSV"),
+    "bag": Library("rosbags", "ros", "make its index again: rosbag reindex, ros2 bag reindex or mcap recover"),
     "r": Library("rdata", "r", "save only its numbers, for example saveRDS(as.matrix(x), 'again.rds')"),
 }
 """One entry for each of `worker.FORMATS`."""
@@ -58,11 +59,20 @@ class Process:
     def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
         self.path, self._library = path, LIBRARIES[form]
         demand_library(self._library.package, self._library.extra)
-        self._wait = WAIT + os.path.getsize(path) / self._library.speed
+        self._wait = WAIT + size_of(path) / self._library.speed
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
-            [sys.executable, "-P", str(WORKER), form, str(Path(path).absolute()), str(most(path)), json.dumps(names)],
+            [
+                sys.executable,
+                "-P",
+                str(WORKER),
+                form,
+                str(Path(path).absolute()),
+                str(most(path)),
+                json.dumps(names),
+                str(size_of(path)),
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -85,7 +95,7 @@ class Process:
         """A dataset, or those of its fields that are in `dtype`."""
         size = math.prod(shape) * dtype.itemsize
         array = np.empty(size, np.uint8)
-        with self._deadline(WAIT + size / SPEED):
+        with self._deadline(self._wait + size / SPEED):
             self._ask({"path": path, "fields": list(dtype.names or ())})
             filled, view = 0, array.data
             while filled < size and (count := self._stdout.readinto(view[filled:])):

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import shutil
 import stat
 import struct
@@ -29,6 +30,10 @@ HEAD = 1 << 16
 LONGEST = 1 << 20
 """Maximum size of a directory in bytes: some ten thousand members."""
 
+METADATA = "metadata.yaml"
+"""The file that makes a folder a recording of ROS 2."""
+
+_STORAGE = re.compile(r"\.(db3|mcap)(\.zstd)?$")
 _END, _LARGE, _TAIL = b"PK\x05\x06", b"PK\x06\x07", 65_557 + 76
 
 
@@ -49,7 +54,9 @@ def checked(path: Any) -> tuple[str, str]:
             f"{name!r}: the file cannot be accessed ({error}); check the name and your permissions"
         ) from None
     if stat.S_ISDIR(mode.st_mode):
-        raise DataError(f"{name}: this is a directory; give the name of a file")
+        if not parts(name):
+            raise DataError(f"{name}: this is a directory; give the name of a file, or the folder of a ROS 2 bag")
+        return name, member
     if not stat.S_ISREG(mode.st_mode):
         raise DataError(
             f"{name}: this is not a regular file (but a pipe, device or socket); save its contents to a file first"
@@ -78,16 +85,38 @@ def landed(path: Any) -> Iterator[tuple[str, str, str]]:
         yield copy.name, "", STDIN_NAME
 
 
+def parts(name: str) -> list[str]:
+    """The file itself, or the files of messages in a folder that ROS 2 has recorded; none in any other folder."""
+    if not os.path.isdir(name):
+        return [name]
+    if not os.path.isfile(os.path.join(name, METADATA)):
+        return []
+    return sorted(str(file) for file in Path(name).iterdir() if _STORAGE.search(file.name) and file.is_file())
+
+
+def is_recording(name: str | os.PathLike[str]) -> bool:
+    """Whether this may be read: a file, or the folder of a ROS 2 bag."""
+    return os.path.isfile(name) or (os.path.isdir(name) and bool(parts(os.fspath(name))))
+
+
+def size_of(name: str) -> int:
+    """The size of a file, or of the files of a folder, in bytes."""
+    return sum(os.path.getsize(part) for part in parts(name))
+
+
 def head_of(name: str) -> bytes:
-    """The first bytes of a file."""
-    with Path(name).open("rb") as file:
+    """The first bytes of a file, or of the first file of a folder."""
+    with Path(parts(name)[0]).open("rb") as file:
         return file.read(HEAD)
 
 
 def digest_of(name: str) -> str:
-    """The sha256 of a file, in hexadecimal digits."""
-    with Path(name).open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    """The sha256 of a file, or of the files of a folder one after the other, in hexadecimal digits."""
+    digest = hashlib.sha256()
+    for part in parts(name):
+        with Path(part).open("rb") as file:
+            hashlib.file_digest(file, lambda: digest)
+    return digest.hexdigest()
 
 
 def demand_directory(path: str) -> None:

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any
 
-FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6, "ulog": 2e6, "xlsx": 1e5, "tdms": 2e6, "mdf": 2e6}
+FORMATS = {"hdf5": math.inf, "mat": 2e6, "r": 1e6, "ulog": 2e6, "xlsx": 1e5, "tdms": 2e6, "mdf": 2e6, "bag": 1e6}
 """Formats, opened by ``opened`` of the file ``<format>_contents.py`` beside this one, and the bytes of a file processed
 per second at least; HDF5 is opened without being read.
 """
@@ -26,15 +26,16 @@ ROOM = 48 << 20
 
 
 def main() -> None:
-    """Serve one file; the arguments are the format, path, bytes that it may unpack to, and names to look for.
+    """Serve one file; the arguments are the format, path, bytes that it may unpack to, names to look for, and its size.
 
     ``opened(path, most, names)`` returns the contents of the file as a dictionary for JSON, and a function that takes
-    the path and the fields of a dataset and returns its size in bytes and an iterator of its blocks.
+    the path and the fields of a dataset and returns its size in bytes, by which the time is limited, and an iterator
+    of its blocks.
     """
     form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
     opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
     _limit_memory(most + ROOM)
-    _allow(os.path.getsize(path) / FORMATS[form])
+    _allow(int(sys.argv[5]) / FORMATS[form])
     try:
         said, load = opened(path, most, names)
         _send([json.dumps(said).encode() + b"\n"])
@@ -54,13 +55,14 @@ def _send(blocks: Iterable[Any]) -> None:
 
 
 def _limit_memory(size: int) -> None:
-    """Limit what the process may use from here on, if the system supports it."""
+    """Limit the memory that the process may use, and what it may write, if the system supports it."""
     try:
         import resource
 
         with open("/proc/self/statm") as file:
             now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))  # what is unpacked to a file
     except (ImportError, OSError, ValueError):
         pass  # the parent limits what it requests and how long it waits, on every system
 

@@ -1,0 +1,183 @@
+"""The contents of a ROS bag, read with rosbags; started by `worker`.
+
+Of rosbags, only what reads containers and definitions is used: its own decoders are programs made from the definitions.
+"""
+
+import os
+import re
+import runpy
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from rosbags.interfaces import MessageDefinitionFormat
+from rosbags.rosbag2 import Reader as Reader2
+from rosbags.typesys import get_types_from_idl, get_types_from_msg
+
+_HERE = os.path.dirname(__file__)
+Definition = runpy.run_path(os.path.join(_HERE, "bag_messages.py"))["Definition"]
+Chunks = runpy.run_path(os.path.join(_HERE, "bag_chunks.py"))["Chunks"]
+
+MOST_TOPICS, LONGEST = 1000, 1 << 20
+BATCH, BYTES = 4096, 8 << 20
+"""Messages, and their bytes, that are decoded together."""
+
+RECEIVED = "receive time"
+
+COST = 20
+"""Bytes of a dataset that count like a byte of the file: its messages are unpacked too."""
+
+_NAME = re.compile(r"([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)")
+_SEPARATOR = "=" * 80 + "\n"
+
+
+def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
+    """The topics of a bag with their types, counts, rates in Hz and columns, and a function that sends a topic."""
+    with _worded():
+        reader = _opened(path)
+        topics = [Topic(reader, group, path) for group in _grouped(reader.connections)]
+    named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
+
+    def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
+        return COST * int(sys.argv[5]), named[where].blocks()
+
+    return {"topics": [topic.said for topic in topics]}, load
+
+
+@contextmanager
+def _worded() -> Iterator[None]:
+    """Any error of rosbags in words; an assertion of it has none."""
+    try:
+        yield
+    except MemoryError:
+        raise
+    except Exception as error:
+        said = " ".join(str(error).split()) or "its records contradict each other"
+        sys.exit(f"{type(error).__name__}: {said[:200]}")
+
+
+def _opened(path: str) -> Any:
+    """The reader of a file by its first bytes, or of a folder of ROS 2."""
+    if os.path.isdir(path):
+        reader: Any = Reader2(path)
+    else:
+        with open(path, "rb") as file:
+            head = file.read(8)
+        if head.startswith(b"#ROSBAG"):
+            reader = Chunks(path)
+        elif head.startswith(b"SQLite"):
+            reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
+        else:
+            reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
+    reader.open()
+    for storage in reader.storage.storages if os.path.isdir(path) else ():
+        if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
+            shutil.rmtree(storage.path.parent, ignore_errors=True)
+    return reader
+
+
+def _grouped(connections: list[Any]) -> list[list[Any]]:
+    """The connections of each topic and type."""
+    groups: dict[tuple[str, str], list[Any]] = {}
+    for connection in connections:
+        groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
+    return list(groups.values())[:MOST_TOPICS]
+
+
+class Topic:
+    """A topic of a bag: what is `said` of it, and its numbers."""
+
+    def __init__(self, reader: Any, connections: list[Any], path: str) -> None:
+        self.reader, self.connections = reader, connections
+        first, self.count = connections[0], sum(connection.msgcount for connection in connections)
+        self.said = {"topic": first.topic, "type": first.msgtype.replace("/msg/", "/"), "count": self.count}
+        self.said |= {"rate": self._rate(), "columns": [], "left": [], "why": ""}
+        types = Types(path)
+        try:
+            types.update(_parsed(first.msgdef.format, first.msgdef.data, first.msgtype))
+            self.definition = Definition(types, first.msgtype, aligned=not isinstance(reader, Chunks))
+        except Exception as error:  # the parser and what it is given may fail in any way; other topics remain
+            self.said["why"] = str(error)[:200] or type(error).__name__
+            return
+        columns = {RECEIVED: ("<i8", "ns")} | self.definition.columns
+        self.dtype = np.dtype([(name, kind) for name, (kind, _) in columns.items()])
+        self.said["columns"] = [(name, *about) for name, about in columns.items()]
+        self.said["left"], self.said["beside"] = self.definition.left[:20], types.beside
+
+    def _rate(self) -> float:
+        """Approximate rate in Hz; 0 if it is unknown."""
+        span = getattr(self.reader, "metadata", self.reader).duration
+        return 1e9 * (self.count - 1) / span if span > 0 and self.count > 1 else 0.0
+
+    def blocks(self) -> Iterator[Any]:
+        """The bytes of rows with the columns."""
+        batch, times, size, left = list[bytes](), list[int](), 0, self.count
+        with _worded():
+            for _, time, data in self.reader.messages(self.connections):
+                batch.append(data)
+                times.append(time)
+                size, left = size + len(data), left - 1
+                if left < 0:
+                    break
+                if len(batch) == BATCH or size > BYTES:
+                    yield self._rows(batch, times)
+                    batch, times, size = [], [], 0
+            if left:
+                found = "more" if left < 0 else self.count - left
+                raise ValueError(f"{self.count} messages are announced, but {found} are there")
+            if batch:
+                yield self._rows(batch, times)
+
+    def _rows(self, batch: list[bytes], times: list[int]) -> Any:
+        rows = np.zeros(len(batch), self.dtype)
+        rows[RECEIVED] = times
+        self.definition.decode(batch, rows)
+        return rows.view(np.uint8).data
+
+
+class Types(dict[str, Any]):
+    """Definitions of message types; a missing one is looked for in a .msg file beside the bag, or is a standard one."""
+
+    def __init__(self, path: str) -> None:
+        super().__init__()
+        self.folder = Path(path) if os.path.isdir(path) else Path(path).parent
+        self.beside: list[str] = []
+
+    def __missing__(self, name: str) -> Any:
+        match = _NAME.fullmatch(name)
+        places = (f"{match[2]}.msg", f"{match[1]}/msg/{match[2]}.msg") if match else ()
+        for file in (self.folder / place for place in places):
+            if file.is_file() and file.stat().st_size < LONGEST:
+                self.update({**get_types_from_msg(file.read_text(encoding="utf-8"), name), **self})
+                self.beside.append(file.name)
+                return self[name]
+        if name not in _standard():
+            where = f": put it beside the bag as {places[0]}" if places else ""
+            raise ValueError(f"the definition of {name.replace('/msg/', '/')} is missing{where}")
+        return _standard()[name]
+
+
+@cache
+def _parsed(form: Any, text: str, name: str) -> dict[str, Any]:
+    """The definitions in a text."""
+    if len(text) > LONGEST:
+        raise ValueError("its definition is too long")
+    if form == MessageDefinitionFormat.MSG:
+        return get_types_from_msg(text, name)
+    if form == MessageDefinitionFormat.NONE:
+        return {}
+    parts = text.split(_SEPARATOR)[1:] if text.startswith(f"{_SEPARATOR}IDL: ") else [f"\n{text}"]
+    return {name: about for part in parts for name, about in get_types_from_idl(part.partition("\n")[2]).items()}
+
+
+@cache
+def _standard() -> dict[str, Any]:
+    from rosbags.typesys.stores.ros2_humble import FIELDDEFS
+
+    return dict(FIELDDEFS)

@@ -1,0 +1,453 @@
+"""ROS bags: against rosbags sample by sample, which topic and clock are taken, what is said of damaged ones."""
+
+import gzip
+import importlib.util
+import shutil
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip("rosbags", reason="pip install 'allanite[ros]'")
+
+import allanite as al
+import bag_files
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+from allanite.readers.sandbox import guard
+from allanite.readers.sandbox.bag_messages import Definition
+from bag_files import FORMS, IMU, Topic, file_of, imu, imu_topic, packed, types, write
+
+RNG = np.random.default_rng(8)
+VALUES = RNG.normal(size=(400, 6))
+SIX = ("gx", "gy", "gz", "ax", "ay", "az")
+EVERY = [
+    ("bag", ""), ("bag", "bz2"), ("bag", "lz4"), ("db3", ""), ("db3", "message"), ("db3", "file"),
+    ("mcap", ""), ("mcap", "message"), ("mcap", "file"), ("mcap", "storage"),
+]  # fmt: skip
+
+
+def samples(recording):
+    return np.array([record.values for record in recording]).T
+
+
+def run(*words):
+    result = CliRunner().invoke(main, [*map(str, words)])
+    assert "Traceback" not in result.output
+    return result.exit_code, " ".join((result.stdout + " " + result.stderr).split())
+
+
+def theirs(path):
+    """Receive times, header stamps in ns and values, as rosbags decodes them."""
+    from rosbags.highlevel import AnyReader
+
+    rows = []
+    with AnyReader([path]) as reader:
+        for connection, time, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            stamp = message.header.stamp
+            w, a = message.angular_velocity, message.linear_acceleration
+            rows.append((time, stamp.sec * 10**9 + stamp.nanosec, w.x, w.y, w.z, a.x, a.y, a.z))
+    return np.array([row[:2] for row in rows]), np.array([row[2:] for row in rows])
+
+
+@pytest.mark.parametrize(("form", "compression"), EVERY)
+def test_samples_are_those_of_rosbags(tmp_path, form, compression):
+    frames = ["imu", "imu_link", "a", "", "base"]
+    start = 1_700_000_000_999_999_990
+    rows = [
+        (start + 10_000_000 * k + int(RNG.integers(100, 5000)), packed(form, imu(form, start + 10_000_000 * k, row,
+                                                                                   frame=frames[k % 5], seq=k)))
+        for k, row in enumerate(VALUES)
+    ]  # fmt: skip
+    path = write(tmp_path, form, [Topic("/imu", IMU, rows)], compression=compression)
+    recording = al.read(path)
+    times, values = theirs(path)
+    assert recording.channels == SIX
+    np.testing.assert_array_equal(samples(recording), values)
+    assert [(r.unit, r.kind) for r in recording] == [("rad/s", "rate")] * 3 + [("m/s^2", "rate")] * 3
+    assert {r.rate for r in recording} == {100.0}
+    assert recording[0].start == pytest.approx(times[0, 1] / 1e9, abs=1e-6)
+    received = al.read(path, time="receive time")
+    assert received[0].start == pytest.approx(times[0, 0] / 1e9, abs=1e-6)
+    np.testing.assert_array_equal(samples(received), values)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_messages_are_in_the_order_in_which_they_were_received(tmp_path, form):
+    topic = imu_topic(form, VALUES)
+    rows = list(topic.messages)
+    rows[7], rows[8] = (rows[8][0], rows[7][1]), (rows[7][0], rows[8][1])
+    path = write(tmp_path, form, [topic._replace(messages=rows)])
+    np.testing.assert_array_equal(theirs(path)[1][7:9], VALUES[[8, 7]])
+    recording = al.read(path)
+    np.testing.assert_array_equal(samples(recording), theirs(path)[1])
+    assert any("column 'header.stamp' is not increasing" in note for note in recording.notes)
+
+
+DEFINITION = """std_msgs/Header header
+string text
+bool flag
+uint8 u1
+int8 i1
+uint16 u2
+int16 i2
+uint32 u4
+int32 i4
+uint64 u8
+int64 i8
+float32 f4
+float64 f8
+float64[3] three
+float32[] many
+string[] words
+float64[9] some_covariance
+geometry_msgs/Vector3[] points
+geometry_msgs/Vector3[2] two
+string last
+uint8 tail
+"""
+
+
+def custom(form, name="lab_msgs/msg/Everything", text=DEFINITION):
+    from rosbags.typesys import get_types_from_msg
+
+    store = type(types(form))()
+    store.fielddefs, store.types = {**types(form).fielddefs}, {**types(form).types}
+    store.register(get_types_from_msg(text, name))
+    return store
+
+
+def everything(form, store, k):
+    vector = types(form).types["geometry_msgs/msg/Vector3"]
+    small = int(RNG.integers(0, 100))
+    return store.types["lab_msgs/msg/Everything"](
+        header=bag_files.header(form, 1_700_000_000_000_000_000 + k * 10_000_000, seq=k),
+        text="x" * (k % 3), flag=bool(k % 2), u1=small, i1=-small, u2=small, i2=-small, u4=small, i4=-small, u8=small,
+        i8=-small, f4=np.float32(RNG.normal()), f8=float(RNG.normal()), three=RNG.normal(size=3),
+        many=RNG.normal(size=1 + k % 4).astype(np.float32), words=["ab"] * (k % 3), some_covariance=np.zeros(9),
+        points=[vector(1.0, 2.0, 3.0)] * (k % 2), two=[vector(*RNG.normal(size=3)) for _ in range(2)],
+        last="y" * (k % 5), tail=small,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("form", ["bag", "db3"])
+@pytest.mark.parametrize("big", [False, True])
+def test_every_type_of_field_is_decoded_as_by_rosbags(form, big):
+    if form == "bag" and big:
+        pytest.skip("ROS 1 is little-endian")
+    store, name = custom(form), "lab_msgs/msg/Everything"
+    messages = [everything(form, store, k) for k in range(60)]
+    data = [bytes(store.serialize_cdr(m, name, little_endian=False)) if big else packed(form, m, store)
+            for m in messages]  # fmt: skip
+    definition = Definition(store.fielddefs, name, aligned=form != "bag")
+    assert definition.left == ["many", "words", "some_covariance", "points"]
+    out = np.zeros(60, [(column, kind) for column, (kind, _) in definition.columns.items()])
+    definition.decode(data, out)
+    for k, message in enumerate(messages):
+        assert out["header.stamp"][k] == message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        for column in ("flag", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8", "tail"):
+            assert out[column][k] == getattr(message, column), (column, k)
+        assert [out[f"three[{i}]"][k] for i in range(3)] == list(message.three)
+        assert [out[f"two[{i}].z"][k] for i in range(2)] == [vector.z for vector in message.two]
+    assert "rosbags.usertypes" not in sys.modules or form  # the store above is rosbags' own
+    with pytest.raises(ValueError, match="shorter than its definition"):
+        definition.decode([data[0][:40]], out[:1])
+    with pytest.raises(ValueError, match="longer than its definition"):
+        definition.decode([data[0] + bytes(8)], out[:1])
+
+
+def test_definitions_that_are_too_large_are_refused():
+    base, name, array = 1, 2, 3
+    with pytest.raises(ValueError, match="too large"):
+        Definition({"a/msg/A": ([], [("again", (name, "a/msg/A"))])}, "a/msg/A", aligned=True)
+    with pytest.raises(ValueError, match="too large"):
+        Definition({"a/msg/A": ([], [("x", (array, ((base, ("string", 0)), 10**9)))])}, "a/msg/A", aligned=True)
+    huge = Definition({"a/msg/A": ([], [("x", (array, ((base, ("float64", 0)), 10**9)))])}, "a/msg/A", aligned=True)
+    assert huge.left == ["x"]
+    with pytest.raises(ValueError, match="wstring, which is not supported"):
+        Definition({"a/msg/A": ([], [("x", (base, ("wstring", 0)))])}, "a/msg/A", aligned=True)
+
+
+# which topic
+
+
+@pytest.fixture(scope="module", params=FORMS)
+def several(request, tmp_path_factory):
+    form = request.param
+    field, vector = types(form).types["sensor_msgs/msg/MagneticField"], types(form).types["geometry_msgs/msg/Vector3"]
+    start = 1_700_000_000_000_000_000
+    compass = [
+        (start + k * 50_000_000, packed(form, field(bag_files.header(form, start), vector(1.0, 2.0, 3.0), np.zeros(9))))
+        for k in range(40)
+    ]
+    topics = [
+        imu_topic(form, VALUES, name="/left/imu"),
+        imu_topic(form, 2 * VALUES[:200], 20_000_000, name="/right/imu"),
+        Topic("/mag", "sensor_msgs/msg/MagneticField", compass),
+    ]
+    return write(tmp_path_factory.mktemp(form), form, topics)
+
+
+def test_several_topics_are_listed_with_type_count_and_rate(several):
+    code, said = run("info", several)
+    assert code == 2
+    assert "2 topics of the bag may be those of a sensor, but each has its own clock" in said
+    assert "/left/imu (sensor_msgs/Imu, 400 messages, " in said
+    assert "/right/imu (sensor_msgs/Imu, 200 messages, " in said
+    assert "--channels /left/imu" in said
+    assert "/mag" not in said
+
+
+def test_a_topic_and_its_channels_are_named(several):
+    assert np.array_equal(samples(al.read(several, channels=["/right/imu"])), 2 * VALUES[:200])
+    assert al.read(several, channels=["right/imu"])[0].rate == 50.0
+    one = al.read(several, channels=["/left/imu/gz"])
+    assert one.channels == ("gz",)
+    assert al.read(several, channels=["/left/imu/angular_velocity.z"])[0].values.tolist() == one[0].values.tolist()
+    assert any(note.startswith("other topics: ") and "/mag (" in note for note in one.notes)
+
+
+@pytest.mark.parametrize(
+    ("channels", "words"),
+    [
+        ("/imu", r"no topic '/imu' in the bag, which has .*/left/imu.*/mag \(sensor_msgs/MagneticField, 40 messages"),
+        ("/left/imu,/right/imu", r"2 topics of the bag are named, but each has its own clock"),
+        ("/left/imu/gw", r"no column 'gw'; columns: .*angular_velocity\.x"),
+        ("/mag", r"no column is recognized as an inertial signal|not an inertial signal|a time by its header"),
+    ],
+)
+def test_a_wrong_topic_is_refused_by_name(several, channels, words):
+    with pytest.raises(UsageError, match=words):
+        al.read(several, channels=channels.split(","))
+    assert run("analyze", several, "--channels", channels)[0] == 2
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_without_an_imu_all_topics_are_listed(tmp_path, form):
+    text = types(form).types["std_msgs/msg/String"]
+    rows = [(10**18 + k, packed(form, text(data="hello"))) for k in range(5)]
+    path = write(tmp_path, form, [Topic("/chat", "std_msgs/msg/String", rows)])
+    code, said = run("info", path)
+    assert code == 2
+    assert "no topic of the bag is recognized as that of an inertial sensor" in said
+    assert "/chat (std_msgs/String, 5 messages" in said
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_numbers_of_other_messages_are_columns_with_dotted_names(tmp_path, form):
+    name = "lab_msgs/msg/Pair"
+    store = custom(form, name, "std_msgs/Header header\nlab_msgs/Gyro gyro\nfloat32 temperature\n"
+                               "{}\nMSG: lab_msgs/Gyro\nint32 gyro_x\nint32 gyro_y\n".format("=" * 80))  # fmt: skip
+    pair, gyro = store.types[name], store.types["lab_msgs/msg/Gyro"]
+    counts = RNG.integers(-500, 500, size=(50, 2))
+    rows = [
+        (
+            k * 10**7,
+            packed(form, pair(bag_files.header(form, k * 10**7), gyro(int(x), int(y)), np.float32(20 + k)), store),
+        )
+        for k, (x, y) in enumerate(counts)
+    ]
+    path = write(tmp_path, form, [Topic("/raw", name, rows)], store=store)
+    with pytest.raises(UsageError, match=r"'gyro\.gyro_x', 'gyro\.gyro_y'.*unit is unknown"):
+        al.read(path)
+    recording = al.read(path, scale="0.01deg/s")
+    assert recording.channels == ("gyro.gyro_x", "gyro.gyro_y")
+    assert np.array_equal(samples(recording), counts)
+    assert recording.others[0].name == "temperature"
+
+
+def test_two_sensors_in_a_message_keep_their_names(tmp_path):
+    store = custom("db3", "lab_msgs/msg/Two", "sensor_msgs/Imu a\nsensor_msgs/Imu b\n")
+    rows = [
+        (
+            k * 10**7,
+            packed("db3", store.types["lab_msgs/msg/Two"](imu("db3", k * 10**7, row), imu("db3", 0, -row)), store),
+        )
+        for k, row in enumerate(VALUES[:50])
+    ]
+    recording = al.read(write(tmp_path, "db3", [Topic("/two", "lab_msgs/msg/Two", rows)], store=store))
+    assert recording.channels[0] == "a.angular_velocity.x"
+    assert len(recording) == 12
+    assert recording["b.linear_acceleration.z"].values.tolist() == (-VALUES[:50, 5]).tolist()
+
+
+def test_a_definition_that_the_bag_does_not_hold_is_read_beside_it(tmp_path):
+    import sqlite3
+
+    text = "std_msgs/Header header\nsensor_msgs/Imu imu\nstring raw\n"
+    store = custom("db3", "lab_msgs/msg/Logged", text)
+    logged, head = store.types["lab_msgs/msg/Logged"], bag_files.header
+    rows = [
+        (k * 10**7, packed("db3", logged(head("db3", k * 10**7), imu("db3", 0, row), "$VN" * (k % 4)), store))
+        for k, row in enumerate(VALUES[:50])
+    ]
+    path = file_of(write(tmp_path, "db3", [Topic("/imu", "lab_msgs/msg/Logged", rows)], store=store))
+    with sqlite3.connect(path) as file:
+        file.execute("DELETE FROM message_definitions")
+    file.close()
+    with pytest.raises(UsageError, match=r"of lab_msgs/Logged is missing: put it beside the bag as Logged\.msg"):
+        al.read(path)
+    (path.parent / "Logged.msg").write_text(text)
+    recording = al.read(path)
+    assert np.array_equal(samples(recording), VALUES[:50])
+    assert "defined by Logged.msg beside the bag" in recording.notes
+
+
+# which clock
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("frozen", [0, 1_700_000_000_000_000_000])
+def test_constant_stamps_of_headers_give_way_to_the_receive_time(tmp_path, form, frozen):
+    rows = [(10**18 + k * 4_000_000, packed(form, imu(form, frozen, row))) for k, row in enumerate(VALUES)]
+    recording = al.read(write(tmp_path, form, [Topic("/imu", IMU, rows)]))
+    assert recording[0].rate == 250.0
+    assert any(
+        "'receive time' is used as the clock" in note and "'header.stamp' is constant" in note
+        for note in recording.notes
+    )
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_steadier_clock_is_taken_and_said(tmp_path, form):
+    late = RNG.integers(0, 4_000_000, len(VALUES)).cumsum() % 9_000_000
+    rows = [
+        (10**18 + k * 10_000_000 + int(late[k]), packed(form, imu(form, 10**18 + k * 10_000_000, row)))
+        for k, row in enumerate(VALUES)
+    ]
+    recording = al.read(write(tmp_path, form, [Topic("/imu", IMU, rows)]))
+    assert any("'header.stamp' is used as the clock, of 2 candidates" in note for note in recording.notes)
+    assert recording[0].rate == 100.0
+
+
+def test_neither_counters_nor_covariances_are_channels(tmp_path):
+    path = write(tmp_path, "bag", [imu_topic("bag", VALUES)])
+    recording = al.read(path, unit="deg/s")
+    assert recording.channels == SIX
+    assert [r.unit for r in recording] == ["deg/s"] * 3 + ["m/s^2"] * 3
+    left = next(note for note in recording.notes if note.startswith("left out, no signal"))
+    assert "orientation, orientation_covariance, angular_velocity_covariance" in left
+
+
+def test_a_counter_in_the_header_shows_what_is_missing(tmp_path):
+    topic = imu_topic("bag", VALUES)
+    rows = [row for k, row in enumerate(topic.messages) if not 100 <= k < 105]
+    recording = al.read(write(tmp_path, "bag", [topic._replace(messages=rows)]))
+    assert recording[0].size == len(VALUES)
+    assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100, 101, 102, 103, 104]
+
+
+# folders, packings
+
+
+def test_a_bag_of_several_files_is_one_recording(tmp_path):
+    topic = imu_topic("db3", VALUES)
+    parts = []
+    for i, rows in enumerate((topic.messages[:150], topic.messages[150:])):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        parts.append(write(folder, "db3", [topic._replace(messages=rows)]))
+    whole = tmp_path / "whole"
+    shutil.copytree(parts[0], whole)
+    shutil.copy(file_of(parts[1]), whole / "run_2.db3")
+    text = (whole / "metadata.yaml").read_text()
+    text = text.replace("  - run_db3.db3\n", "  - run_db3.db3\n  - run_2.db3\n")
+    (whole / "metadata.yaml").write_text(text.replace("message_count: 150", "message_count: 400"))
+    recording = al.read(whole)
+    assert np.array_equal(samples(recording), VALUES)
+    assert recording.digest != al.read(parts[0]).digest
+    (whole / "run_2.db3").unlink()
+    with pytest.raises(DataError, match=r"files are missing"):
+        al.read(whole)
+    (whole / "metadata.yaml").unlink()
+    with pytest.raises(DataError, match=r"this is a directory; give the name of a file, or the folder of a ROS 2 bag"):
+        al.read(whole)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_packed_bag(tmp_path, form):
+    path = file_of(write(tmp_path, form, [imu_topic(form, VALUES)]))
+    packing = tmp_path / f"{path.name}.gz"
+    packing.write_bytes(gzip.compress(path.read_bytes()))
+    assert np.array_equal(samples(al.read(packing)), VALUES)
+
+
+def test_a_name_that_means_something_in_a_url(tmp_path):
+    path = file_of(write(tmp_path, "db3", [imu_topic("db3", VALUES)]))
+    odd = tmp_path / "50% a#b?c=d.db3"
+    shutil.copy(path, odd)
+    assert np.array_equal(samples(al.read(odd)), VALUES)
+
+
+def test_the_missing_library_is_named_with_its_extra(tmp_path, monkeypatch):
+    path = write(tmp_path, "bag", [imu_topic("bag", VALUES)])
+    found = importlib.util.find_spec
+    monkeypatch.setattr(guard.importlib.util, "find_spec", lambda name: None if name == "rosbags" else found(name))
+    code, said = run("info", path)
+    assert code == 2
+    assert "this format needs rosbags, which is not installed: pip install 'allanite[ros]'" in said
+
+
+# damaged
+
+
+@pytest.mark.parametrize(
+    ("form", "compression", "share"), [*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)]
+)
+def test_a_bag_that_was_cut_off_is_refused_in_words(tmp_path, form, compression, share):
+    path = write(tmp_path, form, [imu_topic(form, VALUES)], compression=compression)
+    file = file_of(path)
+    data = file.read_bytes()
+    file.write_bytes(data[: int(share * len(data))])
+    code, said = run("analyze", path)
+    assert code == 3, said
+    assert "the file is damaged or incomplete: rosbags failed while" in said
+
+
+def test_a_bag_without_an_index_is_refused_in_words(tmp_path):
+    path = write(tmp_path, "bag", [imu_topic("bag", VALUES)])
+    data = path.read_bytes()
+    at = data.index(b"index_pos=") + 10
+    path.write_bytes(data[:at] + bytes(8) + data[at + 8 :])
+    code, said = run("info", path)
+    assert code == 3
+    assert "Bag is not indexed" in said
+    assert "rosbag reindex" in said
+
+
+@pytest.mark.parametrize(("form", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "storage")])
+def test_a_damaged_chunk_is_refused_in_words(tmp_path, form, compression):
+    path = write(tmp_path, form, [imu_topic(form, VALUES)], compression=compression)
+    file = file_of(path)
+    data = bytearray(file.read_bytes())
+    middle = len(data) // 3
+    data[middle : middle + 64] = bytes(64)
+    file.write_bytes(data)
+    code, said = run("analyze", file)
+    assert code == 3, said
+    assert "/imu/data (sensor_msgs/Imu)" in said or "while reading its structure" in said
+
+
+def test_other_files_with_the_suffix_of_a_bag(tmp_path):
+    for suffix in (".bag", ".db3", ".mcap"):
+        path = tmp_path / f"a{suffix}"
+        path.write_bytes(RNG.bytes(3000))
+        with pytest.raises(DataError, match="does not begin like a ROS bag"):
+            al.read(path)
+    path.write_bytes(b"\x28\xb5\x2f\xfd" + RNG.bytes(3000))
+    with pytest.raises(DataError, match="compressed with zstd; of a ROS 2 bag, give the folder"):
+        al.read(path)
+
+
+def test_fewer_messages_than_announced_are_refused(tmp_path):
+    import sqlite3
+
+    path = write(tmp_path, "db3", [imu_topic("db3", VALUES)])
+    with sqlite3.connect(file_of(path)) as file:
+        file.execute("DELETE FROM messages WHERE id > 300")
+    file.close()
+    with pytest.raises(DataError, match="400 messages are announced, but 300 are there"):
+        al.read(path)
+    assert al.read(file_of(path))[0].size == 300
