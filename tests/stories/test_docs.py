@@ -40,11 +40,11 @@ def commands(text):
 
 WITH_COMMANDS = (
     "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "json.md", "compare.md", "how_long.md",
-    "why_absent.md", "choosing_statistic.md", "rate_and_angle.md",
+    "why_absent.md", "choosing_statistic.md", "rate_and_angle.md", "log_to_filter.md",
 )  # fmt: skip
 WITH_PYTHON = (
     "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
-    "ros.md", "command.md", "reference_data.md",
+    "command.md", "reference_data.md", "log_to_filter.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 

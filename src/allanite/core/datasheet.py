@@ -9,7 +9,7 @@ from allanite.terms import TERMS
 from .estimate import Estimate
 from .fit import Fit
 from .readings import Readings
-from .units import convert
+from .units import Signal, convert
 
 ONE_SIDED = math.sqrt(2)
 """One-sided over two-sided amplitude spectral density."""
@@ -72,9 +72,14 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
+def name_of(symbol: str, signal: Signal) -> str:
+    """What a coefficient is called for a type of sensor: velocity random walk for N of an accelerometer."""
+    words = TERMS[symbol].title.replace("angle", signal.integral)
+    return words if signal.name != "accelerometer" else words.replace("rate", "acceleration")
+
+
 def _name(e: Estimate) -> str:
-    words = TERMS[e.symbol].title.replace("angle", e.signal.integral)
-    return f"{words if e.signal.name != 'accelerometer' else words.replace('rate', 'acceleration')} {e.symbol}"
+    return f"{name_of(e.symbol, e.signal)} {e.symbol}"
 
 
 def _white(e: Estimate, level: float) -> Iterator[Entry]:

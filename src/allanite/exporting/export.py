@@ -176,7 +176,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     if not target.fields:
         kept = _picked(kept, how)
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
-    demand_rate(target, rate)
+    if not how.partial:
+        demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
     notes = (*filled.missing, *left_out(target, kept))
     head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))

@@ -120,7 +120,7 @@ def _demand_sensors(target: Target, by_sensor: Mapping[str, Sequence[Axis]], axe
 def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]) -> Entry:
     group, target, how = where
     rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
-    if field.rate or target.rated:
+    if field.rate or (target.rated and not how.partial):
         for rate in rates.values():
             demand_rate(target, rate)
     values, remarks = [], []

@@ -8,7 +8,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
-from allanite.core.units import signal_named
+from allanite.core.units import signal_named, unit_of
 from allanite.core.wording import spelled
 
 from .table import target_named
@@ -81,7 +81,7 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
     """The noise in the text of a file."""
     plain = re.sub(target.comments, "", text, flags=re.DOTALL if target.comments.startswith("<") else 0)
     stated = next((found[0] for key in _RATES if target.rated and (found := numbers(plain, key))), None)
-    rate = target.rate(stated, rate)
+    rate = target.rate(stated or rate, None)
     values = {field: numbers(_section(plain, field, target), field.name) for field in target.fields}
     if not any(values.values()):
         wanted = ", ".join(field.name for field in target.fields)
@@ -96,19 +96,17 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
 
 
 def _model(sensor: str, values: dict[Field, list[float]], rate: float) -> Model | None:
-    own = {field: found for field, found in values.items() if field.sensor == sensor and found}
-    times = [max(found) for field, found in own.items() if not field.term]
-    signal, terms = signal_named(sensor), []
-    for field, found in own.items():
-        value = max(found)
-        if field.term and value > 0:
-            si = field.coefficient(value, rate, _time(field, times))
-            terms.append(Term(field.term, si, signal))
+    signal, terms, time = signal_named(sensor), [], _time(sensor, values)
+    for field, found in values.items():
+        if field.sensor == sensor and field.term and found and max(found) > 0:
+            terms.append(Term(field.term, field.coefficient(max(found), rate, time), signal))
     return Model(tuple(terms)) if terms else None
 
 
-def _time(field: Field, times: list[float]) -> float:
-    return times[0] if times else LONG
+def _time(sensor: str, values: dict[Field, list[float]]) -> float:
+    """The correlation time of a sensor, or the one that both have in common, s."""
+    times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
+    return times.get(sensor, next(iter(times.values()), LONG))
 
 
 def _section(text: str, field: Field, target: Target) -> str:

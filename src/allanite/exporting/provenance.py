@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
+from allanite.core.datasheet import name_of
 from allanite.core.fit import Fit
+from allanite.core.language import say
 from allanite.core.scope import graded
 from allanite.core.version import __version__
-from allanite.terms import TERMS
 
 from .axes import Axis
 from .fields import How
@@ -62,9 +63,11 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
         terms |= {"GM"} if target.markov and not _claimed(axis, "K") else set()
         for e in axis.fit:
             if e.valued and e.symbol not in terms:
-                yield f"{axis.label}: no field for {e.symbol} ({TERMS[e.symbol].title}), {e.words()}"
+                name = name_of(e.symbol, e.signal)
+                yield say("{axis}: no field for {symbol} ({name}), {words}",
+                          axis=axis.label, symbol=e.symbol, name=name, words=e.words())  # fmt: skip
         for line in axis.fit.lines:
-            yield f"{axis.label}: no field for the sinusoid at {line.words()}"
+            yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())
 
 
 def _claimed(axis: Axis, symbol: str) -> bool:

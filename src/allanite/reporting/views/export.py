@@ -2,14 +2,14 @@
 
 from typing import Any
 
+from allanite.core.datasheet import name_of
 from allanite.core.language import say
-from allanite.core.units import SIGNALS
+from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
 from allanite.exporting.imported import Imported
 from allanite.exporting.table import EXPORTS
 from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
-from allanite.terms import TERMS
 
 from . import View
 
@@ -41,7 +41,7 @@ def _columns(headings: list[str]) -> tuple[Column, ...]:
 def _imported_face(value: Imported, _: float) -> Face:
     row = EXPORTS[value.target]
     rows = [
-        [t.symbol, TERMS[t.symbol].title, f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
+        [t.symbol, name_of(t.symbol, t.signal), f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
          f"{t.value:.6g}", t.unit]
         for model in value.models for t in model
     ]  # fmt: skip
@@ -57,10 +57,9 @@ def _explanation_face(value: Explanation, _: float) -> Face:
         sheet = Sheet("targets", (), (Table((Column("target", "name"), Column("", "text")), rows),))
         return Face("targets", BRAND, (sheet,))
     row = EXPORTS[value.target]
-    sensors = {signal.name: signal for signal in SIGNALS}
     fields = [
         [f.full, f.sensor, f.unit, f.formula,
-         TERMS[f.term].title.replace("angle", sensors[f.sensor].integral) if f.term else "correlation time T"]
+         name_of(f.term, signal_named(f.sensor)) if f.term else "correlation time"]
         for f in row.fields
     ]  # fmt: skip
     columns = (Column("field", "name"), Column("sensor", "text"), Column("unit", "unit"), Column("is", "text"),
