@@ -37,7 +37,7 @@ FILE = (
     *RECORDING, *IDENTIFYING, *FILE,
 )  # fmt: skip
 def export(files: tuple[str, ...], target: str, models: tuple[str, ...], **choices: Any) -> None:
-    """Write the noise as a file that a filter reads.
+    """Write the noise as a file of a filter.
 
     FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an
     accelerometer. Without --output, the fields are printed. A coefficient that was not identified is written as its

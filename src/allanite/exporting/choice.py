@@ -1,4 +1,4 @@
-"""Which axis a field takes its coefficient from, and what stands for a coefficient that was not identified."""
+"""Which axis a field takes its coefficient from, and what replaces a coefficient that was not identified."""
 
 import math
 import statistics
@@ -83,7 +83,7 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
     """The coefficient of each axis, and why others have none.
 
-    `markov`: a Gauss-Markov process that was identified may stand for a random walk that was not.
+    `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
     found, reasons = [], []
     for axis in axes:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 
 LONG = 360_000.0
-"""Correlation time, s, with which a Gauss-Markov process stands for a random walk: 100 h."""
+"""Correlation time, s, with which a Gauss-Markov process replaces a random walk: 100 h."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Target:
     rated : bool
         Whether the file states the sampling rate.
     markov : bool
-        Whether an identified Gauss-Markov process may stand for a random walk that was not: each sensor has its own
+        Whether an identified Gauss-Markov process may replace a random walk that was not: each sensor has its own
         correlation time.
     each : bool
         Whether its fields take a value for each axis.

@@ -29,7 +29,7 @@ def ensembles():
     """Simulated variances after the duration: of both terms, and of white noise alone."""
     rng = np.random.default_rng(7)
     return {
-        (s, with_bias): simulated(n, k if with_bias else 0.0, 0.02, DURATION, rng)
+        (s, with_bias): simulated(n, k if with_bias else 0.0, 0.02, duration=DURATION, rng=rng)
         for s, (n, k) in COEFFICIENTS.items()
         for with_bias in (True, False)
     }

@@ -58,7 +58,7 @@ def test_flicker_is_read_back_too():
 
 EXAMPLES = {
     "kalibr": (
-        "#Accelerometers\naccelerometer_noise_density: 1.86e-03   #Noise density\naccelerometer_random_walk:   4.33e-04\n"
+        "#Accelerometers\naccelerometer_noise_density: 1.86e-03 #Noise density\naccelerometer_random_walk: 4.33e-04\n"
         "#Gyroscopes\ngyroscope_noise_density:     1.87e-04\ngyroscope_random_walk:       2.66e-05\n\n"
         "rostopic:                    /imu0      #the IMU ROS topic\nupdate_rate:                 200.0      #Hz\n",
         1.87e-4, 4.33e-4,

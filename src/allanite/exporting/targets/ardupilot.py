@@ -18,7 +18,7 @@ ARDUPILOT = Target(
     forms={".param": Lines("{name},{value}")},
     source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, of the bias"
     " of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the parameters. "
-    "At loop rates that 12 ms is no multiple of, the step is up to 2 ms shorter or longer",
+    "The step is a whole number of samples, and so up to 2 ms shorter or longer",
     notes=("the defaults are larger, since they cover vibration in flight: values of a bench are lower bounds",),
     step=0.012,
 )
