@@ -23,7 +23,7 @@ READ = {
     "plan": (),
     "selfcheck": ("--records", "2"),
     "statespace": (),
-    "export": ("--to", "datasheet"),
+    "export": ("--to", "datasheet", "--unexplained"),
     "budget": ("--stage", "output 16 300deg/s"),
     "compensate": ("--regressors", "{regressor}"),
 }

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
+from allanite.core.language import say
 from allanite.core.wording import spelled
 from allanite.terms import TERMS
 
@@ -65,19 +66,18 @@ def demand_policy(policy: str) -> None:
 
 
 def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
-    """The axes of one sensor that a policy uses: all, or the first, second or third for x, y, z."""
-    if policy not in "xyz":
+    """The axes of one sensor that a policy uses: all, or the one of that name or place; a given model is every axis."""
+    if policy not in "xyz" or not any(axis.name for axis in axes):
         return tuple(axes)
     named = [axis for axis in axes if axis.name.lower().endswith(policy)]
     if len(named) == 1:
         return tuple(named)
-    place = "xyz".index(policy)
-    if place >= len(axes):
+    if len(axes) != 3:
         raise UsageError(
             f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; choose "
             f"another one with {spelled('--axis', 'axis')}"
         )
-    return (axes[place],)
+    return (axes["xyz".index(policy)],)
 
 
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
@@ -92,8 +92,8 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
         if markov and symbol == "K" and (one is None or one.limit):
             one = _markov(axis) or one
         if one is None:
-            why = "not given or not looked for" if e is None else e.words().partition(",")[0]
-            reasons.append(f"{axis.label}: {symbol} is {why}")
+            why = say("not given or not looked for") if e is None else e.words().partition(",")[0]
+            reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
         else:
             found.append(one)
     return tuple(found), reasons
@@ -103,11 +103,12 @@ def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> Coefficient |
     forced = unexplained and e.status == "not valid" and e.value is not None
     if (e.valued or forced) and e.value:
         low, high = e.interval(axis.level)
-        note = "the model does not explain the record" if forced else ""
+        note = say("the model does not explain the record") if forced else ""
         given = axis.fit.method == "given"
         return Coefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
     if e.value is None and e.upper:
-        return Coefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=f"{e.symbol} not identified")
+        note = say("{symbol} not identified", symbol=e.symbol)
+        return Coefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
     return None
 
 
@@ -119,5 +120,5 @@ def _markov(axis: Axis) -> Coefficient | None:
     time = e.shape[0]
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
-    note = f"{TERMS['GM'].title} {e.words()}, T = {time:.4g} s"
+    note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
     return Coefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)

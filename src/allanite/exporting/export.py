@@ -182,19 +182,14 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     notes = (*filled.missing, *left_out(target, kept))
     head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
     made = target.forms[suffix](Content(target, head, filled.entries, kept, rate, how.inflate))
-    binary, studies = isinstance(made, bytes), _studies(source)
+    text, binary = (base64.b64encode(made).decode(), True) if isinstance(made, bytes) else (made, False)
+    studies = _studies(source)
+    rejected = dict.fromkeys([*(axis.name for axis in doubts), *(name for study in studies for name in study.rejected)])
     return Export(
-        target.name,
-        suffix,
-        base64.b64encode(made).decode() if isinstance(made, bytes) else made,
-        binary,
-        filled.entries,
-        (*notes, *target.notes),
-        tuple(_alerts(kept, doubts, studies)),
-        tuple(dict.fromkeys([*(axis.name for axis in doubts), *(n for study in studies for n in study.rejected)])),
-        studies[0].choices() if studies else {},
-        studies[0].provenance if studies else {},
-    )
+        target.name, suffix, text, binary, filled.entries, (*notes, *target.notes),
+        tuple(_alerts(kept, doubts, studies)), tuple(rejected),
+        studies[0].choices() if studies else {}, studies[0].provenance if studies else {},
+    )  # fmt: skip
 
 
 def _picked(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:
@@ -216,7 +211,7 @@ def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Stud
         for alert in (*axis.alerts, *([axis.doubt] if axis.doubt else [])):
             alerts.setdefault(alert, []).append(axis.name)
     found = [str(finding) for study in studies for finding in study.findings]
-    found += [f"{', '.join(names)}: {alert}" for alert, names in alerts.items()]
+    found += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
     found += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
     refused = [channel for study in studies for channel in study if channel.refusal]
     return found + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]

@@ -153,7 +153,7 @@ def test_wrong_choices():
         al.export([*six()[:2], *six()[3:]], "kalibr", axis="z", rate=100.0)
 
 
-def test_a_process_stands_for_a_walk_only_where_a_correlation_time_is_written():
+def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
     axes = list(axes_of(al.N(1e-4, "rad/s/sqrt(Hz)") + al.GM(1e-5, "rad/s", time_constant=50.0)))
     assert coefficients(axes, "K", markov=False, unexplained=False)[0] == ()
     (one,), _ = coefficients(axes, "K", markov=True, unexplained=False)
