@@ -85,7 +85,8 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
 
     `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
-    found, reasons = [], []
+    found: list[Coefficient] = []
+    reasons: list[str] = []
     for axis in axes:
         e = axis.estimate(symbol)
         one = None if e is None else _coefficient(axis, e, unexplained=unexplained)

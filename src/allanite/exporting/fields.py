@@ -141,8 +141,8 @@ def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]
 def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
-        remark = say("correlation time of {process}", process=one.note) if one.note else say("correlation time")
-        return field.value(1.0, rate, one.time), remark
+        said = say("correlation time of {process}", process=one.note) if one.note else say("correlation time")
+        return field.value(1.0, rate, one.time), said
     value = field.value(one.value * inflate, rate, one.time)
     remark = _remark(field, one, rate, inflate)
     least, most = field.span
