@@ -90,6 +90,9 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
         found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
         if found and (how.axis != "each" or len(found) == 3):
             entries.append(_entry(field, POLICIES[how.axis](found), (group, target, how)))
+            if reasons and field.term:
+                left = join("; ", reasons)
+                missing.append(say("{field} is of the other axes ({reasons})", field=field.full, reasons=left))
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)

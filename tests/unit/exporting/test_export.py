@@ -95,6 +95,16 @@ def test_nothing_is_never_written_as_zero(status):
     assert "random" not in al.export([*source, *six()[3:]], "ros-imu", rate=100.0).text.replace("random walk)", "")
 
 
+def test_an_axis_without_a_coefficient_is_named():
+    source = six()
+    source[1] = fit("gy", k=1e-3, k_status="not valid", reason="the curve contradicts it")
+    found = al.export(source, "kalibr", rate=100.0)
+    assert found["gyroscope_random_walk"] == 2e-6
+    said = "gyroscope_random_walk is of the other axes (gy: K is not valid"
+    assert any(note.startswith(said) for note in found.notes)
+    assert said in found.text
+
+
 def test_models_that_explain_nothing_are_refused_unless_asked_for():
     goodness = al.identify(al.simulate(al.N(1.0, "rad/sqrt(s)"), 4000, 10.0, rng=np.random.default_rng(1))).goodness
     bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[:3]]
