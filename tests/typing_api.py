@@ -53,6 +53,8 @@ assert_type(al.plot(study, path="curve.png"), Figure)
 assert_type(al.report(study, "page.html", force=True), None)
 
 assert_type(al.state_space(model, 100.0, tau=(1.0, 1000.0)), al.StateSpace)
+assert_type(al.export([study, model], "kalibr", rate=100.0), al.Export)
+assert_type(al.read_noise("imu.yaml", "kalibr"), al.Imported)
 assert_type(al.plan(model, 100.0, durations=[3600.0]), al.RecordingPlan)
 assert_type(al.bound(model, 1000, 100.0), al.Bound)
 assert_type(al.selfcheck(fit, 1000, 100.0, rng=rng), al.SelfCheck)

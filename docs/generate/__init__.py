@@ -12,6 +12,7 @@ from generate.api import api_pages
 from generate.benchmarks import benchmark_pages
 from generate.compensation import compensation_page
 from generate.devices import devices_page
+from generate.exports import exports_page
 from generate.gallery import gallery_page
 from generate.methods import efficiencies, methods_page
 from generate.planning import accuracies
@@ -51,6 +52,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "accuracies.md", accuracies())
     _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS)))
     _write(root / "devices.md", devices_page())
+    _write(root / "exports.md", exports_page())
     benchmark_pages(beside(docs, RESULTS).parent, root / "benchmarks")
     slopes_figure(root)
     _write(root / "gallery.md", gallery_page(docs, root / "gallery"))

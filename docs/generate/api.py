@@ -32,6 +32,7 @@ TOPICS: dict[str, tuple[str, str]] = {
         "Analysis, figures and reports",
         "analyze analyze_files Recipe Specification Study Batch Meaning plot report",
     ),
+    "exporting": ("Files for filters and simulators", "export read_noise Export Imported"),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
     "compensating": (
         "Temperature compensation",

@@ -47,6 +47,11 @@ from .core.residuals import Shared as Shared
 from .core.spectrum import Spectrum as Spectrum
 from .core.surface import Surface as Surface
 from .core.version import __version__ as __version__
+from .exporting.export import Export as Export
+from .exporting.export import export as export
+from .exporting.imported import Imported as Imported
+from .exporting.imported import read_noise as read_noise
+from .exporting.table import EXPORTS as EXPORTS
 from .identification import METHODS as METHODS
 from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals

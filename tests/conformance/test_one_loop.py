@@ -23,12 +23,13 @@ READ = {
     "plan": (),
     "selfcheck": ("--records", "2"),
     "statespace": (),
+    "export": ("--to", "datasheet", "--unexplained"),
     "budget": ("--stage", "output 16 300deg/s"),
     "compensate": ("--regressors", "{regressor}"),
 }
 """Verbs that read a recording, and what each needs besides."""
 
-WITHOUT = {"angle", "simulate"}
+WITHOUT = {"angle", "simulate", "convert", "explain"}
 """Verbs that read none."""
 
 IDENTIFY = set(READ) - {"info", "dynamic"}

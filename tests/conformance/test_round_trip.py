@@ -21,6 +21,8 @@ from allanite.core.correction import Correction
 from allanite.core.finding import Finding
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
+from allanite.exporting.conversion import Explanation
+from allanite.exporting.imported import noise_in
 from allanite.meaning.meaning import meaning
 from allanite.prepare import inspect
 from allanite.rate.study import RateSettings, measure_rates
@@ -34,6 +36,8 @@ from allanite.study.survey import Densities, Deviations, Windows, survey
 from allanite.terms import TERMS
 
 LEVEL = 0.9
+WHITE_AND_WALK = [al.parse_model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
+                  al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", frequency=0.5)
 
 
@@ -173,6 +177,11 @@ def calibration():
 
 
 @cache
+def exported():
+    return al.export(WHITE_AND_WALK, "kalibr", rate=100.0)
+
+
+@cache
 def rate_study():
     noise = al.N(0.1, "deg/sqrt(h)") + al.Q(5, "arcsec")
     up, down = (al.simulate(noise, 4096, 100.0, rng=np.random.default_rng(i)) for i in range(2))
@@ -259,6 +268,11 @@ MAKERS = {
     "Limit": lambda: batch().specification.limits[0],
     "Specification": lambda: batch().specification,
     "Meaning": lambda: meaning(fit(), read(), rate=100.0, length=163.84, device="mems"),
+    "Entry": lambda: exported().entries[0],
+    "Explanation": lambda: Explanation("kalibr"),
+    "Export": exported,
+    "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
+    "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
     "Ratios": lambda: comparison().pairs[0].ratios,

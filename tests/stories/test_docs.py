@@ -44,7 +44,7 @@ WITH_COMMANDS = (
 )  # fmt: skip
 WITH_PYTHON = (
     "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
-    "ros.md", "command.md", "reference_data.md", "languages.md",
+    "command.md", "reference_data.md", "languages.md", "log_to_filter.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 
@@ -220,6 +220,19 @@ def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
     for option in ("--report", "--plot", "--csv"):
         if option in words:
             assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
+    monkeypatch.chdir(desk)
+    every = commands((DOCS / "log_to_filter.md").read_text("utf-8"))
+    assert len(every) == 9
+    for command in every:
+        done = CliRunner().invoke(main, shlex.split(command)[1:])
+        assert done.exit_code == 0, (command, done.output)
+    for name in ("imu.yaml", "vins.yaml", "orb.yaml"):
+        assert re.search(
+            r"^[\w.]*(noise_density|gyr_n|NoiseGyro): [\d.]+(e-\d+)?$", (desk / name).read_text(), re.MULTILINE
+        )
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON)

@@ -30,6 +30,10 @@ RUNS = {
     "plan": "plan --sensor fog --rate 100",
     "selfcheck": "selfcheck --sensor rlg --rate 10 --duration 300 --records 2",
     "statespace": "statespace --sensor fog --rate 100",
+    "export": f"export {SAMPLE} --to statespace",
+    "convert": "convert '0.66 deg/sqrt(h)' --to kalibr",
+    "explain": "explain vins-mono",
+    "convert, back": "convert --from px4 px4.params",
     "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
     "compensate": "compensate warm.csv --regressors temp",
     "analyze, read off": f"analyze {SAMPLE} --channels gx --method slopes",
@@ -75,6 +79,7 @@ def desk(tmp_path, monkeypatch):
     (tmp_path / "still.csv").write_text(f"time [s],gx [deg/h],gy [deg/h]\n{still}\n", "utf-8")
     warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
     (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
+    (tmp_path / "px4.params").write_text("1\t1\tEKF2_GYR_NOISE\t0.015\t9\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     made = CliRunner().invoke(
         main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")

@@ -19,6 +19,9 @@ VERBS: dict[str, str] = {
     "plan": "plan.plan",
     "selfcheck": "plan.selfcheck",
     "statespace": "plan.statespace",
+    "export": "export.export",
+    "convert": "export.convert",
+    "explain": "export.explain",
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
 }
@@ -27,6 +30,7 @@ VERBS: dict[str, str] = {
 GROUPS = {
     "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
+    "Use in a filter": ("export", "convert", "explain"),
     "Special jobs": ("rate", "angle", "budget", "compensate"),
 }
 """Headings of the help, and the verbs below each."""

@@ -32,7 +32,7 @@ STDOUT = "-"
 WIDTH = 120
 """Width of text where no terminal limits it."""
 
-PRINTED = ("json", "csv", "coefficients")
+PRINTED = ("json", "csv", "coefficients", "output")
 """Options that may write to standard output."""
 
 

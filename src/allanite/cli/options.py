@@ -148,6 +148,7 @@ FLAGS = ("lang", "force", "quiet", "strict")
 OPTIONS: dict[str, Decorator] = {
     "file": click.argument("file", type=click.Path()),
     "optional file": click.argument("file", required=False, type=click.Path()),
+    "some files": click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
     "rate": click.option("--rate", "--fs", "rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
     "unit": click.option("--unit", help="Unit of the samples: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
@@ -258,6 +259,10 @@ OPTIONS: dict[str, Decorator] = {
     "angle trend": click.option("--trend", type=int, default=0, show_default=True,
         help="Degree of a polynomial drift estimated jointly."),
     "trend": click.option("--trend", is_flag=True, help="Estimate a linear drift jointly; it is not removed."),
+    "target": click.option("--to", "target", required=True, metavar="TARGET",
+        help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them."),
+    "optional target": click.option("--to", "target", metavar="TARGET",
+        help="Program whose fields to print: kalibr, vins-mono, px4, ...  [default: datasheet]"),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip

@@ -1,0 +1,113 @@
+"""From identified noise to the file of a filter, from a data sheet's value to its field, and what the fields are."""
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .deliver import Extra, carry_out, outputs, recipe_of
+from .options import IDENTIFYING, RECORDING, options
+
+if TYPE_CHECKING:
+    from allanite.exporting.fields import How
+
+CHOICES = (
+    click.option("--axis", default="worst", show_default=True, metavar="WORD",
+        help="Whose coefficients: worst, median, x, y, z, or each if the target takes one for each axis."),
+    click.option("--inflate", type=float, default=1.0, show_default=True, metavar="FACTOR",
+        help="Factor on all coefficients; it is written into the file."),
+)  # fmt: skip
+
+FILE = (
+    click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
+        help="Write the file; - is standard output. The suffix chooses the form if there are several."),
+    "json", "force", "quiet",
+)  # fmt: skip
+
+
+@click.command()
+@options(
+    "some files", "target", *CHOICES,
+    click.option("--filter-rate", type=float, metavar="HZ",
+        help="Rate of the filter's steps.  [default: the target's own, or the sampling rate]"),
+    click.option("--model", "models", multiple=True, metavar="TERMS",
+        help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
+    click.option("--unexplained", is_flag=True, help="Also export coefficients of channels that no model explains."),
+    *RECORDING, *IDENTIFYING, *FILE,
+)  # fmt: skip
+def export(files: tuple[str, ...], target: str, models: tuple[str, ...], **choices: Any) -> None:
+    """Write the noise as a file of a filter.
+
+    FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an
+    accelerometer. Without --output, the fields are printed. A coefficient that was not identified is written as its
+    upper limit, and the file says so. 'allanite explain' lists the targets.
+    """
+    from allanite.core.errors import UsageError
+    from allanite.exporting.conversion import load
+    from allanite.exporting.export import exported, prepared
+
+    if not files and not models:
+        raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model")
+    out = outputs(choices, [*files, choices["recipe"]], also=("output",))
+    how = _how(choices, filter_rate=choices.pop("filter_rate"), unexplained=choices.pop("unexplained"))
+    row, suffix = prepared(target, how, _suffix(out.paths))
+    recipe = recipe_of(choices)
+    carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)
+
+
+@click.command()
+@options(
+    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "optional target",
+    click.option("--from", "origin", metavar="TARGET", help="VALUE is a file of this target: read its coefficients."),
+    click.option("--rate", type=float, metavar="HZ", help="Sampling rate, for fields of discrete time."),
+    *CHOICES, *FILE,
+)  # fmt: skip
+def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
+    """Convert values of a data sheet to fields.
+
+    VALUE is a value with its unit ('0.66 deg/sqrt(h)', '100 ug/sqrt(Hz)') or a model ('N 0.66 deg/sqrt(h), K 3
+    deg/h/sqrt(h)'). --to names the target, by default the units of data sheets. With --from, VALUE is a file of that
+    target, whose coefficients are printed, or converted to --to.
+    """
+    from allanite.exporting.conversion import models_of
+    from allanite.exporting.export import exported, prepared
+    from allanite.exporting.imported import read_noise
+
+    out = outputs(choices, values if origin else [], also=("output",))
+    rate = choices["rate"]
+    read = [read_noise(value, origin, rate=rate) for value in values] if origin else []
+    if origin and target is None:
+        for found in read:
+            carry_out(lambda _, found=found: found, out)  # type: ignore[misc]  # bound in the loop
+        return
+    stated = next((found.rate for found in read), None)
+    how = _how({**choices, "rate": rate or stated}, partial="output" not in out.paths)
+    row, suffix = prepared(target or "datasheet", how, _suffix(out.paths))
+    models = [model for found in read for model in found.models] if origin else models_of(values)
+    carry_out(lambda _: exported(row, models, how, suffix), out, _EXTRA)
+
+
+@click.command()
+@options(click.argument("target", required=False, default=""), "json", "force", "quiet")
+def explain(target: str, **choices: Any) -> None:
+    """Explain the fields of a target.
+
+    Prints the fields of TARGET with their units, formulas and sources; without TARGET, the targets.
+    """
+    from allanite.exporting.conversion import Explanation
+
+    carry_out(lambda _: Explanation(target), outputs(choices, []))
+
+
+_EXTRA = Extra(data={"output": lambda made: made.data})
+
+
+def _how(choices: dict[str, Any], **more: Any) -> "How":
+    from allanite.exporting.fields import How
+
+    return How(choices.pop("axis"), choices.pop("inflate"), choices["rate"], **more)
+
+
+def _suffix(paths: Mapping[str, str]) -> str:
+    return os.path.splitext(paths.get("output", ""))[1]

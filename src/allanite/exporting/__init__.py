@@ -1,0 +1,1 @@
+"""From identified noise to the file of a filter or simulator, and back."""

@@ -1,0 +1,123 @@
+"""The noise of each axis: from the results of an analysis, from fits, or from given models."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
+from allanite.core.model import Model, Term, model_of
+from allanite.core.readings import Readings
+from allanite.study.analysis import Channel, Study
+
+Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["Source"]
+"""What can be exported; several are put together, for example a gyro's and an accelerometer's."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """The noise of one axis.
+
+    Attributes
+    ----------
+    name : str
+        Name of the channel; empty for a given model.
+    fit : Fit
+    rate : float or None
+        Sampling rate, Hz.
+    doubt : str
+        Why the coefficients are not to be used; empty if the model explains the record.
+    readings : Readings or None
+    level : float
+        Confidence level of the intervals.
+    alerts : tuple of str
+    source : dict
+        Name and digest of its file.
+    """
+
+    name: str
+    fit: Fit
+    rate: float | None = None
+    doubt: str = ""
+    readings: Readings | None = None
+    level: float = 0.95
+    alerts: tuple[str, ...] = ()
+    source: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def sensor(self) -> str:
+        """Type of sensor."""
+        return self.fit.signal.name
+
+    @property
+    def label(self) -> str:
+        """Its name, also of a given model."""
+        return self.name or f"given {self.sensor}"
+
+    def estimate(self, symbol: str) -> Estimate | None:
+        """The estimate of a term; None if it was not looked for."""
+        return next((e for e in self.fit if e.symbol == symbol), None)
+
+
+@singledispatch
+def axes_of(source: Any) -> Iterator[Axis]:
+    """The axes of a source; refused channels are left out.
+
+    Raises
+    ------
+    UsageError
+        The source is not a result that can be exported.
+    """
+    raise UsageError(
+        f"a {type(source).__name__} cannot be exported; give a Study, a Channel, a Fit, a Model, or a list of these"
+    )
+
+
+@axes_of.register
+def _(source: Study) -> Iterator[Axis]:
+    known = {key: value for key, value in source.provenance.items() if key in ("source", "sha256")}
+    for channel in source.channels:
+        yield from _of_channel(channel, source.recipe.level, known)
+
+
+@axes_of.register
+def _(source: Channel) -> Iterator[Axis]:
+    return _of_channel(source, 0.95, {})
+
+
+def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Iterator[Axis]:
+    if channel.noise is None:
+        return
+    fit, doubts = channel.noise.fit, channel.noise.doubts
+    alerts = tuple(alert for alert in channel.alerts if alert not in doubts)
+    yield Axis(channel.record.name, fit, channel.record.rate, "; ".join(doubts), channel.readings, level, alerts, known)
+
+
+@axes_of.register
+def _(source: Fit) -> Iterator[Axis]:
+    doubt = "" if source.valid is not None else "the model does not explain the record"
+    yield Axis(source.name, source, source.curve.rate if source.curve else None, doubt)
+
+
+@axes_of.register(Model)
+@axes_of.register(Term)
+def _(source: Model | Term) -> Iterator[Axis]:
+    model = model_of(source)
+    given = tuple(Estimate(t.symbol, t.signal, t.value, None, "reported", None, "given", shape=t.shape) for t in model)
+    yield Axis("", Fit(given, "given", model.signal, model))
+
+
+@axes_of.register
+def _(source: Mapping) -> Iterator[Axis]:  # type: ignore[type-arg]  # dispatch needs the bare class
+    for name, fit in source.items():
+        for axis in axes_of(fit):
+            yield Axis(name, axis.fit, axis.rate, axis.doubt)
+
+
+@axes_of.register(list)
+@axes_of.register(tuple)
+def _(source: Sequence[Any]) -> Iterator[Axis]:
+    for part in source:
+        yield from axes_of(part)

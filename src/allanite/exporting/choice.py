@@ -1,0 +1,125 @@
+"""Which axis a field takes its coefficient from, and what replaces a coefficient that was not identified."""
+
+import math
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from allanite.core.errors import UsageError
+from allanite.core.estimate import Estimate
+from allanite.core.language import say
+from allanite.core.wording import spelled
+from allanite.terms import TERMS
+
+from .axes import Axis
+from .target import LONG
+
+Found = tuple["Coefficient", ...]
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient of one axis, SI; of one that was not identified, its upper limit (`limit`)."""
+
+    channel: str
+    value: float
+    low: float
+    high: float
+    limit: bool = False
+    given: bool = False
+    note: str = ""
+    time: float = LONG
+    level: float = 0.95
+
+
+def worst(found: Found) -> Found:
+    """The largest; a limit only if no axis has a value."""
+    return (max(_identified(found), key=lambda c: c.value),)
+
+
+def median(found: Found) -> Found:
+    """That of the axis in the middle; of two, the larger."""
+    known = _identified(found)
+    middle = statistics.median_high(c.value for c in known)
+    return (next(c for c in known if c.value == middle),)
+
+
+def _identified(found: Found) -> Found:
+    return tuple(c for c in found if not c.limit) or found
+
+
+POLICIES: dict[str, Callable[[Found], Found]] = {
+    "worst": worst,
+    "median": median,
+    "each": lambda found: found,
+    "x": lambda found: found,
+    "y": lambda found: found,
+    "z": lambda found: found,
+}
+"""Axis policy: how the values of the axes become the value of a field."""
+
+
+def demand_policy(policy: str) -> None:
+    """Refuse an unknown axis policy."""
+    if policy not in POLICIES:
+        raise UsageError(f"unknown {spelled('--axis', 'axis')} {policy!r}; choose {', '.join(POLICIES)}")
+
+
+def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
+    """The axes of one sensor that a policy uses: all, or the one of that name or place; a given model is every axis."""
+    if policy not in "xyz" or not any(axis.name for axis in axes):
+        return tuple(axes)
+    named = [axis for axis in axes if axis.name.lower().endswith(policy)]
+    if len(named) == 1:
+        return tuple(named)
+    if len(axes) != 3:
+        raise UsageError(
+            f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; choose "
+            f"another one with {spelled('--axis', 'axis')}"
+        )
+    return (axes["xyz".index(policy)],)
+
+
+def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
+    """The coefficient of each axis, and why others have none.
+
+    `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
+    """
+    found: list[Coefficient] = []
+    reasons: list[str] = []
+    for axis in axes:
+        e = axis.estimate(symbol)
+        one = None if e is None else _coefficient(axis, e, unexplained=unexplained)
+        if markov and symbol == "K" and (one is None or one.limit):
+            one = _markov(axis) or one
+        if one is None:
+            why = say("not given or not looked for") if e is None else e.words().partition(",")[0]
+            reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
+        else:
+            found.append(one)
+    return tuple(found), reasons
+
+
+def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> Coefficient | None:
+    forced = unexplained and e.status == "not valid" and e.value is not None
+    if (e.valued or forced) and e.value:
+        low, high = e.interval(axis.level)
+        note = say("the model does not explain the record") if forced else ""
+        given = axis.fit.method == "given"
+        return Coefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
+    if e.value is None and e.upper:
+        note = say("{symbol} not identified", symbol=e.symbol)
+        return Coefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
+    return None
+
+
+def _markov(axis: Axis) -> Coefficient | None:
+    """The random walk from which a Gauss-Markov process is not to be told at times far below its time constant."""
+    e = axis.estimate("GM")
+    if e is None or not e.valued or not e.value:
+        return None
+    time = e.shape[0]
+    walk = math.sqrt(2 / time)
+    low, high = e.interval(axis.level)
+    note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
+    return Coefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)

@@ -1,0 +1,113 @@
+"""Values as data sheets give them, as the fields of a target; and what a target's fields are."""
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.model import Model, Term
+from allanite.core.notation import parse_model, split_quantities
+from allanite.core.plain import Value, from_dict
+from allanite.core.units import signal_with, unit_of
+from allanite.study.analysis import analyze
+from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
+
+from .axes import Source
+from .table import EXPORTS, target_named
+
+COEFFICIENTS = "NKBQR"
+"""The terms that a value with a unit may be, by the dimension of its unit."""
+
+
+def models_of(texts: Iterable[str]) -> list[Model]:
+    """The noise that texts describe, by sensor: models, or single values whose unit says what they are.
+
+    Raises
+    ------
+    UsageError
+        A text is neither.
+
+    Examples
+    --------
+    >>> [str(model) for model in models_of(["0.66 deg/sqrt(h)", "K 3 deg/h/sqrt(h)", "100 ug/sqrt(Hz)"])]
+    ['N = 0.66 deg/sqrt(h), K = 3 deg/h/sqrt(h)', 'N = 0.05884 m/s/sqrt(h)']
+    """
+    found: dict[str, Model] = {}
+    for text in texts:
+        model = parse_model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
+        sensor = model.signal.name
+        found[sensor] = found[sensor] + model if sensor in found else model
+    return list(found.values())
+
+
+def _single(text: str) -> Model:
+    quantities = split_quantities(text.split())
+    if len(quantities) != 1 or not quantities[0][1]:
+        raise UsageError(f"a value has the form '0.66 deg/sqrt(h)', a model 'N 0.66 deg/sqrt(h), K ...', not {text!r}")
+    (value, unit), factor = quantities[0], unit_of(quantities[0][1])
+    for symbol in COEFFICIENTS:
+        signal = signal_with(factor.dimension, TERMS[symbol].power)
+        if signal is not None and signal.inertial:
+            return Model((Term(symbol, value * factor.factor, signal),))
+    raise UnitError(
+        f"{unit!r} is not a unit of a noise coefficient of a gyro or accelerometer; for example deg/sqrt(h), "
+        "deg/s/sqrt(Hz), deg/h, deg/h/sqrt(h), ug/sqrt(Hz), ug"
+    )
+
+
+def load(
+    files: Sequence[str], recipe: Recipe, models: Sequence[str], progress: Callable[[str, float], None] | None = None
+) -> list[Source]:
+    """What is to be exported: recordings are analyzed, results in JSON are read, models are taken as they are."""
+    found: list[Source] = []
+    for file in files:
+        found.append(_stored(file) if file.endswith(".json") else analyze(file, recipe, progress=progress))
+    return [*found, *models_of(models)]
+
+
+def _stored(file: str) -> Source:
+    try:
+        data = json.loads(Path(file).read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise DataError(f"{file!r} is not a result of allanite in JSON: {error}") from None
+    stored: Source = from_dict(data)
+    return stored
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation(Value):
+    """The fields of a target with their formulas, or all targets if `target` is empty."""
+
+    _also: ClassVar = ("targets",)
+
+    target: str = ""
+
+    def __post_init__(self) -> None:
+        if self.target:
+            object.__setattr__(self, "target", target_named(self.target).name)
+
+    @property
+    def targets(self) -> list[dict[str, Any]]:
+        """Title, fields, notes and source of each."""
+        rows = [EXPORTS[self.target]] if self.target else list(EXPORTS.values())
+        return [
+            {
+                "name": row.name,
+                "title": row.title,
+                "fields": [
+                    {
+                        "name": f.full,
+                        "sensor": f.sensor,
+                        "unit": f.unit,
+                        "formula": f.formula,
+                    }
+                    for f in row.fields
+                ],
+                "notes": list(row.notes),
+                "source": row.source,
+            }
+            for row in rows
+        ]

@@ -1,0 +1,217 @@
+"""Export: the file that a target reads, from results or from a given model."""
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from allanite.core.errors import UsageError
+from allanite.core.files import PathLike, write
+from allanite.core.language import say
+from allanite.core.plain import Value
+from allanite.study.analysis import Study
+
+from .axes import Axis, Source, axes_of
+from .choice import demand_policy, selected
+from .content import Content, Entry
+from .fields import Filled, How, demand_how, fill, usable
+from .provenance import header, left_out
+from .table import target_named
+from .target import Target, demand_rate
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Export(Value):
+    """A file for a target.
+
+    Attributes
+    ----------
+    target : str
+        Its name in `EXPORTS`.
+    suffix : str
+        Form of the file.
+    text : str
+        The file; base64 if it is `binary`.
+    entries : tuple of Entry
+        The fields; empty for targets that take whole models.
+    notes : tuple of str
+        What the target has no field for, and what users must know.
+    alerts : tuple of str
+        Warnings.
+    rejected : tuple of str
+        Channels that were left out.
+    recipe : dict
+        The recipe of the analysis.
+    provenance : dict
+    """
+
+    target: str
+    suffix: str
+    text: str
+    binary: bool = False
+    entries: tuple[Entry, ...] = ()
+    notes: tuple[str, ...] = ()
+    alerts: tuple[str, ...] = ()
+    rejected: tuple[str, ...] = ()
+    recipe: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def data(self) -> bytes:
+        """The bytes of the file."""
+        return base64.b64decode(self.text) if self.binary else self.text.encode()
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a field in its unit, of the first axis if there are several."""
+        for entry in self.entries:
+            if entry.full == name:
+                return entry.values[0]
+        raise UsageError(f"there is no field {name!r}; fields: {', '.join(entry.full for entry in self.entries)}")
+
+    def write(self, path: PathLike, *, force: bool = False) -> None:
+        """Write the file.
+
+        Raises
+        ------
+        UsageError
+            The file exists and `force` is not set, or cannot be written.
+        """
+        write(path, self.data, force=force)
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: a field each."""
+        headings = ["field", "value", "unit", "formula", "channel", "remark"]
+        rows = [
+            [e.full, ", ".join(f"{v:.6g}" for v in dict.fromkeys(e.values)), e.unit,
+             e.formula, ", ".join(dict.fromkeys(e.channels)), e.remark]
+            for e in self.entries
+        ]  # fmt: skip
+        return headings, rows
+
+    def _summary(self) -> str:
+        return f"for {self.target}: {len(self.data)} bytes of {self.suffix}"
+
+
+def export(
+    source: Source,
+    target: str,
+    *,
+    axis: str = "worst",
+    inflate: float = 1.0,
+    rate: float | None = None,
+    filter_rate: float | None = None,
+    unexplained: bool = False,
+    form: str = "",
+) -> Export:
+    """Convert identified noise to the file that a filter or simulator reads.
+
+    Parameters
+    ----------
+    source : Study, Channel, Fit, Model, Term, or a sequence of these
+        Several are put together: a gyro's and an accelerometer's.
+    target : str
+        A name in `EXPORTS`.
+    axis : {"worst", "median", "x", "y", "z", "each"}
+        Whose coefficient is written: the largest or the middle one of the axes of a sensor, one axis, or each axis
+        its own where the target takes three values.
+    inflate : float
+        Factor on every coefficient; it is written into the file.
+    rate : float, optional
+        Sampling rate in Hz of fits and models that do not know it, if the target needs it.
+    filter_rate : float, optional
+        Rate of the filter's steps in Hz, for fields of discrete time; by default the target's own, or the sampling
+        rate.
+    unexplained : bool
+        Whether coefficients are exported although no model explains the record.
+    form : str
+        Suffix of the form, of a target that has several: ".npz", ".m" or ".h" of "statespace".
+
+    Returns
+    -------
+    Export
+
+    Raises
+    ------
+    UsageError
+        The target or its form is unknown, a choice is impossible, or the rate is missing.
+    DataError
+        A sensor that the target needs is missing, no model explains the records, or a coefficient has neither a value
+        nor an upper limit.
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> gyro = al.parse_model("N 0.15 deg/sqrt(h), K 3 deg/h/sqrt(h)")
+    >>> accelerometer = al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
+    >>> found = al.export([gyro, accelerometer], "vins-mono", rate=200.0)
+    >>> round(found["gyr_n"], 7)
+    0.0008727
+    """
+    how = How(axis, inflate, rate, filter_rate, unexplained)
+    row, suffix = prepared(target, how, form)
+    return exported(row, source, how, suffix)
+
+
+def prepared(target: str, how: How, suffix: str) -> tuple[Target, str]:
+    """The row of a target and the suffix of its form, after checking the choices.
+
+    Raises
+    ------
+    UsageError
+        The target is unknown or has no such form, or a choice is impossible.
+    """
+    row = target_named(target)
+    demand_policy(how.axis)
+    demand_how(row, how)
+    return row, row.form(suffix)
+
+
+def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
+    """The file of a target for a source, in the form of one of its suffixes."""
+    inertial = [axis for axis in axes_of(source) if axis.fit.signal.inertial]
+    known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
+    axes = tuple(replace(axis, rate=axis.rate or known) for axis in inertial)
+    kept = usable(axes, how)
+    filled = fill(target, kept, how) if target.fields else Filled((), ())
+    if not target.fields:
+        kept = _picked(kept, how)
+    rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
+    if not how.partial:
+        demand_rate(target, rate)
+    doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
+    notes = (*filled.missing, *left_out(target, kept))
+    head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
+    made = target.forms[suffix](Content(target, head, filled.entries, kept, rate, how.inflate))
+    text, binary = (base64.b64encode(made).decode(), True) if isinstance(made, bytes) else (made, False)
+    studies = _studies(source)
+    rejected = dict.fromkeys([*(axis.name for axis in doubts), *(name for study in studies for name in study.rejected)])
+    return Export(
+        target.name, suffix, text, binary, filled.entries, (*notes, *target.notes),
+        tuple(_alerts(kept, doubts, studies)), tuple(rejected),
+        studies[0].choices() if studies else {}, studies[0].provenance if studies else {},
+    )  # fmt: skip
+
+
+def _picked(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:
+    """Of every sensor all axes, or the one that is asked for."""
+    sensors = dict.fromkeys(axis.sensor for axis in axes)
+    groups = ([axis for axis in axes if axis.sensor == sensor] for sensor in sensors)
+    return tuple(axis for group in groups for axis in selected(group, how.axis))
+
+
+def _studies(source: Source) -> tuple[Study, ...]:
+    parts = source if isinstance(source, (list, tuple)) else (source,)
+    return tuple(part for part in parts if isinstance(part, Study))
+
+
+def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
+    """Warnings, those that several channels share once."""
+    alerts: dict[str, list[str]] = {}
+    for axis in kept:
+        for alert in (*axis.alerts, *([axis.doubt] if axis.doubt else [])):
+            alerts.setdefault(alert, []).append(axis.name)
+    found = [str(finding) for study in studies for finding in study.findings]
+    found += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
+    found += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
+    refused = [channel for study in studies for channel in study if channel.refusal]
+    return found + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]

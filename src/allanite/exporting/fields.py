@@ -1,0 +1,191 @@
+"""From the coefficients of the axes to the fields of a target."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say
+from allanite.core.wording import spelled
+
+from .axes import Axis
+from .choice import POLICIES, Coefficient, Found, coefficients, selected
+from .content import Entry
+from .target import Field, Target, demand_rate
+
+
+@dataclass(frozen=True)
+class How:
+    """Choices of an export.
+
+    Attributes
+    ----------
+    axis : str
+        A name in `POLICIES`.
+    inflate : float
+    rate : float or None
+        Sampling rate, Hz, of fits and models that do not know it.
+    filter_rate : float or None
+        Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
+    unexplained : bool
+        Whether coefficients are used although no model explains the record.
+    partial : bool
+        Whether fields may be missing that the target needs.
+    """
+
+    axis: str = "worst"
+    inflate: float = 1.0
+    rate: float | None = None
+    filter_rate: float | None = None
+    unexplained: bool = False
+    partial: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """The fields with values, and what could not be filled in, in sentences."""
+
+    entries: tuple[Entry, ...]
+    missing: tuple[str, ...]
+
+
+def usable(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:
+    """The axes whose models explain their records, or all if that is asked for.
+
+    Raises
+    ------
+    DataError
+        There is none.
+    """
+    kept = tuple(axis for axis in axes if how.unexplained or not axis.doubt)
+    if not kept:
+        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in axes)
+        remedy = spelled("--unexplained", "unexplained=True")
+        raise DataError(f"{reasons or 'no channel has a result'}. To export the coefficients nevertheless: {remedy}")
+    return kept
+
+
+def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
+    """The fields of a target.
+
+    Raises
+    ------
+    DataError
+        A sensor is missing, or a coefficient that the target needs has neither a value nor an upper limit.
+    UsageError
+        The sampling rate is needed and unknown.
+    """
+    by_sensor = {sensor: [axis for axis in axes if axis.sensor == sensor] for sensor in _sensors(target)}
+    if not how.partial:
+        _demand_sensors(target, by_sensor, axes)
+    chosen = {sensor: selected(group, how.axis) for sensor, group in by_sensor.items() if group}
+    entries: list[Entry] = []
+    missing: list[str] = []
+    fatal: list[str] = []
+    for field in target.fields:
+        group = chosen.get(field.sensor)
+        if group is None:
+            missing.append(say("{field} is not written: no {sensor}", field=field.full, sensor=field.sensor))
+            continue
+        found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
+        if found and (how.axis != "each" or len(found) == 3):
+            entries.append(_entry(field, POLICIES[how.axis](found), (group, target, how)))
+            if reasons and field.term:
+                left = join("; ", reasons)
+                missing.append(say("{field} is of the other axes ({reasons})", field=field.full, reasons=left))
+            continue
+        why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
+        (fatal if field.needed and not how.partial else missing).append(why)
+    if fatal:
+        raise DataError(
+            f"{target.name} cannot be written: {'; '.join(fatal)}. A longer record gives at least an upper limit "
+            f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}"
+        )
+    return Filled(tuple(entries), tuple(missing))
+
+
+def _sensors(target: Target) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(field.sensor for field in target.fields))
+
+
+def _demand_sensors(target: Target, by_sensor: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:
+    absent = [sensor for sensor in target.sensors if not by_sensor[sensor]]
+    if absent:
+        there = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
+        remedy = spelled(
+            "add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
+            "pass a list with a result or a model of it as well",
+        )
+        names = " and ".join(f"an {sensor}" if sensor[0] == "a" else f"a {sensor}" for sensor in absent)
+        raise DataError(f"{target.name} needs {names}, and there is only {there}: {remedy}")
+
+
+def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]) -> Entry:
+    group, target, how = where
+    rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
+    if field.rate or (target.rated and not how.partial):
+        for rate in rates.values():
+            demand_rate(target, rate)
+    values, remarks = [], []
+    for one in found:
+        value, remark = _value(field, one, rates[one.channel] or 1.0, how.inflate)
+        values.append(value)
+        remarks.append(remark)
+    shared = (
+        remarks[:1] if len(set(remarks)) == 1 else [f"{c.channel} {r}" for c, r in zip(found, remarks, strict=True)]
+    )
+    return Entry(
+        field.name, field.sensor, field.section, field.unit, field.formula, tuple(values),
+        tuple(one.channel for one in found if one.channel), join("; ", shared),
+        not any(one.limit for one in found),
+    )  # fmt: skip
+
+
+def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple[float, str]:
+    """The value of a field, and the remark on it."""
+    if not field.term:
+        said = say("correlation time of {process}", process=one.note) if one.note else say("correlation time")
+        return field.value(1.0, rate, one.time), said
+    value = field.value(one.value * inflate, rate, one.time)
+    remark = _remark(field, one, rate, inflate)
+    least, most = field.span
+    if least <= value <= most:
+        return value, remark
+    bound = least if value < least else most
+    return bound, say(
+        "{value:.4g} is outside of what is accepted, {least:g} to {most:g}; {remark}",
+        value=value, least=least, most=most, remark=remark,
+    )  # fmt: skip
+
+
+def _remark(field: Field, one: Coefficient, rate: float, inflate: float) -> str:
+    parts = [one.note] if one.note else []
+    if one.limit:
+        parts.append(say("this is its 95 % upper limit"))
+    elif math.isfinite(one.low) and math.isfinite(one.high):
+        low, high = (field.value(limit, rate, one.time) for limit in (one.low, one.high))
+        parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * one.level, low=low, high=high))
+    else:
+        parts.append(say("given") if one.given else say("no interval"))
+    if inflate != 1:
+        parts.append(say("value inflated by {factor:g}", factor=inflate))
+    return join(", ", parts)
+
+
+def demand_how(target: Target, how: How) -> None:
+    """Refuse impossible choices before any work.
+
+    Raises
+    ------
+    UsageError
+        The inflation or the rate is not positive, or the target takes one value for all axes.
+    """
+    if not (math.isfinite(how.inflate) and how.inflate > 0):
+        raise UsageError(f"an inflation must be a positive number, not {how.inflate:g}")
+    for rate in (how.rate, how.filter_rate):
+        if rate is not None and not (math.isfinite(rate) and rate > 0):
+            raise UsageError(f"a rate must be above 0 Hz, not {rate:g}")
+    if how.inflate != 1 and not target.inflatable:
+        raise UsageError(f"{target.name} states what was measured: it is not inflated")
+    if how.axis == "each" and target.fields and not target.each:
+        raise UsageError(f"{target.name} takes one value for all axes; choose worst, median, x, y or z")

@@ -1,0 +1,131 @@
+"""The coefficients that the file of a target holds: the way back."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.files import PathLike
+from allanite.core.model import Model, Term
+from allanite.core.plain import Value
+from allanite.core.units import signal_named, unit_of
+from allanite.core.wording import spelled
+
+from .table import target_named
+from .target import LONG, Field, Target
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_VALUES = rf"[\"']?[\s:=,>(]*(?:np\.array\()?\s*(?:\[\s*({_NUMBER}(?:[\s,;]+{_NUMBER})*)\s*\]|({_NUMBER}))"
+_RATES = ("update_rate", "IMU.Frequency")
+
+
+@dataclass(frozen=True, repr=False)
+class Imported(Value):
+    """Noise models from the file of a target; of a field with a value for each axis, the largest.
+
+    Attributes
+    ----------
+    target : str
+    gyro, accelerometer : Model or None
+    rate : float or None
+        Rate that the formulas used, Hz.
+    """
+
+    target: str
+    gyro: Model | None
+    accelerometer: Model | None
+    rate: float | None
+
+    @property
+    def models(self) -> tuple[Model, ...]:
+        """The models that there are."""
+        return tuple(model for model in (self.gyro, self.accelerometer) if model is not None)
+
+    def _summary(self) -> str:
+        return f"from {self.target}: {'; '.join(map(str, self.models))}"
+
+
+def read_noise(path: PathLike, target: str, *, rate: float | None = None) -> Imported:
+    """Read the noise coefficients from the file of a target.
+
+    Parameters
+    ----------
+    path : path
+    target : str
+        A name in `EXPORTS`, of a target with fields.
+    rate : float, optional
+        Rate in Hz, for fields of discrete time, unless the target has its own.
+
+    Returns
+    -------
+    Imported
+
+    Raises
+    ------
+    UsageError
+        The target is unknown or holds no coefficients, or the rate is needed.
+    DataError
+        The file cannot be read, or has none of the fields.
+    """
+    row = target_named(target)
+    if not row.fields:
+        raise UsageError(f"{row.name} cannot be read back: it has no fields with coefficients")
+    try:
+        text = Path(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{str(path)!r} cannot be read: {error}") from None
+    return noise_in(text, row, rate, str(path))
+
+
+def noise_in(text: str, target: Target, rate: float | None, name: str = "the text") -> Imported:
+    """The noise in the text of a file."""
+    plain = re.sub(target.comments, "", text, flags=re.DOTALL if target.comments.startswith("<") else 0)
+    stated = next((found[0] for key in _RATES if target.rated and (found := numbers(plain, key))), None)
+    rate = target.rate(stated or rate, None)
+    values = {field: numbers(_section(plain, field, target), field.name) for field in target.fields}
+    if not any(values.values()):
+        wanted = ", ".join(field.name for field in target.fields)
+        raise DataError(f"{name!r} has none of the fields of {target.name}: {wanted}")
+    if rate is None and any(found and field.rate for field, found in values.items()):
+        raise UsageError(
+            f"the fields of {target.name} are of discrete time: give the sampling rate, "
+            + spelled("--rate HZ", "rate=...")
+        )
+    models = [_model(sensor, values, rate or 1.0) for sensor in ("gyro", "accelerometer")]
+    return Imported(target.name, models[0], models[1], rate)
+
+
+def _model(sensor: str, values: dict[Field, list[float]], rate: float) -> Model | None:
+    signal, terms, time = signal_named(sensor), [], _time(sensor, values)
+    for field, found in values.items():
+        if field.sensor == sensor and field.term and found and max(found) > 0:
+            terms.append(Term(field.term, field.coefficient(max(found), rate, time), signal))
+    return Model(tuple(terms)) if terms else None
+
+
+def _time(sensor: str, values: dict[Field, list[float]]) -> float:
+    """The correlation time of a sensor, or the one that both have in common, s."""
+    times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
+    return times.get(sensor, next(iter(times.values()), LONG))
+
+
+def _section(text: str, field: Field, target: Target) -> str:
+    """The part of a file that holds a field."""
+    if not field.section:
+        return text
+    part = text.partition(field.section)[2]
+    for other in {f.section for f in target.fields} - {field.section}:
+        part = part.partition(other)[0]
+    return part
+
+
+def numbers(text: str, name: str) -> list[float]:
+    """The numbers of a field: one, or a list; empty if the field is not there.
+
+    Examples
+    --------
+    >>> numbers("gyr_n: 1.0e-3", "gyr_n"), numbers('{"RandomWalk": [1, 2, 3]}', "RandomWalk")
+    ([0.001], [1.0, 2.0, 3.0])
+    """
+    found = re.search(rf"(?<![\w]){re.escape(name)}(?![\w.]){_VALUES}", text)
+    return [] if found is None else [float(number) for number in re.findall(_NUMBER, found[1] or found[2])]

@@ -1,0 +1,107 @@
+"""Forms of files: lines with comments above each field, and JSON."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .content import Content, Entry, number
+
+XML_COMMENT = r"<!--.*?-->"
+MATLAB_COMMENT = r"%.*"
+
+
+def triple(values: Sequence[float]) -> str:
+    """One number for each axis."""
+    return ", ".join(map(number, spread(values)))
+
+
+def diagonal(values: Sequence[float]) -> str:
+    """The nine numbers of a 3 x 3 covariance, by rows."""
+    x, y, z = map(number, spread(values))
+    zero = number(0.0)
+    return ", ".join((x, zero, zero, zero, y, zero, zero, zero, z))
+
+
+def spread(values: Sequence[float]) -> tuple[float, float, float]:
+    """The values of three axes, of three values or of one."""
+    x, y, z = values if len(values) == 3 else (values[0],) * 3
+    return x, y, z
+
+
+@dataclass(frozen=True)
+class Lines:
+    """A file of lines.
+
+    Attributes
+    ----------
+    line : str
+        Template of a field, with `name`, `value` (a single number), `triple` or `diagonal`.
+    comment : str
+        Template of a comment.
+    first : tuple of str
+        What must stand before any comment.
+    start, end : tuple of str
+        Lines around the fields, templates with `rate`.
+    alone : tuple of str
+        Fields with one number where the others have a list of three.
+    """
+
+    line: str
+    comment: str = "# {}"
+    first: tuple[str, ...] = ()
+    start: tuple[str, ...] = ()
+    end: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()
+
+    def __call__(self, content: Content) -> str:
+        """The file."""
+        rate = "" if content.rate is None else number(content.rate)
+        lines = [*self.first, *map(self._comment, content.header)]
+        lines += [line.replace("{rate}", rate) for line in self.start]
+        indent = self.line[: len(self.line) - len(self.line.lstrip())]
+        for entry in content.entries:
+            lines += [indent + self._comment(told(entry)), self._field(entry)]
+        return "\n".join([*lines, *(line.replace("{rate}", rate) for line in self.end)]) + "\n"
+
+    def _field(self, entry: Entry) -> str:
+        forms = {"value": number(entry.values[0]), "triple": triple(entry.values), "diagonal": diagonal(entry.values)}
+        line = self.line.replace("[{triple}]", "{value}") if entry.name in self.alone else self.line
+        return line.format(name=entry.name, **forms)
+
+    def _comment(self, text: str) -> str:
+        # two hyphens end a comment of XML
+        return self.comment.format(text.replace("--", "- -").replace("*/", "* /"))
+
+
+def told(entry: Entry) -> str:
+    """The comment on a field: its unit, formula, channel and interval."""
+    names = ", ".join(dict.fromkeys(entry.channels))
+    return f"{entry.unit}, {entry.formula}{f' of {names}' if names else ''}: {entry.remark}"
+
+
+@dataclass(frozen=True)
+class Json:
+    """A JSON file: an object for each section of the fields; `extra` are further keys of each, `root` encloses all.
+
+    JSON has no comments: they are the last key, "comment".
+    """
+
+    root: str = ""
+    extra: tuple[tuple[str, str], ...] = ()
+    rate: str = ""
+    each: bool = False
+
+    def __call__(self, content: Content) -> str:
+        """The file."""
+        sections = dict.fromkeys(entry.section for entry in content.entries)
+        found: dict[str, Any] = {section: self._section(content.of(section)) for section in sections}
+        if self.rate:
+            found[self.rate] = content.rate
+        remarks = [f"{entry.section} {entry.name}: {told(entry)}" for entry in content.entries]
+        whole = {self.root: found} if self.root else found
+        return json.dumps({**whole, "comment": [*content.header, *remarks]}, indent=2, ensure_ascii=False) + "\n"
+
+    def _section(self, entries: Sequence[Entry]) -> dict[str, Any]:
+        values = {entry.name: list(spread(entry.values)) if self.each else entry.values[0] for entry in entries}
+        return {**values, **dict(self.extra)}

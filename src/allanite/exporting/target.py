@@ -1,0 +1,189 @@
+"""Target: a program that takes noise coefficients, as a row of data: its fields, their formulas, its file."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from allanite.core.errors import UsageError
+from allanite.core.units import unit_of
+from allanite.core.wording import spelled
+
+if TYPE_CHECKING:
+    from .content import Content
+
+GYRO, ACCELEROMETER = "gyro", "accelerometer"
+
+LONG = 360_000.0
+"""Correlation time, s, with which a Gauss-Markov process replaces a random walk: 100 h."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a target: its value is (coefficient sqrt(weight f^rate T^time))^power, in `unit`.
+
+    Attributes
+    ----------
+    name : str
+        As the target spells it.
+    sensor : {"gyro", "accelerometer"}
+    term : str
+        Symbol of the coefficient; empty if the field is a power of the correlation time alone.
+    unit : str
+    weight : float
+    rate, time : int
+        Powers of the rate f, Hz, and of the correlation time T, s, under the root.
+    power : int
+    section : str
+        Key of the part of the file that holds the field; empty if names are unique.
+    span : (least, most)
+        Values that the target accepts, in `unit`.
+    needed : bool
+        Whether the file is useless without it.
+    """
+
+    name: str
+    sensor: str
+    term: str
+    unit: str
+    weight: float = 1.0
+    rate: int = 0
+    time: int = 0
+    power: int = 1
+    section: str = ""
+    span: tuple[float, float] = (0.0, math.inf)
+    needed: bool = True
+
+    def value(self, coefficient: float, rate: float, time: float) -> float:
+        """The value for a coefficient in SI, at a rate in Hz, with a correlation time in s."""
+        return float((coefficient * self._root(rate, time)) ** self.power / unit_of(self.unit).factor)
+
+    def coefficient(self, value: float, rate: float, time: float) -> float:
+        """The coefficient in SI of a value; the inverse of `value`."""
+        return float((value * unit_of(self.unit).factor) ** (1 / self.power) / self._root(rate, time))
+
+    def _root(self, rate: float, time: float) -> float:
+        return math.sqrt(self.weight * rate**self.rate * time**self.time)
+
+    @property
+    def full(self) -> str:
+        """Its name with that of its section."""
+        return f"{self.section}.{self.name}".strip(".")
+
+    @property
+    def formula(self) -> str:
+        """How the value follows from the coefficient: ``N sqrt(2 f)``.
+
+        Examples
+        --------
+        >>> vins = Field("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
+        >>> vins.formula, Field("c", GYRO, "N", "rad^2/s", power=2).formula
+        ('N sqrt(2 f)', 'N^2')
+        """
+        if not self.term:
+            return "T"
+        above = [f"{self.weight:g}"] if self.weight > 1 else []
+        above += [letter for letter, power in (("f", self.rate), ("T", self.time)) if power > 0]
+        below = [f"{1 / self.weight:g}"] if self.weight < 1 else []
+        below += [letter for letter, power in (("f", self.rate), ("T", self.time)) if power < 0]
+        inner = " ".join(above) or "1"
+        inner += f"/{below[0]}" if len(below) == 1 else f"/({' '.join(below)})" if below else ""
+        if self.power == 1:
+            return self.term if inner == "1" else f"{self.term} sqrt({inner})"
+        return f"{self.term}^{self.power}" if inner == "1" else f"{self.term}^{self.power} {inner}"
+
+
+Write = Callable[["Content"], str | bytes]
+"""Makes the file from its content."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A row of `EXPORTS`.
+
+    Attributes
+    ----------
+    name, title : str
+        Name at the command line, and what it is.
+    fields : tuple of Field
+        Empty for a target that takes whole models.
+    forms : suffix -> Write
+        The forms of its file, the usual one first.
+    source : str
+        Where names and formulas come from, and what could not be verified.
+    notes : tuple of str
+        What users must know; written into the file.
+    step : float or None
+        Interval of the filter's steps, s, if the target has its own; otherwise that of the samples.
+    rated : bool
+        Whether the file states the sampling rate.
+    markov : bool
+        Whether an identified Gauss-Markov process may replace a random walk that was not: each sensor has its own
+        correlation time.
+    each : bool
+        Whether its fields take a value for each axis.
+    comments : str
+        Regular expression of comments in its file.
+    inflatable : bool
+        Whether its coefficients may be multiplied by a factor.
+    """
+
+    name: str
+    title: str
+    fields: tuple[Field, ...]
+    forms: Mapping[str, Write]
+    source: str
+    notes: tuple[str, ...] = ()
+    step: float | None = None
+    rated: bool = False
+    markov: bool = False
+    each: bool = False
+    comments: str = r"#.*"
+    inflatable: bool = True
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """The sensors without which the file is useless."""
+        return tuple(dict.fromkeys(field.sensor for field in self.fields if field.needed))
+
+    @property
+    def needs_rate(self) -> bool:
+        """Whether a sampling rate is needed."""
+        return self.rated or (self.step is None and any(field.rate for field in self.fields))
+
+    def rate(self, sampling: float | None, given: float | None) -> float | None:
+        """The rate in the formulas: as given, the target's own, or that of the samples, in this order."""
+        return given or (1 / self.step if self.step else sampling)
+
+    def form(self, suffix: str) -> str:
+        """The suffix of the form to write for a path with this suffix.
+
+        Raises
+        ------
+        UsageError
+            The target has several forms, and none has this suffix.
+        """
+        if suffix in self.forms or not suffix or len(self.forms) == 1:
+            return suffix if suffix in self.forms else next(iter(self.forms))
+        raise UsageError(f"{self.name} is written as {', '.join(self.forms)}, not as {suffix!r}")
+
+
+def pair(gyro: str, accelerometer: str, like: Field, unit: str) -> tuple[Field, Field]:
+    """The fields of both sensors for one term: names, that of the gyro without its name, the accelerometer's unit."""
+    return replace(like, name=gyro), replace(like, name=accelerometer, sensor=ACCELEROMETER, unit=unit)
+
+
+DENSITY = Field("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
+"""A field that is N itself, in SI, and its unit for accelerometers."""
+
+WALK = Field("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
+"""A field that is K itself, in SI, and its unit for accelerometers."""
+
+
+def demand_rate(target: Target, rate: float | None) -> None:
+    """Check that a target that needs the sampling rate gets it."""
+    if target.needs_rate and rate is None:
+        raise UsageError(
+            f"{target.name} needs the sampling rate: {spelled('--rate HZ', 'rate=...')}, "
+            "since its fields are discrete or its file states it"
+        )

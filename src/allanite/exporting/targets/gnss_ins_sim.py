@@ -1,0 +1,37 @@
+"""gnss-ins-sim: simulation of inertial sensors in Python."""
+
+from allanite.exporting.layouts import Lines
+from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+
+GNSS_INS_SIM = Target(
+    name="gnss-ins-sim",
+    title="IMU error model of gnss-ins-sim",
+    fields=(
+        Field("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
+        Field("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
+        Field("gyro_b_corr", GYRO, "", "s", time=2),
+        Field("accel_vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
+        Field("accel_b_stability", ACCELEROMETER, "K", "m/s^2", weight=0.5, time=1),
+        Field("accel_b_corr", ACCELEROMETER, "", "s", time=2),
+    ),
+    forms={
+        ".py": Lines(
+            "    '{name}': np.array([{triple}]),",
+            start=(
+                "import numpy as np",
+                "",
+                "imu_err = {",
+                "    # constant biases are not noise",
+                "    'gyro_b': np.zeros(3),",
+                "    'accel_b': np.zeros(3),",
+            ),
+            end=("}",),
+        )
+    },
+    source="gnss_ins_sim/sim/imu_model.py; gnss_ins_sim/pathgen/pathgen.py, bias_drift: a Gauss-Markov process "
+    "driven by b_stability sqrt(1 - exp(-2 dt/T)), which starts at 0. Versions before drove it by "
+    "b_stability dt, which depends on the rate. Without b_corr the drift is white noise",
+    notes=("imu = imu_model.IMU(accuracy=imu_err, axis=6)", "there is no random walk: T is much longer than a run"),
+    markov=True,
+    each=True,
+)

@@ -1,0 +1,33 @@
+"""GTSAM: preintegration of inertial measurements."""
+
+from allanite.exporting.layouts import Lines
+from allanite.exporting.target import GYRO, Field, Target, pair
+
+WHITE = Field("", GYRO, "N", "(rad/s)^2/Hz", power=2)
+BIAS = Field("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
+
+GTSAM = Target(
+    name="gtsam",
+    title="parameters of GTSAM's CombinedImuFactor, in Python",
+    fields=(
+        *pair("setGyroscopeCovariance", "setAccelerometerCovariance", WHITE, "(m/s^2)^2/Hz"),
+        *pair("setBiasOmegaCovariance", "setBiasAccCovariance", BIAS, "(m/s^3)^2/Hz"),
+    ),
+    forms={
+        ".py": Lines(
+            "params.{name}({value} * np.eye(3))",
+            start=(
+                "import gtsam",
+                "import numpy as np",
+                "",
+                "params = gtsam.PreintegrationCombinedParams.MakeSharedU(9.80665)  # local gravity; z axis up",
+            ),
+        )
+    },
+    source="gtsam/navigation/CombinedImuFactor.h and PreintegrationParams.h: covariances of continuous time, "
+    "which the integration divides by dt. The division was not read in the version of today",
+    notes=(
+        "setIntegrationCovariance and setBiasAccOmegaInt (its name differs between versions) do not follow from the "
+        "noise",
+    ),
+)

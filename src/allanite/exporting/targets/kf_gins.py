@@ -1,0 +1,25 @@
+"""KF-GINS: GNSS/INS integration of Wuhan University."""
+
+from allanite.exporting.layouts import Lines
+from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+
+KF_GINS = Target(
+    name="kf-gins",
+    title="imunoise of KF-GINS",
+    fields=(
+        Field("arw", GYRO, "N", "deg/sqrt(h)"),
+        Field("vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
+        Field("gbstd", GYRO, "K", "deg/h", weight=0.5, time=1),
+        Field("abstd", ACCELEROMETER, "K", "mGal", weight=0.5, time=1),
+        Field("corrtime", GYRO, "", "h", time=2),
+    ),
+    forms={".yaml": Lines("  {name}: [{triple}]", start=("imunoise:",), alone=("corrtime",))},
+    source="src/kf-gins/gi_engine.cpp: densities arw^2 and 2 gbstd^2/T of continuous time; units of the loader: "
+    "deg/sqrt(h), m/s/sqrt(h), deg/h, mGal, h",
+    notes=(
+        "gbstd and abstd are those of a Gauss-Markov process, which with T = corrtime = 100 h is a random walk",
+        "set initbgstd and initbastd: without them, KF-GINS starts with gbstd and abstd",
+        "gsstd and asstd (scale factors, ppm) do not follow from a static recording",
+    ),
+    each=True,
+)

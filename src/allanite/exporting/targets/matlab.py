@@ -1,0 +1,29 @@
+"""MATLAB: imuSensor of the Navigation Toolbox."""
+
+from allanite.exporting.layouts import Json
+from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+
+FIELDS = tuple(
+    Field(name, sensor, term, unit, section=section, needed=term != "B")
+    for sensor, section, units in (
+        (GYRO, "Gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "rad/s")),
+        (ACCELEROMETER, "Accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
+    )
+    for name, term, unit in zip(("NoiseDensity", "RandomWalk", "BiasInstability"), "NKB", units, strict=True)
+)
+
+MATLAB = Target(
+    name="matlab",
+    title="parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')",
+    fields=FIELDS,
+    forms={".json": Json(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
+    source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
+    "which sets single-sided noise to match N and K. The keys of the file are the names of the "
+    "properties; no sample of a file was seen",
+    notes=(
+        "NoiseType must be single-sided: with the default, double-sided, imuSensor makes N and K smaller by sqrt(2)",
+        "BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times the "
+        "longest averaging time",
+    ),
+    each=True,
+)

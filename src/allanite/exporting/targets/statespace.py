@@ -1,0 +1,89 @@
+"""State space: matrices of a Kalman filter for every channel, for NumPy, MATLAB and C."""
+
+import io
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.core.errors import DataError
+from allanite.core.model import Model
+from allanite.exporting.axes import Axis
+from allanite.exporting.content import Content, number
+from allanite.exporting.target import Target
+from allanite.statespace import state_space
+from allanite.statistics.row import FloatArray
+
+MATRICES = ("Phi", "Qd", "H", "R", "P0")
+
+
+def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[str]]]:
+    """Name, matrices and remarks of each channel; of white noise only R."""
+    for i, axis in enumerate(content.axes, 1):
+        model = _model(axis, content.inflate)
+        rate = content.rate or axis.rate
+        assert rate is not None  # noqa: S101 - the target is rated
+        name = re.sub(r"\W", "_", axis.name).strip("_") or f"axis{i}"
+        name = name if name[0].isalpha() else f"axis_{name}"
+        if all(t.symbol == "N" for t in model):
+            yield name, {"R": np.array([[model["N"].value ** 2 * rate]])}, ["white noise only: no states"]
+            continue
+        space = state_space(model, rate)
+        remarks = [
+            f"{i}: {state} ({unit})" for i, (state, unit) in enumerate(zip(space.states, space.units, strict=True))
+        ]
+        yield name, {label: getattr(space, label) for label in MATRICES}, [*remarks, *space.notes]
+
+
+def _model(axis: Axis, inflate: float) -> Model:
+    model = (axis.fit.valid or axis.fit.model).noise
+    if model is None:
+        raise DataError(f"{axis.name}: no noise was identified")
+    return Model(tuple(replace(t, value=t.value * inflate) for t in model))
+
+
+def numpy_file(content: Content) -> bytes:
+    """An archive of arrays NAME_Phi, ..., and the comments as an array of text."""
+    arrays: dict[str, FloatArray] = {}
+    told = list(content.header)
+    for name, matrices, remarks in spaces(content):
+        arrays |= {f"{name}_{label}": matrix for label, matrix in matrices.items()}
+        told += [f"{name}: {remark}" for remark in remarks]
+    out = io.BytesIO()
+    np.savez(out, allow_pickle=False, comment=np.array(told), **arrays)
+    return out.getvalue()
+
+
+def matlab_file(content: Content) -> str:
+    """A script that assigns NAME.Phi, ..."""
+    lines = [f"% {line}" for line in content.header]
+    for name, matrices, remarks in spaces(content):
+        lines += [f"% {name}: {remark}" for remark in remarks]
+        for label, matrix in matrices.items():
+            rows = "; ".join(" ".join(map(number, row)) for row in matrix)
+            lines.append(f"{name}.{label} = [{rows}];")
+    return "\n".join(lines) + "\n"
+
+
+def c_file(content: Content) -> str:
+    """A header with constant arrays."""
+    lines = ["#ifndef ALLANITE_NOISE_H", "#define ALLANITE_NOISE_H", ""]
+    lines += [f"/* {line.replace('*/', '* /')} */" for line in content.header]
+    for name, matrices, remarks in spaces(content):
+        lines += ["", *(f"/* {name}: {remark} */" for remark in remarks)]
+        for label, matrix in matrices.items():
+            rows = ", ".join("{" + ", ".join(map(number, row)) + "}" for row in matrix)
+            lines.append(f"static const double {name}_{label}[{len(matrix)}][{matrix.shape[1]}] = {{{rows}}};")
+    return "\n".join([*lines, "", "#endif"]) + "\n"
+
+
+STATESPACE = Target(
+    name="statespace",
+    title="matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v",
+    fields=(),
+    forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file},
+    source="exact discretization at the sampling rate; flicker as Gauss-Markov processes matched from 1 to 1000 s",
+    notes=("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the start",),
+    rated=True,
+)

@@ -1,0 +1,78 @@
+"""How files for other programs are shown: their fields, what they leave out, and what fields mean."""
+
+from typing import Any
+
+from allanite.core.datasheet import name_of
+from allanite.core.language import say
+from allanite.core.units import signal_named
+from allanite.exporting.conversion import Explanation
+from allanite.exporting.export import Export
+from allanite.exporting.imported import Imported
+from allanite.exporting.table import EXPORTS
+from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
+
+from . import View
+
+BRAND = "noise coefficients for a filter"
+KEY = say(
+    "f is the rate, T a correlation time; N, K and B are the coefficients of white noise, random walk and flicker"
+)
+
+
+def _export_face(value: Export, _: float) -> Face:
+    row = EXPORTS[value.target]
+    parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
+    if value.entries:
+        headings, rows = value.rows()
+        parts.append(Table(_columns(headings), rows))
+        parts.append(Note(KEY, "quiet"))
+    elif not value.binary:
+        parts.append(Code(value.text.rstrip("\n")))
+    parts += [Note(note) for note in value.notes]
+    header = header_of(value.provenance, ()) if value.provenance else ()
+    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),), header, provenance=value.provenance)
+
+
+def _columns(headings: list[str]) -> tuple[Column, ...]:
+    kinds: dict[str, Any] = {"field": "name", "value": "number", "unit": "unit"}
+    return tuple(Column(heading, kinds.get(heading, "text")) for heading in headings)
+
+
+def _imported_face(value: Imported, _: float) -> Face:
+    row = EXPORTS[value.target]
+    rows = [
+        [t.symbol, name_of(t.symbol, t.signal), f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
+         f"{t.value:.6g}", t.unit]
+        for model in value.models for t in model
+    ]  # fmt: skip
+    columns = (Column("term", "symbol"), Column("", "text"), Column("value"), Column("unit", "unit"),
+               Column("SI"), Column("unit", "unit"))  # fmt: skip
+    about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
+    return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
+
+
+def _explanation_face(value: Explanation, _: float) -> Face:
+    if not value.target:
+        rows = [[row.name, row.title] for row in EXPORTS.values()]
+        sheet = Sheet("targets", (), (Table((Column("target", "name"), Column("", "text")), rows),))
+        return Face("targets", BRAND, (sheet,))
+    row = EXPORTS[value.target]
+    fields = [
+        [f.full, f.sensor, f.unit, f.formula,
+         name_of(f.term, signal_named(f.sensor)) if f.term else "correlation time"]
+        for f in row.fields
+    ]  # fmt: skip
+    columns = (Column("field", "name"), Column("sensor", "text"), Column("unit", "unit"), Column("is", "text"),
+               Column("", "text"))  # fmt: skip
+    parts: list[Part] = [Table(columns, fields), Note(KEY, "quiet")] if fields else []
+    if row.step:
+        parts.append(
+            Note(say("f is 1/{step:g} s, the interval of the filter's steps, not the sampling rate", step=row.step))
+        )
+    parts += [*(Note(note) for note in row.notes), Note(say("source: {source}", source=row.source), "quiet")]
+    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),))
+
+
+EXPORT = View(_export_face, rows=lambda value, _: value.rows())
+IMPORTED = View(_imported_face)
+EXPLANATION = View(_explanation_face)

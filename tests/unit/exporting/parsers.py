@@ -1,0 +1,284 @@
+"""Files as their targets read them, and the propagation of their filters or simulators, written from their sources."""
+
+import ast
+import json
+import math
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import yaml
+
+DEG = math.pi / 180
+G, PSINS_G = 9.80665, 9.7803267714
+
+
+def opencv(text):
+    """cv::FileStorage: YAML behind a directive that other parsers refuse."""
+    first, _, rest = text.partition("\n")
+    assert first == "%YAML:1.0"
+    return yaml.safe_load(rest)
+
+
+def assigned(text, mark):
+    """Assignments of a script: name -> number or list of numbers."""
+    found = {}
+    for line in text.splitlines():
+        code = line.partition(mark)[0].strip()
+        match = re.fullmatch(r"([\w.]+) = ([^;]+);", code)
+        if match and re.match(r"[\[\d]", match[2]):
+            found[match[1].removeprefix("imu.")] = ast.literal_eval(match[2])
+    return found
+
+
+def parameters(text, separator):
+    return [line.split(separator) for line in text.splitlines() if line and not line.startswith("#")]
+
+
+def calls(text):
+    return {
+        name: float(value)
+        for name, value in re.findall(r"^params\.(\w+)\((\S+) \* np\.eye\(3\)\)$", text, re.MULTILINE)
+    }
+
+
+def python(text):
+    space = {}
+    exec(compile(text, "imu.py", "exec"), space)  # noqa: S102 - what gnss-ins-sim does with it
+    return space["imu_err"]
+
+
+def sensors(first, second):
+    return {"gyro": first, "accelerometer": second}
+
+
+# step(values, dt, sensor) -> variance of the angle, decay of the bias, variance of the bias, all of one step
+
+
+def kalibr(text):
+    v = yaml.safe_load(text)
+    return {
+        s: density_step(v[f"{p}_noise_density"], v[f"{p}_random_walk"])
+        for s, p in sensors("gyroscope", "accelerometer").items()
+    }
+
+
+def openvins(text):
+    v = opencv(text)["imu0"]
+
+    def step(w, wb):
+        return lambda dt: (dt * w**2 / dt * dt, 1.0, dt * wb**2 / dt * dt)
+
+    return {
+        s: step(v[f"{p}_noise_density"], v[f"{p}_random_walk"])
+        for s, p in sensors("gyroscope", "accelerometer").items()
+    }
+
+
+def orb_slam3(text):
+    v = opencv(text)
+    sf = math.sqrt(v["IMU.Frequency"])
+
+    def step(n, w):
+        return lambda dt: ((dt * n * sf) ** 2, 1.0, (w / sf) ** 2)
+
+    return {s: step(v[f"IMU.Noise{p}"], v[f"IMU.{p}Walk"]) for s, p in sensors("Gyro", "Acc").items()}
+
+
+def vins(text):
+    v = opencv(text)
+
+    def step(n, w):
+        return lambda dt: ((0.5 * dt * n) ** 2 + (0.5 * dt * n) ** 2, 1.0, (dt * w) ** 2)
+
+    return {s: step(v[f"{p}_n"], v[f"{p}_w"]) for s, p in sensors("gyr", "acc").items()}
+
+
+def density_step(n, k):
+    return lambda dt: ((n / math.sqrt(dt)) ** 2 * dt**2, 1.0, k**2 * dt)
+
+
+def lio_sam(text):
+    v = yaml.safe_load(text)["lio_sam"]
+    return {s: density_step(v[f"imu{p}Noise"], v[f"imu{p}BiasN"]) for s, p in sensors("Gyr", "Acc").items()}
+
+
+def gtsam(text):
+    v = calls(text)
+
+    def step(white, bias):
+        return lambda dt: (dt**2 * white / dt, 1.0, bias * dt)
+
+    return {
+        "gyro": step(v["setGyroscopeCovariance"], v["setBiasOmegaCovariance"]),
+        "accelerometer": step(v["setAccelerometerCovariance"], v["setBiasAccCovariance"]),
+    }
+
+
+def ros(text):
+    v = yaml.safe_load(text)
+    assert all(len(numbers) == 9 and all(isinstance(x, float) for x in numbers) for numbers in v.values())
+
+    def step(numbers):
+        return lambda dt: (numbers[0] * dt**2, 1.0, None)
+
+    return sensors(step(v["angular_velocity_covariance"]), step(v["linear_acceleration_covariance"]))
+
+
+def px4(text):
+    v = {row[2]: float(row[3]) for row in parameters(text, "\t")}
+    assert {row[4] for row in parameters(text, "\t")} == {"9"}
+
+    def step(n, w):
+        return lambda dt: ((dt * n) ** 2, 1.0, (dt * w) ** 2)
+
+    return {s: step(v[f"EKF2_{p}_NOISE"], v[f"EKF2_{p}_B_NOISE"]) for s, p in sensors("GYR", "ACC").items()}
+
+
+def ardupilot(text):
+    v = {row[0]: float(row[1]) for row in parameters(text, ",")}
+
+    def step(n, w):
+        # the state is the bias of the increment
+        return lambda dt: ((dt * n) ** 2, 1.0, (dt * dt * w) ** 2 / dt**2)
+
+    names = sensors(("GYRO", "GBIAS"), ("ACC", "ABIAS"))
+    return {s: step(v[f"EK3_{n}_P_NSE"], v[f"EK3_{w}_P_NSE"]) for s, (n, w) in names.items()}
+
+
+def matlab(text):
+    v = json.loads(text)["IMU"]
+
+    def step(one):
+        assert one["NoiseType"] == "single-sided"
+
+        def of(dt):
+            bandwidth = 1 / dt  # of double-sided noise half of that
+            return (
+                (one["NoiseDensity"][0] * math.sqrt(bandwidth) * dt) ** 2,
+                1.0,
+                (one["RandomWalk"][0] / math.sqrt(bandwidth)) ** 2,
+            )
+
+        return of
+
+    return sensors(step(v["Gyroscope"]), step(v["Accelerometer"]))
+
+
+def gnss_ins_sim(text):
+    v = python(text)
+
+    def step(walk, drift, corr):
+        return lambda dt: ((walk / math.sqrt(dt) * dt) ** 2, 1 - dt / corr, drift**2 * (1 - math.exp(-2 * dt / corr)))
+
+    return {
+        "gyro": step(v["gyro_arw"][0] * DEG / 60, v["gyro_b_stability"][0] * DEG / 3600, v["gyro_b_corr"][0]),
+        "accelerometer": step(v["accel_vrw"][0] / 60, v["accel_b_stability"][0], v["accel_b_corr"][0]),
+    }
+
+
+def markov(white, walk, tau):
+    return lambda dt: ((white * dt) ** 2, math.exp(-dt / tau), -(walk**2) * tau / 2 * math.expm1(-2 * dt / tau))
+
+
+def gazebo(text):
+    imu = ET.fromstring(text)  # noqa: S314 - made by the test
+    assert [axis.tag for axis in imu.find("angular_velocity")] == ["x", "y", "z"]
+
+    def step(section):
+        noise = imu.find(f"{section}/x/noise")
+        names = ("stddev", "dynamic_bias_stddev", "dynamic_bias_correlation_time")
+        return markov(*(float(noise.findtext(name)) for name in names))
+
+    return sensors(step("angular_velocity"), step("linear_acceleration"))
+
+
+def gazebo_classic(text):
+    plugin = ET.fromstring(text)  # noqa: S314 - made by the test
+
+    def step(sensor):
+        density, walk, tau = (
+            float(plugin.findtext(sensor + name)) for name in ("NoiseDensity", "RandomWalk", "BiasCorrelationTime")
+        )
+        return lambda dt: markov(density / math.sqrt(dt), walk, tau)(dt)
+
+    return sensors(step("gyroscope"), step("accelerometer"))
+
+
+def pegasus(text):
+    v = json.loads(text)
+
+    def step(one):
+        return lambda dt: markov(
+            one["noise_density"] / math.sqrt(dt), one["random_walk"], one["bias_correlation_time"]
+        )(dt)
+
+    return sensors(step(v["gyroscope"]), step(v["accelerometer"]))
+
+
+def kf_gins(text):
+    v = yaml.safe_load(text)["imunoise"]
+    tau = v["corrtime"] * 3600
+
+    def step(walk, std):
+        return lambda dt: (walk**2 * dt, 1 - dt / tau, 2 / tau * std**2 * dt)
+
+    return {
+        "gyro": step(v["arw"][0] * DEG / 60, v["gbstd"][0] * DEG / 3600),
+        "accelerometer": step(v["vrw"][0] / 60, v["abstd"][0] * 1e-5),
+    }
+
+
+def psins(text):
+    v = assigned(text, "%")
+    assert "imuerrset(eb, db, web, wdb, sqrtR0G, TauG, sqrtR0A, TauA)" in text
+    assert "TauG = inf; TauA = inf;" in text
+    ug = 1e-6 * PSINS_G
+
+    def step(web, sq):
+        return lambda dt: ((math.sqrt(dt) * web) ** 2, 1.0, sq**2 * dt)
+
+    return {
+        "gyro": step(v["web"] * DEG / 60, v["sqrtR0G"] * DEG / 3600 / 60),
+        "accelerometer": step(v["wdb"] * ug, v["sqrtR0A"] * ug / 60),
+    }
+
+
+def navego(text):
+    v = assigned(text, "%")
+
+    def step(white, psd, corr):
+        return lambda dt: (white**2 * dt, math.exp(-dt / corr), psd**2 * dt)
+
+    return sensors(
+        step(v["arw"][0], v["gb_psd"][0], v["gb_corr"][0]), step(v["vrw"][0], v["ab_psd"][0], v["ab_corr"][0])
+    )
+
+
+PARSERS = {
+    "kalibr": kalibr, "openvins": openvins, "orb-slam3": orb_slam3, "vins-mono": vins, "vins-fusion": vins,
+    "lio-sam": lio_sam, "gtsam": gtsam, "ros-imu": ros, "robot-localization": ros, "px4": px4, "ardupilot": ardupilot,
+    "matlab": matlab, "gnss-ins-sim": gnss_ins_sim, "gazebo": gazebo, "gazebo-classic": gazebo_classic,
+    "pegasus": pegasus, "kf-gins": kf_gins, "psins": psins, "navego": navego,
+}  # fmt: skip
+"""Text of a file -> for each sensor, dt -> the variances of one step."""
+
+
+def propagated(step, dt, duration):
+    """Variance of the angle after a duration, by the steps of a filter whose bias is known at the start."""
+    white, decay, walk = step(dt)
+    angle = cross = bias = 0.0
+    for _ in range(round(duration / dt)):
+        angle, cross, bias = (
+            angle + 2 * dt * cross + dt**2 * bias + white, decay * (cross + dt * bias), decay**2 * bias + (walk or 0.0)
+        )  # fmt: skip
+    return angle
+
+
+def simulated(n, k, dt, *, duration, rng, records=1500):
+    """Variance of the angle of records with white noise N and a random walk K, and its relative standard error."""
+    angle, bias = np.zeros(records), np.zeros(records)
+    for _ in range(round(duration / dt)):
+        angle += dt * bias + n * math.sqrt(dt) * rng.standard_normal(records)
+        bias += k * math.sqrt(dt) * rng.standard_normal(records)
+    return float(np.mean(angle**2)), math.sqrt(2 / records)
