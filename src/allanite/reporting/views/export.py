@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from allanite.core.datasheet import name_of
 from allanite.core.language import say
+from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
@@ -41,7 +41,7 @@ def _columns(headings: list[str]) -> tuple[Column, ...]:
 def _imported_face(value: Imported, _: float) -> Face:
     row = EXPORTS[value.target]
     rows = [
-        [t.symbol, name_of(t.symbol, t.signal), f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
+        [t.symbol, title_of(t.symbol, t.signal), f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
          f"{t.value:.6g}", t.unit]
         for model in value.models for t in model
     ]  # fmt: skip
@@ -59,7 +59,7 @@ def _explanation_face(value: Explanation, _: float) -> Face:
     row = EXPORTS[value.target]
     fields = [
         [f.full, f.sensor, f.unit, f.formula,
-         name_of(f.term, signal_named(f.sensor)) if f.term else "correlation time"]
+         title_of(f.term, signal_named(f.sensor)) if f.term else "correlation time"]
         for f in row.fields
     ]  # fmt: skip
     columns = (Column("field", "name"), Column("sensor", "text"), Column("unit", "unit"), Column("is", "text"),
