@@ -40,11 +40,11 @@ def _columns(headings: list[str]) -> tuple[Column, ...]:
 
 def _imported_face(value: Imported, _: float) -> Face:
     row = EXPORTS[value.target]
+    terms = [(t, t.signal.sheet[t.row.power]) for model in value.models for t in model]
     rows = [
-        [t.symbol, title_of(t.symbol, t.signal), f"{t.to(t.signal.sheet[t.row.power]):.6g}", t.signal.sheet[t.row.power],
-         f"{t.value:.6g}", t.unit]
-        for model in value.models for t in model
-    ]  # fmt: skip
+        [t.symbol, title_of(t.symbol, t.signal), f"{t.to(unit):.6g}", unit, f"{t.value:.6g}", t.unit]
+        for t, unit in terms
+    ]
     columns = (Column("term", "symbol"), Column("", "text"), Column("value"), Column("unit", "unit"),
                Column("SI"), Column("unit", "unit"))  # fmt: skip
     about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
