@@ -57,8 +57,8 @@ class Densities:
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "
                                  + spelled("--rate HZ", "rate=..."))  # fmt: skip
             if duration is None and (t.row.slope >= 0) and t.value:
-                raise UsageError(f"the error that {t.symbol} ({t.row.title}) causes grows with time: give a horizon with "
-                                 + spelled("--duration TIME", "duration=..."))  # fmt: skip
+                raise UsageError(f"the error that {t.symbol} ({t.row.title}) causes grows with time: give a horizon "
+                                 + spelled("with --duration TIME", "with duration=..."))  # fmt: skip
         return cls(*models, duration, None if rate is None else 1 / rate)
 
     @property

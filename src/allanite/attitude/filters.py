@@ -74,9 +74,9 @@ def _complementary(data: Inertial, setting: Setting) -> Angles:
 
     loop, dt = setting.loop, data.interval
     loop.demand_sampled(dt)
-    gains = np.array([math.exp(-loop.k1 * dt), loop.k2 * dt, dt, data.gravity])
+    gains = np.array([math.exp(-loop.k1 * dt), loop.k2 * dt, dt, data.gravity, *setting.gates])
     found = np.empty((len(data.gyro), 2))
-    held, steep = complementary(data.gyro, data.force, gains, setting.gates, data.start, found)
+    held, steep = complementary(data.gyro, data.force, gains, data.start, found)
     if steep >= 0:
         raise DataError(
             f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a filter of "
@@ -89,8 +89,8 @@ def _mahony(data: Inertial, setting: Setting) -> Angles:
     from allanite.kernels.attitude import mahony
 
     found = np.empty((len(data.gyro), 2))
-    gains = np.array([setting.loop.k1, setting.loop.k2, data.interval, data.gravity])
-    held = mahony(data.gyro, data.force, gains, setting.gates, quaternion(data.start), found)
+    gains = np.array([setting.loop.k1, setting.loop.k2, data.interval, data.gravity, *setting.gates])
+    held = mahony(data.gyro, data.force, gains, quaternion(data.start), found)
     return found, held
 
 
@@ -99,8 +99,8 @@ def _madgwick(data: Inertial, setting: Setting) -> Angles:
 
     found = np.empty((len(data.gyro), 2))
     beta = equivalent_beta(data, setting.loop.time_constant) if setting.beta is None else setting.beta
-    gains = np.array([beta, 0.0, data.interval, data.gravity])
-    held = madgwick(data.gyro, data.force, gains, setting.gates, quaternion(data.start), found)
+    gains = np.array([beta, 0.0, data.interval, data.gravity, *setting.gates])
+    held = madgwick(data.gyro, data.force, gains, quaternion(data.start), found)
     return found, held
 
 

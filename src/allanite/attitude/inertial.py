@@ -74,11 +74,13 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
     found = tuple(tuple(r for r in recording if r.signal.name == sensor) for sensor in SENSORS)
     counts = [plural(len(records), sensor) for records, sensor in zip(found, SENSORS, strict=True)]
     if any(len(records) != 3 for records in found):
-        missing = "; for the accelerometers of a file without units give --accelerometer-unit g too"
-        cure = spelled("--channels gx,gy,gz,ax,ay,az", "channels=...") + spelled(missing, "")
+        cure = "choose six channels with " + spelled("--channels gx,gy,gz,ax,ay,az", "channels=...")
+        if not found[1]:
+            cure = spelled("if the file has no units, give --accelerometer-unit g beside --unit deg/s",
+                           "add the accelerometers to the recording")  # fmt: skip
         raise DataError(
             f"roll and pitch need three gyros and three accelerometers, but there are {' and '.join(counts)}: "
-            f"{', '.join(recording.channels)}; choose six channels with {cure}"
+            f"{', '.join(recording.channels)}; {cure}"
         )
     sizes = {(record.size, record.rate) for records in found for record in records}
     if len(sizes) > 1:

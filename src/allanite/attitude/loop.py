@@ -103,7 +103,7 @@ class Loop(Value):
         rise = 2j * np.sin(math.pi * np.asarray(f) * interval) * np.exp(-1j * math.pi * np.asarray(f) * interval)
         bias = self.k2 * interval**2 * back / rise
         loop = 1 - alpha + alpha * rise + bias
-        return alpha * interval / loop, (1 - alpha + bias) / loop
+        return np.asarray(alpha * interval / loop, dtype=np.complex128), (1 - alpha + bias) / loop
 
     def demand_sampled(self, interval: float) -> None:
         """Refuse a time constant that is not above the sample interval.

@@ -76,7 +76,7 @@ class Optimum(Value):
     @property
     def loss(self) -> float:
         """How much larger the noise of the first-order filter is than that of the optimal one, as a share."""
-        return round(self.noise / self.bound - 1, 9) + 0.0
+        return round(self.noise / self.bound - 1, 6) + 0.0
 
     @property
     def order(self) -> int:
@@ -137,7 +137,8 @@ def optimal_time_constant(
 def optimum(noise: Densities, bias: Bias = (0.0, 0.0)) -> Optimum:
     """`optimal_time_constant` of densities that were checked, with biases in SI."""
     loop = best_loop([noise], [bias])
-    first, second = predict(noise, loop, bias), _second(noise, loop, bias)
+    other = best_second([noise], [bias], loop)
+    first, second = predict(noise, loop, bias), None if other is None else predict(noise, other, bias)
     alone = best_loop([noise], [(0.0, 0.0)]) if any(bias) else loop
     detuned = tuple((k, predict(noise, loop.scaled(k), bias).rms) for k in DETUNING)
     return Optimum(first, second, wiener_error(noise, alone), random_error(noise, alone), detuned)
@@ -163,33 +164,38 @@ def best_loop(noises: Sequence[Densities], bias: Sequence[Bias]) -> Loop:
     if at in (0, GRID - 1):
         short = at == 0
         raise UsageError(
-            f"no time constant is best: the {'shortest' if short else 'longest'} one tried ({math.exp(grid[at]):.3g} s) "
-            f"has the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
+            f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
+            f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
             + spelled("--time-constant", "time_constant=...")
         )
     found = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
     return Loop.of(math.exp(found.x))
 
 
-def _second(noise: Densities, first: Loop, bias: Bias) -> Prediction | None:
-    """The best filter of second order, from that of Kalman for the same share of drift; None if it is not better."""
+def best_second(noises: Sequence[Densities], bias: Sequence[Bias], first: Loop) -> Loop | None:
+    """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
+
+    A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
+    """
     from scipy.optimize import minimize
 
-    if noise.duration is None:  # a bias is estimated in time
+    durations = [n.duration for n in noises if n.duration is not None]
+    if len(durations) < len(noises):
         return None
-    settling = SETTLED / noise.duration
+    settling = SETTLED / min(durations)
 
     def loop_of(logs: np.ndarray) -> Loop:
         k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
         return Loop(k1, max(k2, k1 * settling))
 
-    def error(logs: np.ndarray) -> float:
-        return predict(noise, loop_of(logs), bias).rms / least
+    def squares(loop: Loop) -> float:
+        return sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True))
 
-    least = predict(noise, first, bias).rms
+    least = squares(first)
     starts = [np.log([first.k1, first.k1**2 * share]) for share in (1e-4, 1e-2, 0.3)]
-    found = min((minimize(error, x, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10}) for x in starts),
-                key=lambda result: float(result.fun))  # fmt: skip
-    if found.fun > 1 - 1e-4:
-        return None
-    return predict(noise, loop_of(found.x), bias)
+    tries = (
+        minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
+                 options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
+    )  # fmt: skip
+    found = min(tries, key=lambda result: float(result.fun))
+    return None if found.fun > 1 - 2e-4 else loop_of(found.x)

@@ -170,7 +170,7 @@ def _random(noise: Densities, loop: Loop) -> Iterator[Source]:
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
     for sensor, t, density in noise.noise:
         variance = float(gain[SENSORS.index(sensor)] @ density)
-        yield Source(sensor, t.symbol, str(t), math.sqrt(variance))
+        yield Source(sensor, t.symbol, text_of(t), math.sqrt(variance))
 
 
 def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> Iterator[Source]:
@@ -178,11 +178,31 @@ def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> I
         for t in model:
             if t.row.waveform is not None:
                 rms = _line(t, noise, loop, i) if t.row.periodic else _ramp(t, noise, loop, i)
-                yield Source(sensor, t.symbol, str(t), scale(sensor) * rms)
+                yield Source(sensor, t.symbol, text_of(t), scale(sensor) * rms)
         if bias[i]:
             unit = model.signal.sheet[0]
             said = f"{bias[i] / unit_of(unit).factor:.4g} {unit}"
             yield Source(sensor, "bias", said, abs(bias[i]) * scale(sensor) * steady(loop, sensor, noise.interval))
+
+
+def text_of(t: Term) -> str:
+    """A term as text; white noise of an accelerometer as data sheets give it.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> text_of(N(100, "ug/sqrt(Hz)"))
+    'N = 100 ug/sqrt(Hz)'
+    """
+    unit = t.signal.density[0]
+    if t.signal.name == "gyro" or unit_of(unit).dimension != unit_of(t.unit).dimension:
+        return str(t)
+    return f"{t.symbol} = {t.to(unit):.4g} {unit}"
+
+
+def texts(model: Model) -> str:
+    """A model as text, with its terms as `text_of` writes them."""
+    return ", ".join(map(text_of, model))
 
 
 def _line(t: Term, noise: Densities, loop: Loop, which: int) -> float:
@@ -208,7 +228,7 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 
 
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
-    """One-sided amplitude density of the error by source, rad/sqrt(Hz), at frequencies in Hz; sinusoids are left out."""
+    """One-sided amplitude density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
     noise = Densities.of(found.gyro, found.accelerometer, found.duration, found.rate)
     gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
     lines = {}

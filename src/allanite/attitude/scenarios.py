@@ -15,6 +15,7 @@ from .density import GRAVITY, Densities
 from .filters import FILTERS, Setting
 from .inertial import Inertial
 from .loop import Loop
+from .optimum import Optimum
 
 DROPPED = 0.2
 """Share of the run, from its start, that is not counted: filters settle."""
@@ -155,8 +156,8 @@ def compared() -> dict[str, tuple[str, Setting]]:
         "first order, 1 s": ("complementary", Setting(Loop.of(1.0))),
         "first order, 10 s": ("complementary", Setting(Loop.of(10.0))),
         "first order, 100 s": ("complementary", slow),
-        "the same, norm gate 0.02 g": ("complementary", replace(slow, norm_gate=0.02)),
-        "the same, angle gate 1 deg": ("complementary", replace(slow, gate=math.radians(1.0))),
+        "100 s, norm gate 0.02 g": ("complementary", replace(slow, norm_gate=0.02)),
+        "10 s, angle gate 1 deg": ("complementary", Setting(Loop.of(10.0), gate=math.radians(1.0))),
         "second order, 100 s, 500 s": ("second-order", Setting(Loop(0.01, 1 / 500**2))),
         "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
         "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
@@ -239,3 +240,45 @@ def compare_filters(
     return ScenarioErrors(
         noise.gyro, noise.accelerometer, tuple(chosen), tuple(SCENARIOS), table[0], table[1], bias, rate, duration
     )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class VerticalDesign(Value):
+    """The best filters for given noise, and the errors of all filters in the scenarios if they were asked for."""
+
+    optimum: Optimum
+    scenarios: ScenarioErrors | None = None
+
+    def _summary(self) -> str:
+        return self.optimum._summary()
+
+
+AXES = (1.0, -0.7, 0.5)
+"""Biases of the gyros x, y and z, relative to the given one."""
+
+
+def design(
+    found: Optimum, *, bias: float = 0.0, scenarios: bool = False, rate: float | None = None, seed: int = 1
+) -> VerticalDesign:
+    """The best filters, with the errors of `compared` filters and of the best one in every scenario.
+
+    Parameters
+    ----------
+    found : Optimum
+    bias : float
+        Bias of the gyro x, rad/s; those of y and z are -0.7 and 0.5 of it.
+    scenarios : bool
+        Whether to simulate them.
+    rate : float, optional
+        Sampling rate of the simulation, Hz; 100 by default.
+    seed : int
+        Of the random number generator.
+    """
+    if not scenarios:
+        return VerticalDesign(found)
+    chosen = {"best, first order": ("complementary", Setting(found.first.loop)), **compared()}
+    errors = compare_filters(
+        found.first.gyro, found.first.accelerometer, rng=np.random.default_rng(seed), rate=rate or 100.0,
+        bias=(bias * AXES[0], bias * AXES[1], bias * AXES[2]), filters=chosen,
+    )  # fmt: skip
+    return VerticalDesign(found, errors)

@@ -10,8 +10,7 @@ causal part C of the response from innovations to the error v of the tilt is the
 
     (C / L) dt n_g + (1 - C (1 - z^-1) / L) n_a.
 
-Below 1 / (2 T) the densities are taken to be constant, so that the noise is stationary; as for every other filter,
-the error is integrated from there.
+Below 1 / (2 T) the densities are taken to fall steeply: a run of the length T hardly contains what is there.
 """
 
 import math
@@ -39,6 +38,9 @@ FINER = 4
 MOST = 1 << 21
 """Points of the transform at most."""
 
+STEEP = 4
+"""Power of the frequency with which the densities fall below the lowest one."""
+
 PER_OCTAVE = 128
 """Points of a density between which its logarithm is taken to be straight."""
 
@@ -46,8 +48,8 @@ PER_OCTAVE = 128
 def wiener_error(noise: Densities, best: Loop) -> float:
     """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
 
-    Without a sampling rate it is computed for a fine one, and taken to continuous time by the error of the filter of
-    first order in both.
+    Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
+    sampling rate the grid is that of a fine one.
 
     Parameters
     ----------
@@ -62,14 +64,12 @@ def wiener_error(noise: Densities, best: Loop) -> float:
     """
     n, interval = _grid(noise, best.time_constant)
     sampled = Densities(noise.gyro, noise.accelerometer, noise.duration, interval)
-    f = np.fft.rfftfreq(n, interval)
+    f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
     rate, tilt = (_held(sampled, sensor, f) for sensor in ("gyro", "accelerometer"))
     to_angle, to_tilt = _optimal(rate * interval**2, tilt, n)
-    optimal = _error((to_angle * interval, to_tilt), (rate, tilt), f, noise)
-    if noise.interval is not None:
-        return optimal
-    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt), f, noise)
-    return optimal * random_error(noise, best) / first
+    optimal = _error((to_angle * interval, to_tilt), (rate, tilt))
+    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
+    return random_error(noise, best) * optimal / first
 
 
 def random_error(noise: Densities, loop: Loop) -> float:
@@ -88,24 +88,21 @@ def _grid(noise: Densities, time_constant: float) -> tuple[int, float]:
 
 
 def _held(noise: Densities, sensor: str, f: FloatArray) -> FloatArray:
-    """Density of a sensor, constant below the lowest frequency."""
+    """Density of a sensor, which falls steeply below the lowest frequency."""
     low = noise.lowest if noise.duration else float(f[1])
     x = np.geomspace(low, f[-1], max(16, math.ceil(PER_OCTAVE * math.log2(f[-1] / low))))
     density = noise.total(sensor, x)
     if not density.all():
         raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
-    return np.asarray(np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density))))
+    held = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
+    below = np.maximum(f, f[1] / 4) / low if noise.duration else np.ones(f.size)
+    return np.asarray(held * np.minimum(below, 1.0) ** STEEP)
 
 
-def _error(
-    responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray], f: FloatArray,
-    noise: Densities,
-) -> float:  # fmt: skip
-    """Standard deviation above the lowest frequency, by cells about the points."""
-    density = sum(np.abs(H) ** 2 * S for H, S in zip(responses, densities, strict=True))
-    low = noise.lowest if noise.duration else 0.0
-    upper, lower = np.minimum(f + f[1] / 2, f[-1]), np.maximum(f - f[1] / 2, low)
-    return math.sqrt(2 * float(density @ np.maximum(upper - lower, 0.0)))
+def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:
+    """Standard deviation of the error, in steps of the grid."""
+    density = np.abs(responses[0]) ** 2 * densities[0] + np.abs(responses[1]) ** 2 * densities[1]
+    return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)
 
 
 def _optimal(gyro: FloatArray, tilt: FloatArray, n: int) -> tuple[ComplexArray, ComplexArray]:

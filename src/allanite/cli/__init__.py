@@ -21,13 +21,14 @@ VERBS: dict[str, str] = {
     "statespace": "plan.statespace",
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
+    "vertical": "vertical.vertical",
 }
 """Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
 GROUPS = {
     "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
-    "Special jobs": ("rate", "angle", "budget", "compensate"),
+    "Special jobs": ("rate", "angle", "budget", "compensate", "vertical"),
 }
 """Headings of the help, and the verbs below each."""
 

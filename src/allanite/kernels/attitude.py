@@ -32,8 +32,9 @@ def tilts(force, found):  # type: ignore[no-untyped-def]
 
 
 @recursive
-def _advance(roll, pitch, p, q, r, dt):  # type: ignore[no-untyped-def]
+def _advance(roll, pitch, rates, dt):  # type: ignore[no-untyped-def]
     """Roll and pitch after a step with constant rates, by the midpoint rule."""
+    p, q, r = rates[0], rates[1], rates[2]
     a, b = roll, pitch
     for step in (0.5, 1.0):
         s, c = math.sin(a), math.cos(a)
@@ -51,10 +52,10 @@ def usable(force, k, gravity, norm_gate):  # type: ignore[no-untyped-def]
 
 
 @recursive
-def complementary(gyro, force, gains, gates, start, found):  # type: ignore[no-untyped-def]
+def complementary(gyro, force, gains, start, found):  # type: ignore[no-untyped-def]
     """Filter of first or second order, shape (n, 2); the number of samples held, and where the pitch became steep.
 
-    `gains` are alpha, k2 dt, dt and gravity; `gates` those of the angle's innovation, rad, and of the norm of specific
+    `gains` are alpha, k2 dt, dt, gravity, and the gates of the angle's innovation, rad, and of the norm of specific
     force, relative.
     """
     alpha, slow, dt, gravity = gains[0], gains[1], gains[2], gains[3]
@@ -64,11 +65,11 @@ def complementary(gyro, force, gains, gates, start, found):  # type: ignore[no-u
     for k in range(gyro.shape[0]):
         if math.cos(pitch) < STEEP:
             return held, k
-        roll, pitch = _advance(roll, pitch, gyro[k, 0], gyro[k, 1], gyro[k, 2], dt)
+        roll, pitch = _advance(roll, pitch, gyro[k], dt)
         roll, pitch = roll - roll_bias * dt, pitch - pitch_bias * dt
         seen, pitched = _tilt(force[k, 0], force[k, 1], force[k, 2])
         a, b = _wrapped(seen - roll), pitched - pitch
-        if usable(force, k, gravity, gates[1]) and max(abs(a), abs(b)) <= gates[0]:
+        if usable(force, k, gravity, gains[5]) and max(abs(a), abs(b)) <= gains[4]:
             roll, pitch = roll + (1 - alpha) * a, pitch + (1 - alpha) * b
             roll_bias, pitch_bias = roll_bias - slow * a, pitch_bias - slow * b
         else:
@@ -109,8 +110,8 @@ def _put(q, found, k):  # type: ignore[no-untyped-def]
 
 
 @recursive
-def mahony(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-def]
-    """Mahony's filter with gains kP, kI, dt and gravity; q is changed. The number of samples held."""
+def mahony(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
+    """Mahony's filter with gains kP, kI, dt, gravity and gates; q is changed. The number of samples held."""
     kp, ki, dt, gravity = gains[0], gains[1], gains[2], gains[3]
     bx = by = bz = 0.0
     held = 0
@@ -119,10 +120,10 @@ def mahony(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-def]
         x, v, z = _up(q)
         fx, fy, fz = force[k, 0], force[k, 1], force[k, 2]
         size = math.sqrt(fx * fx + fy * fy + fz * fz)
-        if usable(force, k, gravity, gates[1]):
+        if usable(force, k, gravity, gains[5]):
             fx, fy, fz = fx / size, fy / size, fz / size
             ex, ey, ez = fy * z - fz * v, fz * x - fx * z, fx * v - fy * x
-            if math.sqrt(ex * ex + ey * ey + ez * ez) <= math.sin(min(gates[0], math.pi / 2)):
+            if math.sqrt(ex * ex + ey * ey + ez * ez) <= math.sin(min(gains[4], math.pi / 2)):
                 bx, by, bz = bx - ki * ex * dt, by - ki * ey * dt, bz - ki * ez * dt
                 p, y, r = p + kp * ex, y + kp * ey, r + kp * ez
             else:
@@ -136,8 +137,8 @@ def mahony(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-def]
 
 
 @recursive
-def madgwick(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-def]
-    """Madgwick's filter with gains beta, 0, dt and gravity; q is changed. The number of samples held."""
+def madgwick(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
+    """Madgwick's filter with gains beta, 0, dt, gravity and gates; q is changed. The number of samples held."""
     beta, dt, gravity = gains[0], gains[2], gains[3]
     slope = np.zeros(4)
     held = 0
@@ -147,12 +148,12 @@ def madgwick(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-de
         x, y, z = _up(q)
         slope[:] = 0.0
         angle = math.acos(min(1.0, max(-1.0, (x * fx + y * fy + z * fz) / max(size, 1e-300))))
-        if usable(force, k, gravity, gates[1]) and angle <= gates[0]:
+        if usable(force, k, gravity, gains[5]) and angle <= gains[4]:
             a, b, c = x - fx / size, y - fy / size, z - fz / size
-            w, i, j, l = q[0], q[1], q[2], q[3]
+            w, i, j, m = q[0], q[1], q[2], q[3]
             slope[0] = -2 * j * a + 2 * i * b
-            slope[1] = 2 * l * a + 2 * w * b - 4 * i * c
-            slope[2] = -2 * w * a + 2 * l * b - 4 * j * c
+            slope[1] = 2 * m * a + 2 * w * b - 4 * i * c
+            slope[2] = -2 * w * a + 2 * m * b - 4 * j * c
             slope[3] = 2 * i * a + 2 * j * b
             norm = math.sqrt(slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2 + slope[3] ** 2)
             if norm > 0:
@@ -160,8 +161,8 @@ def madgwick(gyro, force, gains, gates, q, found):  # type: ignore[no-untyped-de
         else:
             held += 1
         _turned(q, gyro[k, 0], gyro[k, 1], gyro[k, 2], dt)
-        for m in range(4):
-            q[m] -= beta * slope[m] * dt
+        for part in range(4):
+            q[part] -= beta * slope[part] * dt
         _normalize(q)
         _put(q, found, k)
     return held
