@@ -32,6 +32,8 @@ RUNS = {
     "statespace": "statespace --sensor fog --rate 100",
     "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
     "compensate": "compensate warm.csv --regressors temp",
+    "vertical": "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'",
+    "vertical of a recording": "vertical six.csv",
     "analyze, read off": f"analyze {SAMPLE} --channels gx --method slopes",
     "analyze, a channel refused": "analyze still.csv",
     "angle estimate": "angle estimate hour.csv --difference difference --latitude 60 --rho rho",
@@ -75,6 +77,9 @@ def desk(tmp_path, monkeypatch):
     (tmp_path / "still.csv").write_text(f"time [s],gx [deg/h],gy [deg/h]\n{still}\n", "utf-8")
     warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
     (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
+    six = "\n".join(f"{row[0]},{row[1]},{row[2]},{row[3]},0.0{i % 7},0.0{i % 5},9.8" for i, row in enumerate(rows))
+    heads = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],ax [m/s^2],ay [m/s^2],az [m/s^2]"
+    (tmp_path / "six.csv").write_text(f"{heads}\n{six}\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     made = CliRunner().invoke(
         main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")

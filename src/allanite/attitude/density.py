@@ -53,7 +53,7 @@ class Densities:
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise UsageError(f"the {name} must be a number of {unit} above 0, not {given(value)}")
         for t in (*models[0], *models[1]):
-            if rate is None and t.row.per_sample and t.value:
+            if rate is None and (t.row.alpha or 0) > 0 and t.value:  # its power is infinite in continuous time
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "
                                  + spelled("--rate HZ", "rate=..."))  # fmt: skip
             if duration is None and (t.row.slope >= 0) and t.value:

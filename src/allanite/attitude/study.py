@@ -249,7 +249,7 @@ def vertical(
     channels = tuple(replace(c, bias=float(b)) for c, b in zip(channels, (*bias[:2], 0.0, 0.0), strict=True))
     return VerticalStudy(
         channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings, angles, loop,
-        data.rate, held, falling, data.downward, _remarks(data, bias, static=static),
+        data.rate, held, falling, data.downward, (*_remarks(data, bias, static=static), *_beyond(channels, loop)),
     )  # fmt: skip
 
 
@@ -347,6 +347,17 @@ def _angle(
         ANGLES[i], record, float(values.mean()), float(values.std()), prediction,
         optimum(noises[i]) if noises else None, gyro.name, accelerometer.name,
     )  # fmt: skip
+
+
+def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
+    """Sensors whose noise is not known at the corner frequency of the filter."""
+    corner = loop.k1 / (2 * math.pi)
+    bands = [(c.record.name, c.fit.scope.band[1]) for c in channels if c.fit and c.fit.scope and c.fit.scope.limited]
+    return [
+        say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to {highest:.3g} "
+            "Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
+        for name, highest in bands if highest < corner
+    ]  # fmt: skip
 
 
 def _remarks(data: Inertial, bias: FloatArray, *, static: bool) -> tuple[str, ...]:
