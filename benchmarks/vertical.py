@@ -212,7 +212,8 @@ def main() -> None:
     rows = [(f"{T:g}", *(f"{v:.4g}" for v in whole(T)), quoted[T]) for T in quoted]
     body += markdown(("T [s]", "time constant [s]", "predicted [arcsec]", "simulated [arcsec]", "expected"), rows)
     body += ["## Predicted against simulated", "",
-             f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {run.asked.runs} runs of {LONGER} T; arcsec.", ""]  # fmt: skip
+             f"Above 1/(2T), T = {HORIZON:g} s, {RATE:g} Hz, {run.asked.runs} runs of {LONGER} T; arcsec.",
+             ""]  # fmt: skip
     rows = []
     for models in MODELS:
         for tau in TIMES:

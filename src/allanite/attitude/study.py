@@ -354,8 +354,8 @@ def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
     corner = loop.k1 / (2 * math.pi)
     bands = [(c.record.name, c.fit.scope.band[1]) for c in channels if c.fit and c.fit.scope and c.fit.scope.limited]
     return [
-        say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to {highest:.3g} "
-            "Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
+        say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to "
+            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
         for name, highest in bands if highest < corner
     ]  # fmt: skip
 

@@ -108,12 +108,12 @@ def lose(values):
     [
         (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
         (lambda r: al.Recording(r.records[:4]), "3 gyros and 1 accelerometer: gx, gy, gz, ax; choose six channels"),
-        (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*without a gap: prepare.trim\(recording, 2.2, 400\)"),
+        (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*gap: prepare.trim\(recording, 2.2, 400\)"),
         (lambda r: changed(r, "gx", lambda v: v + 80.0), "which no vehicle does: are they in deg/s"),
         (lambda r: changed(r, "az", lambda v: v / 9.80665), "are the accelerometers in g"),
         (lambda r: changed(r, "az", lambda v: v * 9.80665), r"are the accelerometers in m/s\^2"),
         (lambda r: changed(r, "az", lambda v: v * 1e-4), "free fall"),
-        (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples at 50"),
+        (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples"),
     ],
 )  # fmt: skip
 def test_bad_recordings(still, change, said):
@@ -168,8 +168,8 @@ NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accel
 def test_the_command_without_a_recording():
     done = run(*NOISE, "--duration", "10 min")
     assert done.exit_code == 0, done.output
-    for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter", "floor: 13.7 arcsec",
-                 "accelerometer  B = 50 ug"):  # fmt: skip
+    for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter",
+                 "floor: 13.7 arcsec", "accelerometer  B = 50 ug"):  # fmt: skip
         assert said in done.output
 
 
