@@ -77,7 +77,8 @@ def desk(tmp_path, monkeypatch):
     (tmp_path / "still.csv").write_text(f"time [s],gx [deg/h],gy [deg/h]\n{still}\n", "utf-8")
     warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
     (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
-    six = "\n".join(f"{row[0]},{row[1]},{row[2]},{row[3]},0.0{i % 7},0.0{i % 5},9.8" for i, row in enumerate(rows))
+    level = ([0.001 * float(rate) for rate in row[1:3]] for row in rows)
+    six = "\n".join(f"{','.join(row[:4])},{x:.6f},{y:.6f},9.8" for row, (x, y) in zip(rows, level, strict=True))
     heads = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],ax [m/s^2],ay [m/s^2],az [m/s^2]"
     (tmp_path / "six.csv").write_text(f"{heads}\n{six}\n", "utf-8")
     monkeypatch.chdir(tmp_path)

@@ -96,14 +96,15 @@ class Loop(Value):
         if interval is None:
             s = 2j * math.pi * np.asarray(f, dtype=np.float64)
             pull = self.k1 + self.k2 / s
-            return 1 / (s + pull), pull / (s + pull)
+            return np.reciprocal(s + pull), pull / (s + pull)
         alpha = math.exp(-self.k1 * interval)
         back = np.exp(-2j * math.pi * np.asarray(f, dtype=np.float64) * interval)
         # 1 - back without cancellation
         rise = 2j * np.sin(math.pi * np.asarray(f) * interval) * np.exp(-1j * math.pi * np.asarray(f) * interval)
         bias = self.k2 * interval**2 * back / rise
-        loop = 1 - alpha + alpha * rise + bias
-        return np.asarray(alpha * interval / loop, dtype=np.complex128), (1 - alpha + bias) / loop
+        loop: ComplexArray = 1 - alpha + alpha * rise + bias
+        gain: ComplexArray = alpha * interval / loop
+        return gain, (1 - alpha + bias) / loop
 
     def demand_sampled(self, interval: float) -> None:
         """Refuse a time constant that is not above the sample interval.

@@ -228,7 +228,7 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 
 
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
-    """One-sided amplitude density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
+    """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
     noise = Densities.of(found.gyro, found.accelerometer, found.duration, found.rate)
     gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
     lines = {}

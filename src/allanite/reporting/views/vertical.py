@@ -26,8 +26,7 @@ ARCSEC = math.pi / 648_000
 
 BRAND = say("roll and pitch from gyros and accelerometers")
 KEY = say(
-    "RMS error of the angle by source; the squares add. Share: of the square of the whole error of the filter of first "
-    "order."
+    "RMS angle error by source; the squares add. Share: of the square of the whole error of the filter of first order."
 )
 DETUNED = say("Error of the filter of first order with a wrong time constant.")
 DRAWN = say(
