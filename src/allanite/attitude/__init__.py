@@ -15,11 +15,11 @@ from .prediction import Prediction as Prediction
 from .prediction import Source as Source
 from .prediction import error_density as error_density
 from .prediction import predicted_error as predicted_error
+from .result import Angle as Angle
+from .result import VerticalSettings as VerticalSettings
+from .result import VerticalStudy as VerticalStudy
 from .scenarios import SCENARIOS as SCENARIOS
 from .scenarios import ScenarioErrors as ScenarioErrors
 from .scenarios import compare_filters as compare_filters
 from .scenarios import simulate_motion as simulate_motion
-from .study import Angle as Angle
-from .study import VerticalSettings as VerticalSettings
-from .study import VerticalStudy as VerticalStudy
 from .study import vertical as vertical

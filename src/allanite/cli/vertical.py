@@ -52,11 +52,11 @@ USUAL_DURATION = 3600.0
     *RESULTS,
 )  # fmt: skip
 def vertical(file: str | None, **choices: Any) -> None:
-    """Find roll and pitch from three gyros and three accelerometers.
+    """Find roll and pitch.
 
-    The time constant with the least error follows from the noise, which is identified from the static recording FILE.
-    Without FILE, --gyro and --accelerometer give the noise; prints the time constant, the predicted error by source and
-    the loss against the optimal filter.
+    Takes three gyros and three accelerometers. The time constant with the least error follows from the noise, which is
+    identified from the static recording FILE. Without FILE, --gyro and --accelerometer give the noise; prints the time
+    constant, the predicted error by source and the loss against the optimal filter.
     """
     out = outputs(choices, [file, choices["recipe"]])
     if file is None:
@@ -66,7 +66,7 @@ def vertical(file: str | None, **choices: Any) -> None:
     if given:
         raise UsageError(f"--{given[0].replace('_', '-')} applies without a recording only; omit it, or FILE")
     choices.pop("seed")
-    from allanite.attitude.study import VerticalSettings
+    from allanite.attitude.result import VerticalSettings
     from allanite.attitude.study import vertical as job
 
     choices["method"] = choices.pop("filter_name")

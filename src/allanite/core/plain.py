@@ -28,7 +28,7 @@ _MODULES: dict[str, str] = {
     "attitude.optimum": "Optimum",
     "attitude.prediction": "Prediction Source",
     "attitude.scenarios": "ScenarioErrors VerticalDesign",
-    "attitude.study": "Angle VerticalChannel VerticalSettings VerticalStudy",
+    "attitude.result": "Angle VerticalChannel VerticalSettings VerticalStudy",
     "batch.across": "Across",
     "batch.batch": "Batch BatchUnit",
     "batch.judgement": "Judgement",

@@ -11,8 +11,8 @@ from allanite.attitude.filters import FILTERS
 from allanite.attitude.loop import Loop
 from allanite.attitude.optimum import Optimum
 from allanite.attitude.prediction import Prediction, texts
+from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
 from allanite.attitude.scenarios import ScenarioErrors, VerticalDesign
-from allanite.attitude.study import Angle, VerticalChannel, VerticalStudy
 from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.reporting import figures, words
