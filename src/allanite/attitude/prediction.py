@@ -181,7 +181,7 @@ def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> I
                 yield Source(sensor, t.symbol, text_of(t), scale(sensor) * rms)
         if bias[i]:
             unit = model.signal.sheet[0]
-            said = f"{bias[i] / unit_of(unit).factor:.4g} {unit}"
+            said = f"bias {bias[i] / unit_of(unit).factor:.4g} {unit}"
             yield Source(sensor, "bias", said, abs(bias[i]) * scale(sensor) * steady(loop, sensor, noise.interval))
 
 
