@@ -1,4 +1,5 @@
 from . import angle as angle
+from . import attitude as attitude
 from . import batch as batch
 from . import compensation as compensation
 from . import identification as identification

@@ -12,6 +12,7 @@ import pytest
 
 import allanite as al
 from allanite.angle import Solution
+from allanite.attitude.scenarios import VerticalDesign
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings
@@ -189,6 +190,21 @@ def rate_study():
     return measure_rates(up, al.Recipe(level=LEVEL), settings, second=down)
 
 
+@cache
+def level():
+    rng = np.random.default_rng(1)
+    noise = 3 * [al.N(0.3, "deg/sqrt(h)")] + 3 * [al.N(100, "ug/sqrt(Hz)")]
+    records = [al.simulate(n, 6000, 10.0, rng=rng, name=name) for n, name in zip(noise, "pqrxyz", strict=True)]
+    up = dataclasses.replace(records[5], values=records[5].values + 9.81)
+    return al.attitude.vertical(al.Recording((*records[:5], up)))
+
+
+@cache
+def scenario_errors():
+    noise = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
+    return al.attitude.compare_filters(*noise, rng=np.random.default_rng(1), rate=10.0, duration=60.0)
+
+
 MAKERS = {
     "Alternative": lambda: Alternative(MODEL, -3.5),
     "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
@@ -231,6 +247,16 @@ MAKERS = {
     "Estimate that is absent": lambda: fit()["K"],
     "Estimate of a ramp": lambda: fit(i=3)["R"],
     "Estimate that is not valid": lambda: fit()["N"].invalid("the curve contradicts it"),
+    "Angle": lambda: level().angles[0],
+    "Loop": lambda: al.attitude.Loop(0.9, 0.016),
+    "Optimum": lambda: level().angles[0].optimum,
+    "Prediction": lambda: level().angles[0].prediction,
+    "ScenarioErrors": scenario_errors,
+    "Source": lambda: level().angles[0].prediction.sources[0],
+    "VerticalChannel": lambda: level().channels[2],
+    "VerticalDesign": lambda: VerticalDesign(level().angles[0].optimum, scenario_errors()),
+    "VerticalSettings": lambda: al.attitude.VerticalSettings("mahony", 2.0, gate=1.0),
+    "VerticalStudy": level,
     "Estimate with a shape": lambda: next(e for e in fit(i=0) if TERMS[e.symbol].parameters),
     "EstimatorSettings": lambda: al.rate.EstimatorSettings(lines=3, allowed=1e-9),
     "Experiment": lambda: rate_study().channels[0].experiment,

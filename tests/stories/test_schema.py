@@ -36,6 +36,8 @@ RUNS = {
     "convert, back": "convert --from px4 px4.params",
     "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
     "compensate": "compensate warm.csv --regressors temp",
+    "vertical": "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'",
+    "vertical of a recording": "vertical six.csv",
     "analyze, read off": f"analyze {SAMPLE} --channels gx --method slopes",
     "analyze, a channel refused": "analyze still.csv",
     "angle estimate": "angle estimate hour.csv --difference difference --latitude 60 --rho rho",
@@ -80,6 +82,10 @@ def desk(tmp_path, monkeypatch):
     warm = "\n".join(f"{row[0]},{row[1]},{25 + i % 1000 / 100}" for i, row in enumerate(rows))
     (tmp_path / "warm.csv").write_text(f"time [s],gx [deg/h],temp [degC]\n{warm}\n", "utf-8")
     (tmp_path / "px4.params").write_text("1\t1\tEKF2_GYR_NOISE\t0.015\t9\n", "utf-8")
+    level = ([0.001 * float(rate) for rate in row[1:3]] for row in rows)
+    six = "\n".join(f"{','.join(row[:4])},{x:.6f},{y:.6f},9.8" for row, (x, y) in zip(rows, level, strict=True))
+    heads = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],ax [m/s^2],ay [m/s^2],az [m/s^2]"
+    (tmp_path / "six.csv").write_text(f"{heads}\n{six}\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     made = CliRunner().invoke(
         main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")

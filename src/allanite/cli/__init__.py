@@ -24,6 +24,7 @@ VERBS: dict[str, str] = {
     "explain": "export.explain",
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
+    "vertical": "vertical.vertical",
 }
 """Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
@@ -31,7 +32,7 @@ GROUPS = {
     "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
     "Use in a filter": ("export", "convert", "explain"),
-    "Special jobs": ("rate", "angle", "budget", "compensate"),
+    "Special jobs": ("rate", "angle", "budget", "compensate", "vertical"),
 }
 """Headings of the help, and the verbs below each."""
 

@@ -22,3 +22,6 @@ from .surfaces import plot_surfaces as plot_surfaces
 from .units import Line as Line
 from .units import UnitCurve as UnitCurve
 from .units import plot_units as plot_units
+from .vertical import plot_angles as plot_angles
+from .vertical import plot_optima as plot_optima
+from .vertical import plot_scenarios as plot_scenarios

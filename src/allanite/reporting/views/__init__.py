@@ -78,6 +78,10 @@ VIEWS: dict[str, str] = {
     "Calibration": "angle.CALIBRATION",
     "AnglePlan": "angle.PLAN",
     "Scan": "angle.SCAN",
+    "VerticalStudy": "vertical.STUDY",
+    "VerticalDesign": "vertical.DESIGN",
+    "Optimum": "vertical.OPTIMUM",
+    "ScenarioErrors": "vertical.SCENARIOS",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 

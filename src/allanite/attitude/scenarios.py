@@ -1,0 +1,284 @@
+"""Motions that a gyro-vertical meets, simulated with any noise, and the errors of all filters in them."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.plain import Value
+from allanite.simulation.record import simulate
+
+from .density import GRAVITY, Densities
+from .filters import FILTERS, Setting
+from .inertial import Inertial
+from .loop import Loop
+from .optimum import Optimum
+
+DROPPED = 0.2
+"""Share of the run, from its start, that is not counted: filters settle."""
+
+Motion = tuple[FloatArray, FloatArray]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A row of `SCENARIOS`.
+
+    Attributes
+    ----------
+    name, title : str
+    angles : t -> roll and pitch, rad
+    forward : t -> acceleration along the course, m/s^2
+    lever : float
+        Height of the sensor above the center of rotation, m.
+    """
+
+    name: str
+    title: str
+    angles: Callable[[FloatArray], Motion]
+    forward: Callable[[FloatArray], FloatArray]
+    lever: float = 0.0
+
+
+def _level(t: FloatArray) -> Motion:
+    return np.zeros_like(t), np.zeros_like(t)
+
+
+def _sway(t: FloatArray) -> Motion:
+    return np.radians(8.0) * np.sin(2 * math.pi * 0.12 * t), np.radians(10.0) * np.sin(2 * math.pi * 0.2 * t)
+
+
+def _dash(t: FloatArray) -> FloatArray:
+    phase = t % 120.0
+    return np.where(phase < 20, 1.0, np.where(phase < 40, -1.0, 0.0))
+
+
+SCENARIOS: dict[str, Scenario] = {
+    row.name: row
+    for row in (
+        Scenario("fixed base", "level and at rest", _level, np.zeros_like),
+        Scenario("acceleration", "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level, _dash),
+        Scenario(
+            "oscillation", "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center", _sway,
+            np.zeros_like, 1.0,
+        ),
+    )
+}  # fmt: skip
+
+
+def simulate_motion(
+    scenario: Scenario,
+    gyro: ModelLike,
+    accelerometer: ModelLike,
+    *,
+    rng: np.random.Generator,
+    rate: float = 100.0,
+    duration: float = 600.0,
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    instant: bool = False,
+) -> tuple[Inertial, FloatArray]:
+    """Simulate what gyros and accelerometers read in a scenario; the filters start aligned.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    gyro, accelerometer : Model, Term or Fit
+        The noise of every axis.
+    rng : numpy.random.Generator
+        The source of randomness.
+    rate, duration : float
+        Sampling rate, Hz, and length, s.
+    bias : (x, y, z)
+        Constant biases of the gyros, rad/s.
+    instant : bool
+        Whether the gyros read the rate at the end of each interval, as without a filter before the sampling, instead of
+        its mean: the integrated angle then leads by half an interval.
+
+    Returns
+    -------
+    inertial : Inertial
+    truth : array, shape (n, 2)
+        Roll and pitch at the end of each interval, rad.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> noise = N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)")
+    >>> found, truth = simulate_motion(SCENARIOS["oscillation"], *noise, rng=np.random.default_rng(1), duration=60)
+    >>> found.gyro.shape, float(np.degrees(truth.max(axis=0))[0].round(1))
+    ((6000, 3), 8.0)
+    """
+    n = round(duration * rate)
+    t = (np.arange(n) + 1) / rate
+    # mean rates over each interval by Simpson's rule
+    nodes = ((1.0, 0.0),) if instant else ((1 / 6, 1.0), (4 / 6, 0.5), (1 / 6, 0.0))
+    gyros = sum(w * _rates(scenario, t - back / rate) for w, back in nodes)
+    force = _force(scenario, t)
+    noises = []
+    for model in (model_of(gyro), model_of(accelerometer)):
+        noises.append(np.stack([simulate(model, n, rate, rng=rng).rate_values for _ in range(3)], axis=1))
+    start = float(scenario.angles(np.zeros(1))[0][0]), float(scenario.angles(np.zeros(1))[1][0])
+    found = Inertial(np.asarray(gyros) + noises[0] + np.array(bias), force + noises[1], rate, aligned=start)
+    return found, np.stack(scenario.angles(t), axis=1)
+
+
+def _rates(scenario: Scenario, t: FloatArray) -> FloatArray:
+    """Rates in the axes of the body, from differences of the angles."""
+    h = 1e-4
+    (roll, _), after, before = scenario.angles(t), scenario.angles(t + h), scenario.angles(t - h)
+    droll, dpitch = ((a - b) / (2 * h) for a, b in zip(after, before, strict=True))
+    return np.stack([droll, dpitch * np.cos(roll), -dpitch * np.sin(roll)], axis=1)
+
+
+def _force(scenario: Scenario, t: FloatArray) -> FloatArray:
+    """Specific force in the axes of the body."""
+    roll, pitch = scenario.angles(t)
+    ahead = scenario.forward(t)
+    along, up = ahead * np.cos(pitch) - GRAVITY * np.sin(pitch), ahead * np.sin(pitch) + GRAVITY * np.cos(pitch)
+    force = np.stack([along, up * np.sin(roll), up * np.cos(roll)], axis=1)
+    if not scenario.lever:
+        return force
+    h = 1e-3
+    omega, turning = _rates(scenario, t), (_rates(scenario, t + h) - _rates(scenario, t - h)) / (2 * h)
+    arm = np.broadcast_to(np.array([0.0, 0.0, scenario.lever]), omega.shape)
+    return np.asarray(force + np.cross(turning, arm) + np.cross(omega, np.cross(omega, arm)))
+
+
+def compared() -> dict[str, tuple[str, Setting]]:
+    """The filters that are compared: label, name in `FILTERS` and settings."""
+    slow = Setting(Loop.of(100.0))
+    return {
+        "accelerometer": ("accelerometer", slow),
+        "bortz": ("bortz", slow),
+        "first order, 1 s": ("complementary", Setting(Loop.of(1.0))),
+        "first order, 10 s": ("complementary", Setting(Loop.of(10.0))),
+        "first order, 100 s": ("complementary", slow),
+        "100 s, norm gate 0.02 g": ("complementary", replace(slow, norm_gate=0.02)),
+        "10 s, angle gate 1 deg": ("complementary", Setting(Loop.of(10.0), gate=math.radians(1.0))),
+        "second order, 100 s, 500 s": ("second-order", Setting(Loop(0.01, 1 / 500**2))),
+        "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
+        "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
+        "madgwick, beta 0.001": ("madgwick", Setting(Loop.of(1.0), beta=0.001)),
+    }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ScenarioErrors(Value):
+    """Errors of filters in the scenarios.
+
+    Attributes
+    ----------
+    gyro, accelerometer : Model
+    filters, scenarios : tuple of str
+    rms : array, shape (filters, scenarios)
+        RMS over roll and pitch after the first fifth of the run, rad.
+    worst : array, shape (filters, scenarios)
+        Largest error there, rad.
+    bias : tuple of float
+        Biases of the gyros, rad/s.
+    rate, duration : float
+    """
+
+    gyro: Model
+    accelerometer: Model
+    filters: tuple[str, ...]
+    scenarios: tuple[str, ...]
+    rms: FloatArray
+    worst: FloatArray
+    bias: tuple[float, ...]
+    rate: float
+    duration: float
+
+    @property
+    def winners(self) -> tuple[str, ...]:
+        """The best filter of each scenario."""
+        return tuple(self.filters[i] for i in self.rms.argmin(axis=0))
+
+    def _summary(self) -> str:
+        return ", ".join(f"{s}: {w}" for s, w in zip(self.scenarios, self.winners, strict=True))
+
+
+def compare_filters(
+    gyro: ModelLike,
+    accelerometer: ModelLike,
+    *,
+    rng: np.random.Generator,
+    rate: float = 100.0,
+    duration: float = 600.0,
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    instant: bool = False,
+    filters: Mapping[str, tuple[str, Setting]] | None = None,
+) -> ScenarioErrors:
+    """Run filters through every scenario.
+
+    Parameters
+    ----------
+    gyro, accelerometer, rng, rate, duration, bias, instant
+        As for `simulate_motion`.
+    filters : mapping of label to (name, Setting), optional
+        By default those of `compared`.
+
+    Returns
+    -------
+    ScenarioErrors
+    """
+    chosen = compared() if filters is None else dict(filters)
+    noise = Densities.of(gyro, accelerometer, duration, rate)
+    columns = []
+    for scenario in SCENARIOS.values():
+        data, truth = simulate_motion(
+            scenario, noise.gyro, noise.accelerometer, rng=rng, rate=rate, duration=duration, bias=bias,
+            instant=instant,
+        )  # fmt: skip
+        first = round(DROPPED * len(truth))
+        errors = [FILTERS[name].run(data, setting)[0] - truth for name, setting in chosen.values()]
+        columns.append([(math.sqrt((e[first:] ** 2).mean()), np.abs(e[first:]).max()) for e in errors])
+    table = np.array(columns).transpose(2, 1, 0)
+    return ScenarioErrors(
+        noise.gyro, noise.accelerometer, tuple(chosen), tuple(SCENARIOS), table[0], table[1], bias, rate, duration
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class VerticalDesign(Value):
+    """The best filters for given noise, and the errors of all filters in the scenarios if they were asked for."""
+
+    optimum: Optimum
+    scenarios: ScenarioErrors | None = None
+
+    def _summary(self) -> str:
+        return self.optimum._summary()
+
+
+AXES = (1.0, -0.7, 0.5)
+"""Biases of the gyros x, y and z, relative to the given one."""
+
+
+def design(
+    found: Optimum, *, bias: float = 0.0, scenarios: bool = False, rate: float | None = None, seed: int = 1
+) -> VerticalDesign:
+    """The best filters, with the errors of `compared` filters and of the best one in every scenario.
+
+    Parameters
+    ----------
+    found : Optimum
+    bias : float
+        Bias of the gyro x, rad/s; those of y and z are -0.7 and 0.5 of it.
+    scenarios : bool
+        Whether to simulate them.
+    rate : float, optional
+        Sampling rate of the simulation, Hz; 100 by default.
+    seed : int
+        Of the random number generator.
+    """
+    if not scenarios:
+        return VerticalDesign(found)
+    chosen = {"best, first order": ("complementary", Setting(found.first.loop)), **compared()}
+    errors = compare_filters(
+        found.first.gyro, found.first.accelerometer, rng=np.random.default_rng(seed), rate=rate or 100.0,
+        bias=(bias * AXES[0], bias * AXES[1], bias * AXES[2]), filters=chosen,
+    )  # fmt: skip
+    return VerticalDesign(found, errors)

@@ -1,0 +1,211 @@
+"""Roll and pitch of a recording, with a filter that follows from the identified noise."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.errors import DataError
+from allanite.core.language import say
+from allanite.core.model import Model
+from allanite.core.record import Record, Recording
+from allanite.core.wording import spelled
+from allanite.study.channels import Inspected, Progress, Source, each_channel, open_recording, provenance_of
+from allanite.study.noise import noise_of
+from allanite.study.recipe import Recipe
+
+from .density import GRAVITY, Densities
+from .filters import Setting
+from .inertial import Inertial, demand_whole, inertial, six_channels
+from .loop import Loop, kalman
+from .optimum import best_loop, best_second, optimum
+from .prediction import predict
+from .result import Angle, VerticalChannel, VerticalSettings, VerticalStudy
+
+ANGLES = ("roll", "pitch")
+PAIRS = ((0, 1), (1, 0))
+"""The gyro and the accelerometer, among x, y, z, that an angle is found from."""
+
+SLOWER = 5.0
+"""Time of the bias estimate over the time constant, where only the latter is given."""
+
+
+def vertical(
+    source: Source,
+    method: str = "complementary",
+    time_constant: float | None = None,
+    *,
+    settings: VerticalSettings | None = None,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> VerticalStudy:
+    """Find roll and pitch of a recording, with the time constant that its identified noise asks for.
+
+    Parameters
+    ----------
+    source : Recording or path
+        Three gyros and three accelerometers along x, y and z, in this order.
+    method : str
+        A key of `attitude.FILTERS`.
+    time_constant : float, optional
+        s; by default the one with the least sum of squares of both angles.
+    settings : VerticalSettings, optional
+        Instead of `method` and `time_constant`.
+    recipe : Recipe, optional
+        How the file is read, and how its noise is identified.
+    progress : callable, optional
+        Called with a description of the current step and the fraction completed.
+
+    Raises
+    ------
+    DataError
+        There are not three gyros and three accelerometers, samples are missing, the units are implausible, no time
+        constant follows from the noise, or the pitch is near 90 degrees.
+    UsageError
+        An option is wrong; the time constant is not above the sample interval.
+    """
+    settings = settings or VerticalSettings(method, time_constant)
+    recipe = recipe or Recipe()
+    recording = _opened(source, recipe, settings)
+    gyros, accelerometers = six_channels(recording)
+    for record in (*gyros, *accelerometers):
+        demand_whole(record)
+    used = [*gyros[:2], *accelerometers[:2]]
+    channels = _identified(recording, used, recipe, (settings, progress))
+    data = inertial(recording)
+    models = [_model(channel, settings) for channel in channels]
+    static = not any(channel.refusal for channel in channels[:2]) and not settings.keep_bias
+    bias = data.gyro.mean(axis=0) if static else np.zeros(3)
+    noises = _noises(models, data)
+    loop = _loop(settings, noises, [c.refusal for c in channels])
+    if settings.row.looped:
+        loop.demand_sampled(data.interval)
+    moved = replace(data, gyro=data.gyro - bias)
+    gate = None if settings.gate is None else math.radians(settings.gate)
+    found, held = settings.row.run(moved, Setting(loop, gate=gate, samples=settings.samples))
+    falling = int((np.linalg.norm(data.force, axis=1) <= 0.1 * data.gravity).sum())
+    angles = tuple(_angle(i, found[:, i], (settings, loop, noises), channels) for i in range(2))
+    channels = tuple(replace(c, bias=float(b)) for c, b in zip(channels, (*bias[:2], 0.0, 0.0), strict=True))
+    return VerticalStudy(
+        channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings, angles, loop,
+        data.rate, held, falling, data.downward, (*_remarks(data, bias, static=static), *_beyond(channels, loop)),
+    )  # fmt: skip
+
+
+def _opened(source: Source, recipe: Recipe, settings: VerticalSettings) -> Recording:
+    """The recording; of a file without units, gyros and accelerometers are read one after the other."""
+    first = open_recording(source, recipe)
+    if settings.accelerometer_unit is None or len(first) > 3 or isinstance(source, Recording | Record):
+        return first
+    second = open_recording(source, replace(recipe, unit=settings.accelerometer_unit, scale=None))
+    return replace(first, records=(*first.records, *second.records), notes=_joined(first, second))
+
+
+def _joined(first: Recording, second: Recording) -> tuple[str, ...]:
+    """The notes of both, without those on what the other has read."""
+    return tuple(dict.fromkeys(n for n in (*first.notes, *second.notes) if not n.startswith("left out, ")))
+
+
+def _identified(
+    recording: Recording, used: Sequence[Record], recipe: Recipe, how: tuple[VerticalSettings, Progress | None]
+) -> tuple[VerticalChannel, ...]:
+    """Gyros x, y and accelerometers x, y with their noise, where no model is given."""
+    settings, progress = how
+    given = [m is not None for m in settings.models for _ in range(2)]
+    names = {record.name: known for record, known in zip(used, given, strict=True)}
+
+    def work(seen: Inspected) -> VerticalChannel:
+        noise = None if names[seen.name] else noise_of(seen.record, recipe)
+        doubts = () if noise is None else noise.doubts
+        return VerticalChannel(seen.record, seen.quality, noise, alerts=(*doubts, *seen.alerts))
+
+    return each_channel(
+        [(record.name, (record,)) for record in used], work, VerticalChannel.refused, findings=recording.findings,
+        doing="identifying", progress=progress,
+    )  # fmt: skip
+
+
+def _model(channel: VerticalChannel, settings: VerticalSettings) -> Model | None:
+    gyro, accelerometer = settings.models
+    known = gyro if channel.record.signal.name == "gyro" else accelerometer
+    if known is not None or channel.fit is None:
+        return known
+    return channel.fit.valid or channel.fit.model
+
+
+def _noises(models: Sequence[Model | None], data: Inertial) -> list[Densities]:
+    """The noise of roll and of pitch; empty where that of one is not known."""
+    duration = len(data.gyro) * data.interval
+    pairs = [(models[g], models[2 + a]) for g, a in PAIRS]
+    known = [(g, a) for g, a in pairs if g is not None and a is not None]
+    return [Densities.of(g, a, duration, data.rate) for g, a in known] if len(known) == len(pairs) else []
+
+
+def _loop(settings: VerticalSettings, noises: list[Densities], refusals: Sequence[str]) -> Loop:
+    """The filter, as given or the best for the noise."""
+    estimates = settings.method in ("second-order", "kalman")
+    if settings.time_constant is not None:
+        slow = settings.bias_time or (SLOWER * settings.time_constant if estimates else None)
+        return Loop(1 / settings.time_constant, 0.0 if slow is None else slow**-2)
+    if not noises:
+        reasons = "; ".join(dict.fromkeys(r for r in refusals if r)) or "the noise is not known"
+        raise DataError(
+            f"no time constant follows from the noise: {reasons}; give it with "
+            + spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
+        )
+    first = best_loop(noises, [(0.0, 0.0)] * 2)
+    if settings.method == "second-order":
+        first = best_second(noises, [(0.0, 0.0)] * 2, first) or first
+    if settings.method == "kalman":
+        first = _kalman(noises)
+    return first if settings.bias_time is None else replace(first, k2=settings.bias_time**-2)
+
+
+def _kalman(noises: Sequence[Densities]) -> Loop:
+    """The steady Kalman filter for the mean power of both angles."""
+
+    def size(models: Sequence[Model], symbol: str) -> float:
+        return math.sqrt(sum(t.value**2 for m in models for t in m if t.symbol == symbol) / len(models))
+
+    gyros = [n.gyro for n in noises]
+    tilt = size([n.accelerometer for n in noises], "N") / GRAVITY
+    if not tilt:
+        raise DataError("the Kalman filter needs white noise (N) of the accelerometers, and none was identified; use "
+                        + spelled("--method second-order", "method='second-order'"))  # fmt: skip
+    return kalman(size(gyros, "N"), tilt, size(gyros, "K"))
+
+
+def _angle(
+    i: int, values: FloatArray, how: tuple[VerticalSettings, Loop, list[Densities]], channels: Sequence[VerticalChannel]
+) -> Angle:
+    settings, loop, noises = how
+    gyro, accelerometer = (channels[PAIRS[i][0]].record, channels[2 + PAIRS[i][1]].record)
+    record = Record(np.degrees(values), gyro.rate, "deg", "angle", name=ANGLES[i], cut=getattr(gyro, "cut", 0.0))
+    prediction = predict(noises[i], loop) if noises and settings.row.looped else None
+    return Angle(
+        ANGLES[i], record, float(values.mean()), float(values.std()), prediction,
+        optimum(noises[i]) if noises else None, gyro.name, accelerometer.name,
+    )  # fmt: skip
+
+
+def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
+    """Sensors whose noise is not known at the corner frequency of the filter."""
+    corner = loop.k1 / (2 * math.pi)
+    bands = [(c.record.name, c.fit.scope.band[1]) for c in channels if c.fit and c.fit.scope and c.fit.scope.limited]
+    return [
+        say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to "
+            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
+        for name, highest in bands if highest < corner
+    ]  # fmt: skip
+
+
+def _remarks(data: Inertial, bias: FloatArray, *, static: bool) -> tuple[str, ...]:
+    found = []
+    if data.downward:
+        found.append(say("the z axis points down: specific forces are turned around"))
+    if static:
+        rates = ", ".join(f"{b:.4g}" for b in np.degrees(bias) * 3600)
+        found.append(say("the mean rates of the gyros were subtracted: {rates} deg/h", rates=rates))
+    return tuple(found)

@@ -1,0 +1,280 @@
+"""How gyro-verticals are shown: time constant, predicted error by source, roll and pitch, filters in scenarios."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from allanite.attitude.filters import FILTERS
+from allanite.attitude.loop import Loop
+from allanite.attitude.optimum import Optimum
+from allanite.attitude.prediction import Prediction, texts
+from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
+from allanite.attitude.scenarios import ScenarioErrors, VerticalDesign
+from allanite.core.language import say
+from allanite.core.record import Record
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
+from allanite.study.channels import provenance_of
+
+from . import Rows, View
+from .jobs import channel_sheet, job_face, source_of
+
+ARCSEC = math.pi / 648_000
+
+BRAND = say("roll and pitch from gyros and accelerometers")
+KEY = say(
+    "RMS angle error by source; the squares add. Share: of the square of the whole error of the filter of first order."
+)
+DETUNED = say("Error of the filter of first order with a wrong time constant.")
+DRAWN = say(
+    "Above: gain from the integrated gyro and from the accelerometer's tilt to the angle. Middle: density of the error "
+    "by source, of the recommended filter. Below: error against the time constant."
+)
+ANGLES = say("Roll and pitch: mean, least and largest of short blocks; dashed: predicted limits about the mean.")
+COMPARED = say(
+    "RMS error of roll and pitch after the first fifth of the run, deg; in brackets the largest. Norm gate: ignores "
+    "the accelerometers where the specific force differs from g in size; angle gate: where their tilt differs from the "
+    "angle."
+)
+
+
+def _optimum_parts(found: Optimum, name: str = "") -> Iterator[Part]:
+    yield from _sentences(found)
+    yield _sources(found)
+    yield _detuning(found)
+    yield Drawing(lambda: figures.plot_optima([(name, found)]), say("filter and errors"), DRAWN)
+
+
+def _sentences(found: Optimum) -> Iterator[Note]:
+    first, second = found.first, found.second
+    yield Note(
+        say("time constant {tau:.4g} s: RMS error {error:.3g} arcsec, with a filter of first order",
+            tau=found.time_constant, error=first.to("arcsec")), "strong",
+    )  # fmt: skip
+    if second is not None:
+        loop = second.loop
+        gains = {"k1": loop.k1, "k2": loop.k2, "error": second.to("arcsec"), "gain": 100 * (1 - second.rms / first.rms)}
+        if found.order == 2:
+            yield Note(say("use the filter of second order: k1 = {k1:.4g} 1/s, k2 = {k2:.4g} 1/s^2, RMS error "
+                           "{error:.3g} arcsec, {gain:.2g} % less", **gains))  # fmt: skip
+        else:
+            yield Note(say("a filter of second order, k1 = {k1:.4g} 1/s, k2 = {k2:.4g} 1/s^2, has {error:.3g} arcsec, "
+                           "only {gain:.2g} % less", **gains))  # fmt: skip
+    else:
+        yield Note(say("a filter of second order is not better"))
+    yield Note(
+        say("the optimal causal (Wiener) filter has {bound:.3g} arcsec; the noise of the filter of first order is "
+            "{loss} larger", bound=found.bound / ARCSEC, loss=words.percent(found.loss, 2) or "0 %")
+    )  # fmt: skip
+    if first.floor:
+        yield Note(say("floor: {floor:.3g} arcsec from flicker and bias of the accelerometer, which no time constant "
+                       "removes", floor=first.floor / ARCSEC))  # fmt: skip
+
+
+def _sources(found: Optimum) -> Table:
+    heads = [Column(say("source"), "name"), Column(say("term"), "text"), Column(say("first order [arcsec]")),
+             Column(say("share"))]  # fmt: skip
+    second = found.second
+    heads += [Column(say("second order [arcsec]"))] if second is not None else []
+    others = second.sources if second is not None else found.first.sources
+    rows = []
+    for s, other in zip(found.first.sources, _aligned(found.first.sources, others), strict=True):
+        share = words.percent(s.rms**2 / found.first.rms**2, 2)
+        row = [_named(s.sensor), s.text, f"{s.rms / ARCSEC:.3g}", share]
+        rows.append([*row, f"{other / ARCSEC:.3g}"] if second is not None else row)
+    last = [say("all"), "", f"{found.first.rms / ARCSEC:.4g}", "100 %"]
+    rows.append([*last, f"{second.rms / ARCSEC:.4g}"] if second is not None else last)
+    marks: list[Mark] = ["strong" if i == len(rows) - 1 else "" for i in range(len(rows))]
+    return Table(heads, rows, say("error by source"), marks=marks, key=KEY)
+
+
+def _aligned(sources: Sequence[Any], others: Sequence[Any]) -> list[float]:
+    known = {(o.sensor, o.text): o.rms for o in others}
+    return [known.get((s.sensor, s.text), 0.0) for s in sources]
+
+
+def _named(sensor: str) -> str:
+    return say("gyro") if sensor == "gyro" else say("accelerometer")
+
+
+def _detuning(found: Optimum) -> Table:
+    heads = (Column(say("factor")), Column(say("time constant [s]")), Column(say("RMS error [arcsec]")),
+             Column(say("over the least")))  # fmt: skip
+    rows = [
+        [f"{k:g}", f"{k * found.time_constant:.4g}", f"{rms / ARCSEC:.4g}", f"{rms / found.first.rms:.3f}"]
+        for k, rms in found.detuning
+    ]
+    return Table(heads, rows, say("detuning"), key=DETUNED)
+
+
+def _matrices(loop: Loop, rate: float) -> Code:
+    """The filter as a program needs it, to the last digit."""
+    h = 1 / rate
+    alpha = math.exp(-loop.k1 * h)
+    if loop.order == 1:
+        lines = [f"Phi = [[1.0]]; B = [[{h!r}]]; H = [[1.0]]", f"K = [[{-math.expm1(-loop.k1 * h)!r}]]"]
+        state = say("x = [angle]")
+    else:
+        lines = [f"Phi = [[1.0, {-h!r}], [0.0, 1.0]]; B = [[{h!r}], [0.0]]; H = [[1.0, 0.0]]",
+                 f"K = [[{-math.expm1(-loop.k1 * h)!r}], [{-loop.k2 * h!r}]]"]  # fmt: skip
+        state = say("x = [angle, gyro bias]")
+    lines.append(f"alpha = {alpha!r}; dt = {h!r}")
+    return Code("\n".join(lines), say("filter at {rate:g} Hz, SI: {state}, x = Phi x + B omega, x = x + K (tilt - H x)",
+                                      rate=rate, state=state))  # fmt: skip
+
+
+def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
+    best = [
+        say("{scenario}: {filter} ({error:.3g} deg)", scenario=s, filter=w, error=math.degrees(found.rms[:, i].min()))
+        for i, (s, w) in enumerate(zip(found.scenarios, found.winners, strict=True))
+    ]
+    same = len(set(found.winners)) == 1
+    head = say("one filter is the best in all scenarios") if same else say("no filter is the best in all scenarios")
+    yield Note(head, "strong", points=best)
+    yield from _norm_gate(found)
+    heads = [Column(say("filter"), "name"), *(Column(say("{scenario} [deg]", scenario=s)) for s in found.scenarios)]
+    cells = [
+        [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
+        for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
+    ]
+    yield Table(heads, cells, say("filters in the scenarios"), key=COMPARED)
+    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
+
+
+def _norm_gate(found: ScenarioErrors) -> Iterator[Note]:
+    named = dict(zip(found.filters, found.rms, strict=True))
+    plain, gated = named.get("first order, 100 s"), named.get("100 s, norm gate 0.02 g")
+    if plain is not None and gated is not None:
+        yield Note(
+            say("a gate on the size of the specific force does not see 1 m/s^2, which makes it only 0.52 % larger: "
+                "{gated:.4g} deg with the gate, {plain:.4g} deg without", gated=math.degrees(gated[1]),
+                plain=math.degrees(plain[1]))
+        )  # fmt: skip
+
+
+def _design_face(found: VerticalDesign, _: float) -> Face:
+    first = found.optimum.first
+    sheets = [_optimum_sheet(found.optimum)]
+    if found.scenarios is not None:
+        s = found.scenarios
+        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=s.duration, rate=s.rate)
+        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(s))))
+    noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
+    header = [("noise", noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
+    return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[_filters()], provenance=provenance_of())
+
+
+def _optimum_sheet(found: Optimum) -> Sheet:
+    first = found.first
+    horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
+    sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
+    parts = list(_optimum_parts(found))
+    if first.rate is not None:
+        parts.append(_matrices(found.best.loop, first.rate))
+    return Sheet(say("filter"), (horizon, sampled), tuple(parts))
+
+
+def _filters() -> Table:
+    heads = (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+             Column(say("source"), "text"))  # fmt: skip
+    return Table(heads, [[f.name, f.title, f.formula, f.reference] for f in FILTERS.values()], where="page")
+
+
+def _study_face(study: VerticalStudy, _: float) -> Face:
+    sheets = [_angle_sheet(study, angle) for angle in study.angles]
+    sheets += [_channel_sheet(channel) for channel in study]
+    face = job_face(study, (say("Roll and pitch of {source}", source=source_of(study)), BRAND), sheets, _remarks(study))
+    drawing = Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES)
+    return replace(face, parts=[*face.parts, drawing], close=[_matrices(study.loop, study.rate)], how=[_filters()])
+
+
+def _remarks(study: VerticalStudy) -> Iterator[Part]:
+    row, loop = study.settings.row, study.loop
+    yield Note(
+        say("{title}: time constant {tau:.4g} s{second}", title=say(row.title), tau=loop.time_constant,
+            second=say(", k2 = {k2:.4g} 1/s^2", k2=loop.k2) if loop.k2 else ""), "strong",
+    )  # fmt: skip
+    yield from (Note(remark) for remark in study.remarks)
+    if study.falling:
+        yield Note(say("{count} samples in free fall, during which the gyros alone were used", count=study.falling),
+                   "alert")  # fmt: skip
+    if study.held > study.falling and row.name != "bortz":
+        yield Note(say("the accelerometers were ignored in {count} samples", count=study.held - study.falling))
+
+
+def _angle_sheet(study: VerticalStudy, angle: Angle) -> Sheet:
+    about = (say("{gyro} and {accelerometer}", gyro=angle.gyro, accelerometer=angle.accelerometer),)
+    parts: list[Part] = [Note(
+        say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
+            deviation=angle.deviation / ARCSEC)
+    )]  # fmt: skip
+    p = angle.prediction
+    if p is not None:
+        parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
+                              error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
+        parts += _doubt(angle, p)
+    elif angle.optimum is None:
+        parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
+    else:
+        parts.append(Note(say("no prediction: the filter is not linear")))
+    if angle.optimum is not None:
+        parts.append(Note(say("the best filters for this angle alone:")))
+        parts += _optimum_parts(angle.optimum, angle.name)
+    return Sheet(angle.name, about, tuple(parts))
+
+
+def _doubt(angle: Angle, p: Prediction) -> list[Part]:
+    """A measured scatter that the prediction does not explain."""
+    if not isinstance(angle.record, Record) or angle.deviation < BEYOND * p.rms:
+        return []
+    return [Note(
+        say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing from the "
+            "models (see the channels)", ratio=angle.deviation / p.rms), "alert",
+    )]  # fmt: skip
+
+
+BEYOND = 1.5
+"""Ratio of measured and predicted scatter from which it is mentioned."""
+
+
+def _channel_sheet(channel: VerticalChannel) -> Sheet:
+    fit = channel.fit
+    parts = [] if fit is None else [Note(say("noise: {model}", model=texts(fit.valid or fit.model)))]
+    parts += [Note(text) for text in channel.left_out]
+    return channel_sheet(channel, parts)
+
+
+def _study_rows(study: VerticalStudy, _: float) -> Rows:
+    """Time and both angles, deg."""
+    values = [np.degrees(v) for v in (study.roll, study.pitch)]
+    t = np.arange(1, len(values[0]) + 1) / study.rate
+    return ["time", *(angle.name for angle in study.angles)], np.stack([t, *values], axis=1).tolist()
+
+
+def _scenario_rows(found: ScenarioErrors) -> Rows:
+    heads = ["filter", *(f"{s} {what}" for s in found.scenarios for what in ("rms", "worst"))]
+    pairs = np.degrees(np.stack([found.rms, found.worst], axis=2)).reshape(len(found.filters), -1)
+    return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
+
+
+def _design_rows(found: VerticalDesign, _: float) -> Rows:
+    return found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios)
+
+
+STUDY = View(_study_face, lambda values, fit, level: figures.plot_angles(values[0].angles), _study_rows)
+DESIGN = View(
+    _design_face, lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]), _design_rows
+)
+OPTIMUM = View(
+    lambda found, level: _design_face(VerticalDesign(found), level),
+    lambda values, fit, level: figures.plot_optima([("", v) for v in values]),
+    lambda found, level: found.rows(),
+)
+SCENARIOS = View(
+    lambda found, level: Face(say("Filters in scenarios"), BRAND, (Sheet("", (), tuple(_scenario_parts(found))),)),
+    lambda values, fit, level: figures.plot_scenarios(values[0]),
+    lambda found, level: _scenario_rows(found),
+)

@@ -1,0 +1,198 @@
+"""Roll and pitch of recordings: identified time constant, predicted limits, bad input, the command."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.attitude import VerticalSettings, optimal_time_constant, vertical
+from allanite.cli import main
+from allanite.reporting import table
+
+GYRO, TILT = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
+NAMES = ("gx", "gy", "gz", "ax", "ay", "az")
+
+
+def records(n=20_000, rate=50.0, seed=1):
+    rng = np.random.default_rng(seed)
+    found = [al.simulate(GYRO if name[0] == "g" else TILT, n, rate, rng=rng, name=name) for name in NAMES]
+    return [*found[:5], replace(found[5], values=found[5].values + 9.80665)]
+
+
+@pytest.fixture(scope="module")
+def still():
+    return al.Recording(tuple(records()))
+
+
+@pytest.fixture(scope="module")
+def found(still):
+    return vertical(still)
+
+
+def changed(recording, name, values):
+    kept = tuple(replace(r, values=values(r.values)) if r.name == name else r for r in recording)
+    return al.Recording(kept)
+
+
+def test_time_constant_follows_from_the_identified_noise(found):
+    assert found.loop.time_constant == pytest.approx(optimal_time_constant(GYRO, TILT).time_constant, rel=0.05)
+    for angle in found.angles:
+        assert angle.deviation == pytest.approx(angle.prediction.rms, rel=0.1)
+        assert angle.optimum.first.rms <= angle.prediction.rms * (1 + 1e-9)
+    assert (found.angles[0].gyro, found.angles[0].accelerometer) == ("gx", "ay")
+    assert len(found.roll) == len(found.pitch) == 20_000
+
+
+def test_a_given_time_constant_needs_no_noise(still):
+    short = al.Recording(tuple(replace(r, values=r.values[:150]) for r in still))
+    got = vertical(short, "mahony", 2.0)
+    assert got.loop.time_constant == 2.0
+    assert all(angle.prediction is None for angle in got.angles)
+    with pytest.raises(al.DataError, match=r"no time constant follows from the noise: .*give it with time_constant"):
+        vertical(short)
+
+
+def test_given_noise_is_not_identified(still):
+    settings = VerticalSettings("second-order", gyro="N 0.3 deg/sqrt(h), K 500 deg/h/sqrt(h)",
+                                accelerometer="N 100 ug/sqrt(Hz)")  # fmt: skip
+    got = vertical(still, settings=settings)
+    assert all(channel.noise is None for channel in got)
+    assert got.loop.order == 2
+    white = replace(settings, method="kalman", gyro="N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h)")
+    kalman = vertical(still, settings=white)
+    assert kalman.loop.k1 == pytest.approx(0.89099, rel=1e-4)
+    assert kalman.loop.k2 == pytest.approx(0.016160, rel=1e-4)
+
+
+def test_z_may_point_down(still):
+    turned = [replace(r, values=-r.values) if r.name in ("gy", "gz", "ay", "az") else r for r in still]
+    up, down = vertical(still, time_constant=1.0), vertical(al.Recording(tuple(turned)), time_constant=1.0)
+    assert (up.downward, down.downward) == (False, True)
+    assert down.roll == pytest.approx(up.roll, abs=1e-9)
+    assert down.pitch == pytest.approx(-up.pitch, abs=1e-9)
+
+
+def test_mean_rates_are_subtracted_or_kept(still):
+    biased = changed(still, "gx", lambda v: v + 1e-4)
+    free, kept = (vertical(biased, settings=VerticalSettings(time_constant=2.0, keep_bias=k)) for k in (False, True))
+    assert free[0].bias == pytest.approx(1e-4, rel=1e-3)
+    assert kept.angles[0].mean - free.angles[0].mean == pytest.approx(2e-4, rel=0.05)
+
+
+def test_free_fall_is_counted(still):
+    def fall(values):
+        values = values.copy()
+        values[5000:5100] = 0.0
+        return values
+
+    dropped = still
+    for name in ("ax", "ay", "az"):
+        dropped = changed(dropped, name, fall)
+    got = vertical(dropped, time_constant=1.0)
+    assert (got.held, got.falling) == (100, 100)
+    assert "100 samples in free fall" in table(got)
+
+
+def lose(values):
+    values = values.copy()
+    values[100:110] = np.nan
+    return values
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
+        (lambda r: al.Recording(r.records[:4]), "3 gyros and 1 accelerometer: gx, gy, gz, ax; choose six channels"),
+        (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*gap: prepare.trim\(recording, 2.2, 400\)"),
+        (lambda r: changed(r, "gx", lambda v: v + 80.0), "which no vehicle does: are they in deg/s"),
+        (lambda r: changed(r, "az", lambda v: v / 9.80665), "are the accelerometers in g"),
+        (lambda r: changed(r, "az", lambda v: v * 9.80665), r"are the accelerometers in m/s\^2"),
+        (lambda r: changed(r, "az", lambda v: v * 1e-4), "free fall"),
+        (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples"),
+    ],
+)  # fmt: skip
+def test_bad_recordings(still, change, said):
+    with pytest.raises(al.DataError, match=said):
+        vertical(change(still), time_constant=1.0)
+
+
+def test_bad_settings(still):
+    with pytest.raises(al.UsageError, match=r"must be above the sample interval of 0.02 s, not 0.02 s"):
+        vertical(still, time_constant=0.02)
+    with pytest.raises(al.UsageError, match="unknown filter 'best'; known filters: complementary"):
+        vertical(still, "best")
+    with pytest.raises(al.UsageError, match="time_constant must be above 0, not -1"):
+        vertical(still, time_constant=-1.0)
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch, still):
+    monkeypatch.chdir(tmp_path)
+    al.write(still, "six.csv")
+    return tmp_path
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["vertical", *words])
+
+
+def test_the_command(desk):
+    done = run("six.csv", "--report", "page.html", "--csv", "angles.csv", "--json", "out.json", "--plot", "roll.svg")
+    assert done.exit_code == 0, done.output
+    assert "complementary filter of first order: time constant 1.1" in done.output
+    lines = (desk / "angles.csv").read_text("utf-8").splitlines()
+    assert lines[0] == "time,roll,pitch"
+    assert len(lines) == 20_001
+    stored = json.loads((desk / "out.json").read_text("utf-8"))
+    assert al.from_dict(stored).loop.time_constant == pytest.approx(1.15, rel=0.05)
+    page = (desk / "page.html").read_text("utf-8")
+    assert "Roll and pitch of six.csv" in page
+
+
+def test_the_matrices_are_those_of_the_filter(desk, still):
+    done = run("six.csv", "--time-constant", "2", "--quiet", "--json", "-")
+    k1 = json.loads(done.output)["loop"]["k1"]
+    said = run("six.csv", "--time-constant", "2").output
+    assert k1 == 0.5
+    assert f"K = [[{-math.expm1(-0.5 / 50)!r}]]" in said
+
+
+NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accelerometer", "N 100 ug/sqrt(Hz), B 50 ug")
+
+
+def test_the_command_without_a_recording():
+    done = run(*NOISE, "--duration", "10 min")
+    assert done.exit_code == 0, done.output
+    for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter",
+                 "floor: 13.7 arcsec", "accelerometer  B = 50 ug"):  # fmt: skip
+        assert said in done.output
+
+
+def test_scenarios_are_shown():
+    done = run(*NOISE, "--scenarios", "--gyro-bias", "10 deg/h")
+    assert done.exit_code == 0, done.output
+    assert "no filter is the best in all scenarios" in done.output
+    assert "does not see 1 m/s^2" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ([], 2, "give a recording, or the noise of both sensors with --gyro and --accelerometer"),
+        (NOISE[:2], 2, "the noise of both sensors"),
+        ([*NOISE, "--gate", "3"], 2, "--gate applies to a recording"),
+        (["six.csv", "--scenarios"], 2, "--scenarios applies without a recording only"),
+        (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
+        (["six.csv", "--channels", "gx,gy,gz"], 3, "three gyros and three accelerometers"),
+        (["none.csv"], 3, "none.csv"),
+    ],
+)
+def test_wrong_commands(desk, words, code, said):
+    done = run(*words)
+    assert done.exit_code == code, done.output
+    assert said in done.output
