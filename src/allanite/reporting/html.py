@@ -59,7 +59,7 @@ def _environment() -> Environment:
     env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.globals.update(say=say, say_count=say_count)
-    env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, shown=_shown, color_of=_color_of)
+    env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, numeric=_numeric, shown=_shown, color_of=_color_of)
     return env
 
 
@@ -86,8 +86,13 @@ def _cell(column: Column, text: str) -> Markup | str:
     if column.kind == "formula":
         from latex2mathml.converter import convert
 
-        return Markup(convert(text))  # noqa: S704 - our own tables' formulas
+        # a long one is scrolled where the screen is narrow: by keys, too
+        return Markup(convert(text).replace("<math ", '<math tabindex="0" ', 1))  # noqa: S704 - our own tables' formulas
     return printed(tr(text), column.kind)
+
+
+def _numeric(column: Column) -> bool:
+    return column.kind in ("number", "interval", "unit")
 
 
 def _css(column: Column, text: str, mark: str) -> str:

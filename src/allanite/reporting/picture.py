@@ -40,7 +40,8 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = _without_groups(_rounded(text))
     label = str(Markup.escape(printable(tr(label))))
-    start = f'<svg role="img" aria-label="{label}" stroke-linejoin="round" '
+    wide = figure.get_figwidth() * 72
+    start = f'<svg role="img" aria-label="{label}" style="--wide: {wide:.0f}" stroke-linejoin="round" '
     # matplotlib escapes the text in a figure
     return Markup(text.replace("<svg ", start, 1))  # noqa: S704
 
@@ -60,7 +61,17 @@ def _rounded(text: str) -> str:
 def _short_tag(tag: str) -> str:
     points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), tag)
     short = re.sub(r"\s+", " ", re.sub(r"(\.\d\d)\d+", r"\1", points)).replace(' "', '"')
+    short = re.sub(r'(?<= d=")[^"]*', lambda found: _short_path(found[0]), short)
     return re.sub(r' transform="rotate\(-0 [^"]*"', "", short)
+
+
+def _short_path(path: str) -> str:
+    """A path without what its reader supplies: the letters of lines after a line, blanks before letters and signs."""
+    path = re.sub(
+        r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)", lambda m: m[1] + m[2] + m[3].replace(" L", ""), path
+    )
+    path = re.sub(r"(?<=\d)\.0(?!\d)", "", path)
+    return re.sub(r" ?([A-Za-z]) ?| (?=-)", r"\1", path)
 
 
 def _without_groups(text: str) -> str:
