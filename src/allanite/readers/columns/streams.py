@@ -150,11 +150,11 @@ def _of_name(streams: Sequence[Stream], key: str) -> list[Stream]:
     names = [(stream.key, stream) for stream in streams]
     exact = [stream for stream in streams if stream.name.strip("/") == key]
     alike = [stream for name, stream in names if name == lower]
-    inner = [stream for name, stream in names if lower.startswith(name + "/") and lower != name]
+    inner = [stream for name, stream in names if lower.startswith(name + "/")]
     return (
         exact
         or alike
-        or max(([stream] for stream in inner), key=lambda one: len(one[0].key), default=[])
+        or sorted(inner, key=lambda one: (len(one.key), key.startswith(one.name.strip("/"))))[-1:]
         or [stream for name, stream in names if name.startswith(lower + "/")]
     )
 
