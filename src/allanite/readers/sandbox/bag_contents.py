@@ -52,7 +52,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
 
 @contextmanager
 def _worded() -> Iterator[None]:
-    """Any error of rosbags in words; an assertion of it has none."""
+    """Any error of rosbags as the message of an exit; an assertion of it has none."""
     try:
         yield
     except MemoryError:
