@@ -320,7 +320,7 @@ SEEDS = {
     "run.lvm": Seed(_labview, {}, 3_000),
     "vn100.txt": Seed(_sentences, ASKED, 3_000),
     "run.mf4": Seed(_mdf, {}, 200),
-    "kfgins.bin": Seed(_kfgins, {}, 3_000),
+    "kfgins.bin": Seed(_kfgins, {"dtype": "kfgins"}, 3_000),
     "plain.bag": Seed(lambda: _bag("bag"), {}, 10_000),
     "squeezed.bag": Seed(lambda: _bag("bag", "lz4"), {}, 10_000),
     "plain.db3": Seed(lambda: _bag("db3"), {}, 10_000),

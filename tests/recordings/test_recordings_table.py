@@ -83,7 +83,8 @@ TABLE = [
         r"from column 1", r"111\.3 s long",
     )),
     Row("vn100_car_idle.bag", "info", "", 0, 40.000076, (
-        r"topic /imu \(sensor_stack/Vectornav, 2732 messages, 39.85 Hz\)", r"rad/s and m/s\^2 by the definition",
+        r"samples of /imu of type sensor_stack/Vectornav \(2732 rows at 39.85 Hz\)",
+        r"rad/s and m/s\^2 by the definition",
         r"'header\.stamp' is used as the clock, of 4 candidates",
         r"'imu\.header\.stamp' repeats 97 % of its time stamps", r"'receive time' scatters by 100 %",
         r"spectral lines at 10, 18\.3, 19\.8 Hz", r"gx gyroscope, rate in rad/s, .* 2732 samples",
@@ -94,14 +95,14 @@ TABLE = [
     Row("vn100_car_idle.bag", "info", "--channels /gnss", 2, None, (r"'HDOP', .*: the unit is unknown",), "bag"),
     Row("vn100_car_idle.bag", "info", "--channels /imu/raw", 2, None, (r"no column 'raw'; columns: ",), "bag"),
     Row("vn100_car_idle.bag", "info", "--channels /imus", 2, None, (
-        r"no topic '/imus' in the bag, which has .*/imu \(sensor_stack/Vectornav, 2732 messages, 39.85 Hz\)",
+        r"no table or column '/imus' in the file; it contains .*/imu of type sensor_stack/Vectornav \(2732 rows",
     ), "bag"),
     Row("xsens_mti_utbm_imu-test.bag", "analyze", "", 0, 100.00738, (
-        r"topic /imu/data \(sensor_msgs/Imu, 978 messages, 100 Hz\)",
+        r"samples of /imu/data of type sensor_msgs/Imu \(978 rows at 100 Hz\)",
         r"'header\.stamp' is used as the clock, of 2 candidates", r"explained \(goodness of fit", r"9\.779 s long",
     ), "bag"),
     Row("format_only_vn100_moving.mcap", "info", "", 0, 40.000206, (
-        r"topic /imu \(custom_interfaces/Vectornav, 2983 messages", r"2 samples .* missing in 1 gap",
+        r"samples of /imu of type custom_interfaces/Vectornav \(2983 rows", r"2 samples .* missing in 1 gap",
         r"the noise level changes by a factor",
     ), "bag"),
     Row("format_only_vn100_moving_0.db3", "info", "", 2, None, (

@@ -159,7 +159,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Columns by name or number.  [default: all recognized]"),
     "time": click.option("--time", help="Column of the time stamps."),
     "dtype": click.option("--dtype", metavar="TYPE",
-        help="The file is raw binary of this type: i2, >i2, f4, ..., or u4,6i2 for mixed rows."),
+        help="The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins."),
     "columns": click.option("--columns", type=int, metavar="N", help="Numbers per row of raw binary."),
     "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
     "from": click.option("--from", "start", type=float, metavar="S",

@@ -60,7 +60,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         The column of time stamps, as ``"stamp"``, ``"1"`` or ``"stamp[us]"``; ``"none"`` ignores time stamps.
     dtype : str, optional
         The file is raw binary of this type, written as in NumPy: ``"i2"``, ``">i2"`` (high byte first), ``"f4"``, or
-        ``"u4,6i2"`` for rows of mixed types. Raw binary is never guessed.
+        ``"u4,6i2"`` for rows of mixed types; or ``"kfgins"``. Raw binary is never guessed.
     columns, offset : int, optional
         Numbers per row of raw binary, and bytes before the first row.
 
@@ -89,7 +89,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
-    from allanite.readers.formats.table import read_frame, readable, reader_for, reader_named
+    from allanite.readers.formats.table import read_frame, readable, reader_for, reader_of_type
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import digest_of, head_of, landed
 
@@ -103,7 +103,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         try:
             with unpacked(file, member, readable, only_by_suffix=dtype is not None) as inner:
                 suffix = os.path.splitext(inner)[1].lower()
-                reader = reader_named("raw") if dtype is not None else reader_for(head_of(inner), suffix)
+                reader = (
+                    reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(inner), suffix)
+                )
                 recording = reader.read(inner, options)
             return replace(recording, source=name, digest=digest_of(file))
         except AllaniteError as error:

@@ -213,8 +213,10 @@ def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) 
     row, m, factor = seen.points.row, seen.points.m, seen.factor
     if isinstance(noise, Averaged):
         fast = [i for i, t in enumerate(noise.terms) if t.row.edge or t.row.slope == WHITE]
+        if not fast:
+            return np.ones(m.size, dtype=np.bool_)
         part = Averaged(Model(tuple(noise.terms.terms[i] for i in fast)), noise.scale[:, fast], noise.weight)
-        factor = noise.weight @ _corrections(seen, "means", part) if fast else np.ones(m.size)
+        factor = noise.weight @ _corrections(seen, "means", part)
     told = np.asarray(factor >= HIDDEN)
     if named or told.all():
         return told

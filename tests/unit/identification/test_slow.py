@@ -202,3 +202,20 @@ def test_bursts_are_named_with_a_window_without_them():
 def test_nothing_slow_is_named_in_noise(sensor):
     record = record_of(slow_noise.MODELS[sensor], 2**15, 4)
     assert al.residuals(record, al.identify(record)).findings == ()
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_no_bin_tells_of_the_drift_none_is_looked_for():
+    """Angle noise so strong that each piece is read by itself at all frequencies."""
+    values = al.simulate(al.Q(0.7, "arcsec"), 3000, 40.0, rng=np.random.default_rng(1)).values.copy()
+    values[1466:1468] = np.nan
+    torn = al.Record(values, 40.0, "rad/s")
+    seen = spectrum(torn, detrend=False)
+    assert seen.pieces.low == 0
+    every = np.ones(seen.first.size, dtype=bool)
+    assert not with_warm_up(likelihood(seen, "QNBK"), seen, every, 300.0).UU.any()
+    found = look(torn, "QNBK", None, rival=True)
+    assert found.used[0]
+    warm, same = without_warm_up(found, torn.signal)
+    assert warm is None
+    assert same is found

@@ -193,9 +193,9 @@ def several(request, tmp_path_factory):
 def test_several_topics_are_listed_with_type_count_and_rate(several):
     code, said = run("info", several)
     assert code == 2
-    assert "2 topics of the bag may be those of a sensor, but each has its own clock" in said
-    assert "/left/imu (sensor_msgs/Imu, 400 messages, " in said
-    assert "/right/imu (sensor_msgs/Imu, 200 messages, " in said
+    assert "the file contains 2 tables that may be meant, each with its own clock" in said
+    assert "/left/imu of type sensor_msgs/Imu (400 rows at " in said
+    assert "/right/imu of type sensor_msgs/Imu (200 rows at " in said
     assert "--channels /left/imu" in said
     assert "/mag" not in said
 
@@ -206,14 +206,17 @@ def test_a_topic_and_its_channels_are_named(several):
     one = al.read(several, channels=["/left/imu/gz"])
     assert one.channels == ("gz",)
     assert al.read(several, channels=["/left/imu/angular_velocity.z"])[0].values.tolist() == one[0].values.tolist()
-    assert any(note.startswith("other topics: ") and "/mag (" in note for note in one.notes)
+    assert any(note.startswith("samples of /left/imu of type sensor_msgs/Imu (400 rows") for note in one.notes)
+    left = next(note for note in one.notes if note.startswith("left out, other tables of the file: "))
+    assert "/right/imu of type" in left
+    assert "/mag" not in left
 
 
 @pytest.mark.parametrize(
     ("channels", "words"),
     [
-        ("/imu", r"no topic '/imu' in the bag, which has .*/left/imu.*/mag \(sensor_msgs/MagneticField, 40 messages"),
-        ("/left/imu,/right/imu", r"2 topics of the bag are named, but each has its own clock"),
+        ("/imu", r"no table or column '/imu' .* contains /left/imu.*/mag of type sensor_msgs/MagneticField \(40 rows"),
+        ("/left/imu,/right/imu", r"belong to 2 tables of the file, each with its own clock"),
         ("/left/imu/gw", r"no column 'gw'; columns: .*angular_velocity\.x"),
         ("/mag", r"no column is recognized as an inertial signal|not an inertial signal|a time by its header"),
     ],
@@ -231,8 +234,8 @@ def test_without_an_imu_all_topics_are_listed(tmp_path, form):
     path = write(tmp_path, form, [Topic("/chat", "std_msgs/msg/String", rows)])
     code, said = run("info", path)
     assert code == 2
-    assert "no topic of the bag is recognized as that of an inertial sensor" in said
-    assert "/chat (std_msgs/String, 5 messages" in said
+    assert "no table of the file has inertial signals by its name or units" in said
+    assert "/chat of type std_msgs/String (5 rows" in said
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -134,7 +134,7 @@ def test_damaged_logs(flight, tmp_path):
     with pytest.raises(DataError, match="no rows of numbers"):
         al.read(cut)
     cut.write_bytes(header() + message("BARO", 1, 2.0, 3) * 9)
-    with pytest.raises(DataError, match=r"no table of the file has inertial signals.*BARO \(9 rows\)"):
+    with pytest.raises(UsageError, match=r"no table of the file has inertial signals.*BARO \(9 rows\)"):
         al.read(cut)
 
 

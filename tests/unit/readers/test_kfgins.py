@@ -1,4 +1,4 @@
-"""Rows of seven doubles are recognized by what they hold, and nothing else is taken for them."""
+"""Rows of seven doubles are read as KF-GINS if asked for, and advised of by what they hold; nothing else is."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
 from allanite.readers.formats import kfgins
 
 RNG = np.random.default_rng(12)
@@ -23,7 +23,7 @@ def rows(count=400, rate=200.0):
 def test_increments_and_their_clock(tmp_path):
     made = np.delete(rows(), 100, axis=0)
     (tmp_path / "imu.bin").write_bytes(made.tobytes() + bytes(9))
-    recording = al.read(tmp_path / "imu.bin")
+    recording = al.read(tmp_path / "imu.bin", dtype="kfgins")
     assert recording.channels == ("gx", "gy", "gz", "ax", "ay", "az")
     assert {record.kind for record in recording} == {"increment"}
     assert [record.unit for record in recording] == ["rad"] * 3 + ["m/s"] * 3
@@ -31,7 +31,37 @@ def test_increments_and_their_clock(tmp_path):
     assert np.flatnonzero(np.isnan(recording[0].values)).tolist() == [100]
     assert np.array_equal(np.delete(recording["az"].values, 100), made[:, 6])
     assert "the last 9 bytes are no whole row and are left out" in recording.notes
-    assert CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin")]).exit_code == 0
+    assert CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin"), "--dtype", "kfgins"]).exit_code == 0
+
+
+def in_g_at_10_hz():
+    made = rows(rate=10.0)
+    made[:, 4:] = [0.0, 0.0, -1.0]
+    return made
+
+
+@pytest.mark.parametrize(
+    "data", [rows(), rows() * [1, 50, 50, 50, 1, 1, 1], in_g_at_10_hz()], ids=["its own", "degrees", "rates and g"]
+)
+def test_what_looks_like_it_is_not_read_unless_asked_for(tmp_path, data):
+    (tmp_path / "imu.bin").write_bytes(np.ascontiguousarray(data).tobytes())
+    with pytest.raises(UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
+        al.read(tmp_path / "imu.bin")
+    assert al.read(tmp_path / "imu.bin", dtype="kfgins")[0].kind == "increment"
+    refused = CliRunner().invoke(main, ["info", str(tmp_path / "imu.bin")])
+    assert refused.exit_code == 2
+    assert "--dtype kfgins" in refused.output
+    plain = al.read(tmp_path / "imu.bin", dtype="7f8", time="1", unit="rad", kind="increment", channels="2,3,4")
+    assert np.array_equal(plain[1].values, data[:, 2])
+
+
+def test_rows_of_another_width_are_refused(tmp_path):
+    (tmp_path / "imu.bin").write_bytes(rows().tobytes())
+    with pytest.raises(UsageError, match="seven doubles and no header; omit columns and offset"):
+        al.read(tmp_path / "imu.bin", dtype="kfgins", columns=7)
+    (tmp_path / "imu.bin").write_bytes(bytes(40))
+    with pytest.raises(DataError, match="fewer than 2 rows"):
+        al.read(tmp_path / "imu.bin", dtype="kfgins")
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import pytest
 from scipy.linalg import toeplitz
 
 import allanite as al
+from allanite.core.averaged import averaged
 from allanite.statistics.estimator import integrated
 from allanite.statistics.moments.gls import second_difference
 from allanite.statistics.moments.means import mean_moments, takes_means
@@ -132,3 +133,15 @@ def test_another_word_is_refused():
 def test_limits_are_numbers_in_any_pattern():
     """40 of the patterns of benchmarks/gaps.py, which tries 2000."""
     assert [i for i in range(40) if pattern_of(i)] == []
+
+
+def test_a_model_without_noise_of_the_joints_hides_nothing():
+    quantized, drifting = al.Q(0.7, "arcsec"), al.K(10, "deg/h/sqrt(h)")
+    values = al.simulate(quantized, 3000, 40.0, rng=np.random.default_rng(1)).values.copy()
+    values[1466:1468] = np.nan
+    torn = al.Record(values, 40.0, "rad/s", kind="rate")
+    alone = al.deviation(torn, noise=quantized)
+    both = al.deviation(torn, noise=averaged([quantized, drifting], [0.7, 0.3]))
+    assert set(alone.m) <= set(both.m)
+    assert np.isfinite(both.factor).all()
+    assert al.deviation(torn, noise=drifting).m.size >= both.m.size

@@ -95,7 +95,7 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     The best model with a warm-up, in which a random walk may be gone, is compared with the best one without.
     """
     seen = found.seen
-    if not found.used[0]:
+    if not found.used[0] or (seen.pieces is not None and not seen.pieces.low):  # no bin that tells of it
         return None, found
     slope = seen.slope if found.chosen.likelihood.flat.any() else None
     bare = min(_score(subset, slope) for subset in (*found.every, found.plain, found.markov or found.chosen))

@@ -1,12 +1,13 @@
 """Column: one column of a file, and how a user refers to it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
+from allanite.core.language import Phrase, join, say
 
 from . import headers
 
@@ -90,9 +91,9 @@ def lookup(columns: tuple[Column, ...], key: str) -> Column:
     raise UsageError(f"no column {key!r}; columns: {some(names, 30)}")
 
 
-def some(names: list[str], most: int) -> str:
+def some(names: Sequence[str], most: int = 20) -> Phrase:
     """The names as text, at most `most` of them."""
-    shown = ", ".join(names[:most])
+    shown = join(", ", names[:most])
     if len(names) <= most:
         return shown
     return say("{names} and {count} more", names=shown, count=len(names) - most)

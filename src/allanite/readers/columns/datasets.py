@@ -18,7 +18,7 @@ from allanite.readers.options import Options
 
 from . import headers
 from .arrays import RATE_NAMES, column, split, turned, turned_note
-from .column import Column
+from .column import Column, some
 from .table import Table, restored
 
 WIDEST = 1000
@@ -115,7 +115,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
         none = say("the file contains no array of samples, with one row per sample")
-        seen = [say("it contains {names}", names=", ".join(map(str, found[:20])))] if found else []
+        seen = [say("it contains {names}", names=some([str(one) for one in found]))] if found else []
         raise DataError(join("; ", (none, *seen)))
     places = _places(series)
     family = series if text else _chosen(_families(series), options, places)
@@ -123,7 +123,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
     left = [str(dataset) for dataset in found if dataset not in family]
     notes = [
         *notes,
-        *([say("left out, of different length, clock or shape: {names}", names=", ".join(left[:20]))] if left else []),
+        *([say("left out, of different length, clock or shape: {names}", names=some(left))] if left else []),
     ]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
     columns = list[Column]()
@@ -176,7 +176,7 @@ def _chosen(families: list[Family], options: Options, places: Mapping[str, int])
     if len(likely) == 1:
         return likely[0]
     example = next(dataset.path for dataset in likely[0] if not dataset.is_clock or len(likely[0]) == 1)
-    lists = "; ".join(", ".join(map(str, family[:20])) for family in likely[:20])
+    lists = "; ".join(some([str(one) for one in family]) for family in likely[:20])
     raise UsageError(
         f"the file contains {len(likely)} recordings, each with its own length or clock ({lists}); select one with "
         + spelled(f"--channels {example}", f"channels='{example}'")

@@ -6,23 +6,21 @@ stamp of a header and the time at which the bag received a message are candidate
 
 import os
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
+from allanite.core.errors import DataError
+from allanite.core.language import Phrase, say
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
-from allanite.readers.columns import headers
+from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import Column, some
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
 from allanite.readers.sandbox.source import head_of
 
@@ -40,154 +38,105 @@ def sniff(head: bytes, suffix: str) -> bool:
     return head.startswith((*_MAGIC, _PACKED)) or suffix in (".bag", ".db3", ".mcap")
 
 
-@dataclass(frozen=True)
-class Topic:
-    """A topic: type, number of messages, approximate rate in Hz, and the name, type and unit of its columns.
-
-    `why` says why there are none; `left` are the fields that are not read, `beside` the files of definitions used.
-    """
-
-    topic: str
-    type: str
-    count: int
-    rate: float
-    columns: tuple[tuple[str, str, str], ...]
-    left: tuple[str, ...]
-    why: str
-    beside: tuple[str, ...]
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """The type of a row."""
-        return np.dtype([(name, kind) for name, kind, _ in self.columns])
-
-    @property
-    def likeness(self) -> int:
-        """2 if some numbers have the unit of an inertial sensor, 1 if some have its name, otherwise 0."""
-        if any(headers.inertial(unit) for _, _, unit in self.columns):
-            return 2
-        return int(any(headers.sensor_by_name(name.rpartition(".")[2]) for name, _, _ in self.columns))
-
-    def __str__(self) -> str:
-        rate = f", {self.rate:.4g} Hz" if self.rate else ""
-        return f"{self.topic} ({self.type}, {self.count} messages{rate})"
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of one topic of a bag; `options.channels` may name the topic."""
     _demand_bag(path)
     with Process("bag", path, {}) as process:
         with worded():
             topics = [_topic(item) for item in process.said["topics"]]
-        topic, options = _chosen(topics, options)
-        with worded():
-            dtype = topic.dtype
-        demand_size(topic.count * dtype.itemsize, process.path, f"topic {topic.topic!r}")
-        rows = process.load(f"{topic.topic} ({topic.type})", (topic.count,), dtype)
-    received = rows[topic.columns[0][0]]
-    if np.any(received[1:] < received[:-1]):
-        rows = rows[np.argsort(received, kind="stable")]
-    return Table(tuple(_columns(topic, rows)), notes=tuple(_notes(topic, topics))).recording(options)
+            found = [_stream(topic, [other.name for other in topics], process) for topic in topics]
+        return streams.recording(found, options)
 
 
 def _demand_bag(path: str) -> None:
-    head = head_of(path)[:16]
+    head = head_of(path)
     if head.startswith(_PACKED) and not os.path.isdir(path):
         raise DataError(
-            "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its metadata.yaml; "
-            "unpack any other file with zstd -d"
+            say(
+                "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
+                "metadata.yaml; unpack any other file with zstd -d"
+            )
         )
-    if not head.startswith((*_MAGIC, _PACKED)):
-        raise DataError(
-            f"the file does not begin like a ROS bag (it begins with {head[:8]!r}); check that it is complete"
-        )
+    demand_start(head, (*_MAGIC, _PACKED), say("a ROS bag"))
 
 
-def _topic(said: dict[str, Any]) -> Topic:
-    columns = tuple((str(name), str(kind), str(unit)) for name, kind, unit in said["columns"])
-    about = (str(said["topic"]), str(said["type"]), max(0, int(said["count"])), float(said["rate"]))
-    return Topic(*about, columns, tuple(said["left"]), str(said["why"]), tuple(said.get("beside", ())))
+@dataclass(frozen=True)
+class _Topic:
+    """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns.
+
+    `dtype` is the type of a row, `left` are the fields that are not read, `beside` the files of definitions used, and
+    `why` says why there are no columns.
+    """
+
+    name: str
+    type: str
+    count: int
+    span: float
+    dtype: np.dtype[Any]
+    units: dict[str, str]
+    left: tuple[str, ...]
+    beside: tuple[str, ...]
+    why: str
+
+    @property
+    def fits(self) -> int:
+        """2 if some numbers have the unit of an inertial sensor, 1 if some have its name, otherwise 0."""
+        if any(map(headers.inertial, self.units.values())):
+            return 2
+        return int(streams.inertial(name.rpartition(".")[2] for name in self.units))
+
+    @property
+    def called(self) -> dict[str, str]:
+        """Other names of columns; the angular rate and specific force of a single sensor are called gx to az."""
+        axes = {name: _LETTERS[match[1]] + match[2] for name in self.units if (match := _AXIS.fullmatch(name))}
+        axes = axes if len(set(axes.values())) == len(axes) else {}
+        return axes | {name: "seq" for name in self.units if name.endswith("header.seq")}
 
 
-def _chosen(topics: Sequence[Topic], options: Options) -> tuple[Topic, Options]:
-    """The topic named by the user, otherwise the only one that looks like a sensor's, and the options within it."""
-    keys = options.channels or ()
-    named = [topic for topic in topics if any(_within(topic, key) is not None for key in keys)]
-    for key in keys:
-        if key.startswith("/") and all(_within(topic, key) is None for topic in topics):
-            raise UsageError(f"no topic {key!r} in the bag, which has {_listed(topics)}")
-    if named:
-        topic = _only(named, topics, "are named")
-        columns = tuple(key if (inner := _within(topic, key)) is None else inner for key in keys)
-        options = replace(options, channels=tuple(filter(None, columns)) or None)
-    else:
-        best = max((topic.likeness for topic in topics), default=0)
-        if not best:
-            raise UsageError(_none(topics))
-        topic = _only([topic for topic in topics if topic.likeness == best], topics, "may be those of a sensor")
-    if topic.why:
-        raise UsageError(f"the messages of {topic} cannot be decoded: {topic.why}")
-    return topic, options
+def _topic(said: Mapping[str, Any]) -> _Topic:
+    columns = [(str(name), str(kind), str(unit)) for name, kind, unit in said["columns"]]
+    dtype = np.dtype([(name, kind) for name, kind, _ in columns])
+    about = (str(said["topic"]), str(said["type"]), max(0, int(said["count"])), float(said["span"]))
+    units = {name: unit for name, _, unit in columns}
+    return _Topic(*about, dtype, units, tuple(said["left"]), tuple(said.get("beside", ())), str(said["why"]))
 
 
-def _none(topics: Sequence[Topic]) -> str:
-    """That no topic is recognized, and what the one with most messages lacks, if it cannot be decoded."""
-    first = max(topics, key=lambda topic: (bool(topic.why), topic.count), default=None)
-    why = f" ({first.topic}: {first.why})" if first and first.why else ""
-    return (
-        f"no topic of the bag is recognized as that of an inertial sensor{why}; it has {_listed(topics)}; name the "
-        f"topic with {_how(first)}"
+def _stream(topic: _Topic, names: Sequence[str], process: Process) -> streams.Stream:
+    """The stream of a topic, with its type in the name if messages of several types have the same topic."""
+    return streams.Stream(
+        topic.name if names.count(topic.name) == 1 else f"{topic.name}/{topic.type}",
+        topic.count,
+        (*topic.units, *topic.called.values()),
+        lambda: _table(topic, process),
+        streams.mean_rate(topic.count, topic.span),
+        topic.fits,
+        topic.type,
+        topic.why,
     )
 
 
-def _within(topic: Topic, key: str) -> str | None:
-    """The column that a key names in a topic, empty for the topic as a whole; None if it names neither."""
-    name, wanted = topic.topic.strip("/"), key.strip("/")
-    if wanted == name:
-        return ""
-    return wanted.removeprefix(f"{name}/") if wanted.startswith(f"{name}/") else None
-
-
-def _only(found: Sequence[Topic], topics: Sequence[Topic], what: str) -> Topic:
-    if len(found) > 1:
-        raise UsageError(
-            f"{len(found)} topics of the bag {what}, but each has its own clock: {_listed(found)}; name one with "
-            f"{_how(found[0])}"
-        )
-    return found[0]
-
-
-def _listed(topics: Sequence[Topic]) -> str:
-    return some([str(topic) for topic in topics], 30) or "no topics"
-
-
-def _how(topic: Topic | None = None) -> str:
-    name = topic.topic if topic else "/imu/data"
-    return spelled(f"--channels {name}", f"channels={name!r}")
-
-
-def _columns(topic: Topic, rows: NDArray[Any]) -> list[Column]:
-    """The columns; the angular rate and specific force of a single sensor are called gx to az."""
-    called = {name: _LETTERS[match[1]] + match[2] for name, _, _ in topic.columns if (match := _AXIS.fullmatch(name))}
-    if len(set(called.values())) < len(called):
-        called = {}
-    called |= {name: "seq" for name, _, _ in topic.columns if name.endswith("header.seq")}
+def _table(topic: _Topic, process: Process) -> Table:
+    """The numbers of the messages in the order in which they were received."""
+    demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
+    rows = process.load(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype)
+    first, *others = topic.units
+    received = rows[first]
+    if np.any(received[1:] < received[:-1]):
+        rows = rows[np.argsort(received, kind="stable")]
     columns = []
     # the receive time comes last: of two clocks that are equally steady, the stamp of the header is the better one
-    for i, (name, _, unit) in enumerate((*topic.columns[1:], topic.columns[0]), 1):
+    for i, name in enumerate((*others, first), 1):
+        unit = topic.units[name]
         kind = "rate" if headers.inertial(unit) else ""
-        columns.append(Column(numbers(rows[name], name), i, called.get(name, name), unit, kind, header=name))
-    return columns
+        columns.append(Column(numbers(rows[name], name), i, topic.called.get(name, name), unit, kind, header=name))
+    return Table(tuple(columns), notes=tuple(_notes(topic)))
 
 
-def _notes(topic: Topic, topics: Sequence[Topic]) -> list[str]:
-    units = sorted({unit for _, _, unit in topic.columns if headers.inertial(unit)}, reverse=True)
-    others = [str(other) for other in topics if other is not topic]
-    said = (
-        say("topic {topic}", topic=str(topic)),
-        say("{units} by the definition of the message", units=" and ".join(units)) if units else "",
-        say("other topics: {others}", others=some(others, 10)) if others else "",
-        say("defined by {files} beside the bag", files=", ".join(topic.beside)) if topic.beside else "",
-        say("left out, no signal or of no fixed number: {left}", left=", ".join(topic.left)) if topic.left else "",
-    )
-    return [note for note in said if note]
+def _notes(topic: _Topic) -> Iterator[Phrase]:
+    units = sorted(set(filter(headers.inertial, topic.units.values())), reverse=True)
+    if units:
+        yield say("{units} by the definition of the message", units=" and ".join(units))
+    if topic.beside:
+        yield say("defined by {files} beside the bag", files=", ".join(topic.beside))
+    if topic.left:
+        yield say("left out, no signal or of no fixed number: {left}", left=some(topic.left))

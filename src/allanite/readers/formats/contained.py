@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES
+from allanite.readers.columns.column import some
 from allanite.readers.columns.datasets import Dataset, rated, recording
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
@@ -24,11 +25,8 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
         said = process.said
         with worded():
             found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
-        notes = (
-            [say("left out, not numbers: {names}", names=", ".join(map(str, said["left"][:20])))]
-            if said["left"]
-            else []
-        )
+        left = [str(name) for name in said["left"]]
+        notes = [say("left out, not numbers: {names}", names=some(left))] if left else []
         return recording(rated(found, said["numbers"]), options, notes, said["description"])
 
 

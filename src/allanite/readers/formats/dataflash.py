@@ -15,7 +15,7 @@ from allanite.core.language import Phrase, say
 from allanite.core.record import Recording
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import Column, some
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
@@ -141,7 +141,7 @@ def _rate(rows: Rows) -> float | None:
     """Mean rate of messages in Hz."""
     stamp = next((name for name in ("TimeUS", "SampleUS", "TimeMS") if name in (rows.dtype.names or ())), None)
     span = 0 if stamp is None or not rows.size else int(rows[stamp][-1]) - int(rows[stamp][0])
-    return (rows.size - 1) / (span * (1e-3 if stamp == "TimeMS" else 1e-6)) if span > 0 else None
+    return streams.mean_rate(rows.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
 
 
 def _table(rows: Rows) -> Table:
@@ -150,7 +150,7 @@ def _table(rows: Rows) -> Table:
     known = any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
     kept = [name for name in names if rows.dtype[name].kind in "iuf" and (name in _UNITS or not known)]
     left = [name for name in names if name not in kept]
-    note = (say("left out, not used of the messages: {fields}", fields=", ".join(left)),) if left else ()
+    note = (say("left out, not used of the table: {fields}", fields=some(left)),) if left else ()
     made = (column(name, rows[name], names.index(name) + 1, unit=_UNITS.get(name, "")) for name in kept)
     return Table(tuple(made), notes=note)
 

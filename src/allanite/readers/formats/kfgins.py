@@ -1,20 +1,24 @@
 """Binary files of KF-GINS: rows of seven doubles, time and increments of three gyroscopes and three accelerometers.
 
+Raw binary is never guessed: nothing in these files says what they are. They are read if the user says so with the type
+``kfgins``; otherwise, rows that look like it are refused with that advice.
+
 Source of the format: KF-GINS (i2Nav Group, Wuhan University), README.
 """
 
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.errors import UsageError
 from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 from allanite.readers.columns.column import Column
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
-TITLE = "KF-GINS binary: rows of time, increments of three gyros and three accelerometers as doubles"
+TITLE = "KF-GINS binary (give the dtype kfgins)"
 
 _CHANNELS = (("gx", "rad"), ("gy", "rad"), ("gz", "rad"), ("ax", "m/s"), ("ay", "m/s"), ("az", "m/s"))
 _WIDTH = 8 * (1 + len(_CHANNELS))
@@ -42,13 +46,33 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The six channels ``gx gy gz ax ay az`` as increments, and their clock."""
-    size = os.path.getsize(path)
-    count, rest = divmod(size, _WIDTH)
-    rows: NDArray[np.float64] = np.memmap(path, "<f8", mode="r", shape=(count, 7))
-    columns = [Column(np.array(rows[:, 0]), 1, "time", "s", header="time")]
+    _demand_asked(options)
+    count, rest = divmod(os.path.getsize(path), _WIDTH)
+    rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
+    columns = [Column(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
     for place, (name, unit) in enumerate(_CHANNELS, 1):
-        columns.append(Column(np.array(rows[:, place]), place + 1, name, unit, "increment", header=name))
+        columns.append(Column(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name))
     notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
     if rest:
         notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))
     return Table(tuple(columns), notes=tuple(notes)).recording(options)
+
+
+def _demand_asked(options: Options) -> None:
+    """Refuse to read what was not asked for: rows in degrees, or of rates and g at 10 Hz, look the same."""
+    if options.dtype is None:
+        raise UsageError(
+            say(
+                "rows of seven doubles, which may be KF-GINS binary: time in s, increments in rad and m/s; if they "
+                "are, use {option}; if not, {other} reads them as plain numbers",
+                option=spelled("--dtype kfgins", "dtype='kfgins'"),
+                other=spelled("--dtype 7f8", "dtype='7f8'"),
+            )
+        )
+    if (options.columns, options.offset) != (None, None):
+        raise UsageError(
+            say(
+                "KF-GINS binary has rows of seven doubles and no header; omit {option}",
+                option=spelled("--columns and --offset", "columns and offset"),
+            )
+        )

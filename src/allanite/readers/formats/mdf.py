@@ -6,15 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.errors import DataError
 from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
+from allanite.readers.columns.column import some
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.source import head_of
 
 TITLE = "ASAM MDF 3 and 4 .mf4 (pip install 'allanite[mdf]')"
 
@@ -30,16 +31,13 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
-    with open(path, "rb") as file:
-        head = file.read(8)
-    if head not in _MAGIC:
-        raise DataError(say("the file does not begin like an MDF file (it begins with {head!r})", head=head))
+    demand_start(head_of(path), _MAGIC, say("an MDF file"))
     with Process("mdf", path, {}) as process:
         with worded():
             found = _grouped(process.said["datasets"], process)
             left = [str(name) for name in process.said["left"]]
-        names = ", ".join(left[:20])
-        notes = [say("left out, no numbers, or numbers converted by a formula: {names}", names=names)] if left else []
+        said = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(left))
+        notes = [said] if left else []
         return streams.recording(found, options, notes)
 
 
@@ -71,12 +69,9 @@ class _Group:
 
     def stream(self, name: str) -> streams.Stream:
         """The stream that loads them."""
-        span = float(self.items[0]["span"])
-        rate = (self.length - 1) / span if span > 0 else None
+        rate = streams.mean_rate(self.length, float(self.items[0]["span"]))
         names = tuple(str(item["name"]) for item in self.items)
-        fits = streams.inertial(
-            f"{item['name']} [{item['unit']}]" if item["unit"] else str(item["name"]) for item in self.items
-        )
+        fits = streams.inertial(names, (str(item["unit"]) for item in self.items))
         return streams.Stream(name, self.length, names, self.table, rate, fits)
 
     def table(self) -> Table:

@@ -15,7 +15,7 @@ from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, t
 from allanite.readers.columns.column import Column
 from allanite.readers.columns.table import KEY, Table, described, keys, restored
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.source import demand_directory
 
 TITLE = "NumPy .npy and .npz"
@@ -67,10 +67,7 @@ def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
         head = file.read(1024)
     if head.startswith(PICKLE) or (head.startswith(NPY) and (b"'|O" in head or b"'O'" in head)):
         raise DataError(_objects("the file"))
-    if not head.startswith((NPY, ZIP)):
-        raise DataError(
-            f"the file does not begin like a NumPy file (it begins with {head[:8]!r}); check that it is complete"
-        )
+    demand_start(head, (NPY, ZIP), say("a NumPy file"))
     with worded():
         return _members(path) if head.startswith(ZIP) else [("", _copied(path))]
 

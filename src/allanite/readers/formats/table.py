@@ -57,6 +57,9 @@ READERS: dict[str, str] = {  # tried in this order; plugins come before text, wh
 }
 """Name of a format: its module, which is imported when a file is read."""
 
+TYPES = ("kfgins",)
+"""Formats without a signature: each is read if its name is given as the type of raw binary."""
+
 WRITERS: dict[str, str] = {
     ".csv": "text",
     ".npz": "numpy_file",
@@ -130,6 +133,11 @@ def reader_named(name: str) -> Reader:
     """The reader of a format of the table."""
     reader: Reader = _module(READERS[name])
     return reader
+
+
+def reader_of_type(dtype: str) -> Reader:
+    """The reader of raw binary of a type: that of the format of this name, otherwise of rows of numbers."""
+    return reader_named(dtype if dtype in TYPES else "raw")
 
 
 def read_frame(frame: Frame, options: Options) -> Recording:

@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.errors import DataError
 from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.source import head_of
 
 TITLE = "LabVIEW TDMS (pip install 'allanite[tdms]')"
 
@@ -29,10 +29,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, with units and time step from the properties of the channels."""
-    with open(path, "rb") as file:
-        head = file.read(len(_MAGIC))
-    if head != _MAGIC:
-        raise DataError(say("the file does not begin like a TDMS file (it begins with {head!r})", head=head))
+    demand_start(head_of(path), (_MAGIC,), say("a TDMS file"))
     with Process("tdms", path, {}) as process:
         with worded():
             found = _grouped(process.said["datasets"], process)
@@ -61,11 +58,6 @@ class _Loader:
     def __init__(self, items: Sequence[Item], process: Process, length: int, step: float) -> None:
         self.items, self.process, self.length, self.step = items, process, length, step
 
-    @property
-    def headers(self) -> list[str]:
-        """Names with units."""
-        return [f"{item['name']} [{item['unit']}]" if item["unit"] else str(item["name"]) for item in self.items]
-
     def __call__(self) -> Table:
         columns = []
         for place, item in enumerate(self.items, 1):
@@ -80,6 +72,5 @@ class _Loader:
 
 def _stream(name: str, length: int, step: float, load: _Loader) -> streams.Stream:
     names = tuple(str(item["name"]) for item in load.items)
-    return streams.Stream(
-        name, length, names, load, 1 / step if step > 0 else None, fits=streams.inertial(load.headers)
-    )
+    fits = streams.inertial(names, (str(item["unit"]) for item in load.items))
+    return streams.Stream(name, length, names, load, 1 / step if step > 0 else None, fits)

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import DataError
 from allanite.core.language import Phrase, say, say_count
 from allanite.core.record import Recording
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import Column, some
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.source import head_of
 
 TITLE = "PX4 flight log .ulg (pip install 'allanite[ulog]')"
 
@@ -69,10 +69,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
-    with open(path, "rb") as file:
-        head = file.read(len(_MAGIC))
-    if head != _MAGIC:
-        raise DataError(say("the file does not begin like a PX4 log (it begins with {head!r})", head=head))
+    demand_start(head_of(path), (_MAGIC,), say("a PX4 log"))
     with Process("ulog", path, {}) as process:
         with worded():
             found = [_topic(item, process) for item in process.said["datasets"]]
@@ -107,10 +104,8 @@ def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
         return process.load(name, (count,), dtype)
 
     span = float(item["span"]) * 1e-6
-    rate = (count - 1) / span if span > 0 else None
-    return streams.Stream(
-        name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, topic in _TOPICS or topic in _BATCHES
-    )
+    rate, fits = streams.mean_rate(count, span), topic in _TOPICS or topic in _BATCHES
+    return streams.Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
 
 
 def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> Table:
@@ -132,7 +127,7 @@ def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) ->
             integrated, said = _integrated(signal, columns, rows)
             columns, notes = columns | integrated, notes + said
     left = [field for field in fields if field not in columns and field not in beside]
-    notes += [say("left out, not used of the topic: {fields}", fields=", ".join(left[:20]))] if left else []
+    notes += [say("left out, not used of the table: {fields}", fields=some(left))] if left else []
     return Table(tuple(columns.values()), notes=tuple(notes))
 
 

@@ -47,11 +47,12 @@ def _sheet(item: Mapping[str, Any], process: Process, options: Options) -> list[
         found = layout.find(str(item["head"]).encode())
     except DataError:
         return []
-    headers = [f"{column} [{unit}]" if unit else column for column, unit in zip(found.names, found.units, strict=True)]
+
+    fits = streams.inertial(found.names, found.units)
 
     def load() -> Table:
         demand_size(size, process.path, f"sheet {name!r}")
         columns, tags, notes = text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes())
         return text.arranged(columns, tags, notes, options)
 
-    return [streams.Stream(name, rows - found.line + 1, found.names, load, fits=streams.inertial(headers))]
+    return [streams.Stream(name, rows - found.line + 1, found.names, load, fits=fits)]

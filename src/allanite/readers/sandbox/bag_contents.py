@@ -38,7 +38,7 @@ _SEPARATOR = "=" * 80 + "\n"
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
-    """The topics of a bag with their types, counts, rates in Hz and columns, and a function that sends a topic."""
+    """The topics of a bag with types, counts, columns and seconds that it spans, and a function that sends a topic."""
     with _worded():
         reader = _opened(path)
         topics = [Topic(reader, group, path) for group in _grouped(reader.connections)]
@@ -52,7 +52,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
 
 @contextmanager
 def _worded() -> Iterator[None]:
-    """Any error of rosbags in words; an assertion of it has none."""
+    """Any error of rosbags as the message of an exit; an assertion of it has none."""
     try:
         yield
     except MemoryError:
@@ -97,7 +97,8 @@ class Topic:
         self.reader, self.connections = reader, connections
         first, self.count = connections[0], sum(connection.msgcount for connection in connections)
         self.said = {"topic": first.topic, "type": first.msgtype.replace("/msg/", "/"), "count": self.count}
-        self.said |= {"rate": self._rate(), "columns": [], "left": [], "why": ""}
+        span = float(getattr(reader, "metadata", reader).duration)
+        self.said |= {"span": span * 1e-9, "columns": [], "left": [], "why": ""}
         types = Types(path)
         try:
             types.update(_parsed(first.msgdef.format, first.msgdef.data, first.msgtype))
@@ -109,11 +110,6 @@ class Topic:
         self.dtype = np.dtype([(name, kind) for name, (kind, _) in columns.items()])
         self.said["columns"] = [(name, *about) for name, about in columns.items()]
         self.said["left"], self.said["beside"] = self.definition.left[:20], types.beside
-
-    def _rate(self) -> float:
-        """Approximate rate in Hz; 0 if it is unknown."""
-        span = getattr(self.reader, "metadata", self.reader).duration
-        return 1e9 * (self.count - 1) / span if span > 0 and self.count > 1 else 0.0
 
     def blocks(self) -> Iterator[Any]:
         """The bytes of rows with the columns."""

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.language import say
 
 from .source import size_of
 
@@ -59,6 +60,18 @@ def worded(what: str = "the file") -> Iterator[None]:
     except Exception as error:
         said = " ".join(str(error).split())[:200]
         raise DataError(f"{what} is damaged or was cut off: {type(error).__name__}: {said}") from None
+
+
+def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
+    """Refuse a file whose first bytes are none of `starts`, which files of a format begin with."""
+    if not head.startswith(starts):
+        raise DataError(
+            say(
+                "the file does not begin like {what} (it begins with {head!r}); check that it is complete",
+                what=what,
+                head=head[:8],
+            )
+        )
 
 
 def demand_library(name: str, extra: str) -> None:

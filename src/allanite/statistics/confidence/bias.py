@@ -60,7 +60,9 @@ def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatA
     noise = [terms.terms[i] for i in kept]
     power, rows = scale[:, kept] * [t.power(rate) for t in noise], [t.sampled(rate) for t in noise]
     found = mean_moments(row, m, points.places, points.size).expectation(rows)
-    return np.asarray((power @ responses(row, rows, m)) / (power @ found))
+    own = power @ found
+    # a model may have none of these terms: nothing to correct
+    return np.divide(power @ responses(row, rows, m), own, out=np.ones(len(scale)), where=own > 0)
 
 
 def _exact(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:

@@ -1,0 +1,58 @@
+"""Which table of a file is wanted, whatever the format."""
+
+import numpy as np
+import pytest
+
+from allanite.core.errors import UsageError
+from allanite.core.language import Phrase
+from allanite.readers.columns import streams
+from allanite.readers.columns.arrays import column
+from allanite.readers.columns.streams import Stream
+from allanite.readers.columns.table import Table
+from allanite.readers.options import Options
+
+RNG = np.random.default_rng(4)
+
+
+def stream(name, count=300, **about):
+    values = RNG.normal(size=count)
+
+    def table():
+        return Table((column("gx", values, 1, unit="deg/s"),), 100.0)
+
+    return Stream(name, count, ("gx",), table, **about)
+
+
+def chosen(found, *channels):
+    notes = streams.recording(found, Options(channels=channels or None)).notes
+    assert all(isinstance(note, Phrase) for note in notes)
+    return next(note for note in notes if note.startswith("samples of ")).removeprefix("samples of ").split()[0]
+
+
+def test_the_likeliest_is_taken_if_it_is_long_enough():
+    known, named, other = stream("known", fits=2), stream("named"), stream("other", fits=0)
+    assert chosen([other, named, known]) == "known"
+    assert chosen([other, named, stream("known", 9, fits=2)]) == "named"
+    with pytest.raises(UsageError, match=r"2 tables that may be meant.*named \(300 rows\), again \(300 rows\)"):
+        chosen([other, named, stream("again")])
+
+
+def test_names_may_begin_with_a_slash_and_differ_by_case_or_type():
+    found = [stream("/imu"), stream("/IMU"), stream("/raw/lab/Counts"), stream("/raw/lab/Rates", type="lab/Rates")]
+    assert chosen(found, "/imu") == "/imu"
+    assert chosen(found, "IMU") == "/IMU"
+    assert [chosen(found, f"{name}/gx") for name in ("/imu", "/IMU")] == ["/imu", "/IMU"]
+    assert chosen(found, "/raw/lab/Rates") == "/raw/lab/Rates"
+    with pytest.raises(UsageError, match=r"/raw/lab/Counts \(300 rows\), /raw/lab/Rates of type lab/Rates \(300 rows"):
+        chosen(found, "/raw")
+    with pytest.raises(UsageError, match=r"no table or column '/gyro' in the file; it contains /imu"):
+        chosen(found, "/gyro")
+
+
+def test_what_cannot_be_decoded_is_refused_if_it_is_meant():
+    lost, other = stream("/imu", type="lab/Imu", fits=0, why="no definition"), stream("/gps", fits=0)
+    with pytest.raises(UsageError, match=r"^/imu of type lab/Imu \(300 rows\) cannot be decoded: no definition$"):
+        chosen([lost, other], "/imu")
+    with pytest.raises(UsageError, match=r"^/imu .* cannot be decoded: no definition; no table .*channels='/imu'"):
+        chosen([lost, other])
+    assert chosen([lost, stream("/fog")]) == "/fog"
