@@ -16,8 +16,8 @@ STEP = 4.0
 LIKELY = 0.8
 """Probability with which records of the length that is named resolve the coefficient."""
 
-LONGEST = 1e13
-"""Samples beyond which no length is given."""
+LONGEST = 365 * 86400.0
+"""Length, s, beyond which none is named."""
 
 
 def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
@@ -52,11 +52,12 @@ def _needed(change: Change, common: Sequence[Term], rate: float, size: int) -> f
         return None
     wanted = math.log(RESOLVED) / (math.sqrt(2) * (quantile(1 - change.alpha / 2) + quantile(LIKELY)))
     before, n = math.inf, float(size)
-    while n <= LONGEST:
+    while n <= STEP * LONGEST * rate:
         error = bound(model, round(n), rate)[change.symbol]
         if error <= wanted:
             # between two lengths it falls as a power of the length
             back = math.log(wanted / error) / math.log(before / error) if math.isfinite(before) else 0.0
-            return float(n / STEP**back / rate)
+            length = float(n / STEP**back / rate)
+            return length if length <= LONGEST else None
         before, n = error, n * STEP
     return None
