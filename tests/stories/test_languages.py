@@ -69,17 +69,8 @@ CODES = {"ru", "zh", "en"}
 
 def allowed():
     """Words of Latin letters that are names, units or symbols."""
-    known = {
-        *UNITS.split(),
-        *SYMBOLS.split(),
-        *NAMES.split(),
-        *CODES,
-        *TERMS,
-        *STATISTICS,
-        *METHODS,
-        *RATE_ESTIMATORS,
-        *FILTERS,
-    } - {"accelerometer"}
+    known = {*UNITS.split(), *SYMBOLS.split(), *NAMES.split(), *CODES, *TERMS, *STATISTICS, *METHODS, *RATE_ESTIMATORS}
+    known |= FILTERS.keys() - {"accelerometer"}
     return known | {p.letter or p.name for row in TERMS.values() for p in row.parameters}
 
 
