@@ -51,7 +51,7 @@ DATA = [
     r"\b(al|prepare|planning)\.\w+(\.\w+)*(\([^)]*\))?",  # calls
     r"\b(ISO|IEEE|IEC|NIST|RFC|PDF|CSV|JSON|TOML|DCT-II|Std|SP) ?[\d-]*",  # standards and formats
     r"'time \[s\]'",  # a column
-    r"^accelerometer$",  # the name of a filter in a cell
+    rf"^({'|'.join(FILTERS)})$",  # the name of a filter in a cell
     r"imu = \S.*|config = \S.*",  # notes that are code
     *(re.escape(row.reference) for row in FILTERS.values() if not isinstance(row.reference, Phrase)),
 ]
@@ -70,7 +70,7 @@ CODES = {"ru", "zh", "en"}
 def allowed():
     """Words of Latin letters that are names, units or symbols."""
     known = {*UNITS.split(), *SYMBOLS.split(), *NAMES.split(), *CODES, *TERMS, *STATISTICS, *METHODS, *RATE_ESTIMATORS}
-    known |= FILTERS.keys() - {"accelerometer"}
+    known |= {"bortz", "madgwick", "mahony"}
     return known | {p.letter or p.name for row in TERMS.values() for p in row.parameters}
 
 
@@ -201,7 +201,7 @@ def files(tmp_path_factory):
 
 
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
-GIVEN = "--model 'N 0.3 deg/sqrt(h), B 10 deg/h' --model 'N 100 ug/sqrt(Hz), B 50 ug'"
+GIVEN = "--model 'N 0.3 deg/sqrt(h), K 10 deg/h/sqrt(h)' --model 'N 100 ug/sqrt(Hz), K 50 ug/sqrt(h)'"
 NOISE = "--gyro 'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz), B 50 ug'"
 RUNS = {
     "info": ["{a}", "{short}", "{wild}"],

@@ -46,7 +46,7 @@ def _imported_face(value: Imported, _: float) -> Face:
         for t, unit in terms
     ]
     columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value")), Column(say("unit"), "unit"),
-               Column("SI"), Column(say("unit"), "unit"))  # fmt: skip
+               Column(say("SI")), Column(say("unit"), "unit"))  # fmt: skip
     about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
     return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
 
