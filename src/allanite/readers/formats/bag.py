@@ -180,7 +180,7 @@ def _columns(topic: Topic, rows: NDArray[Any]) -> list[Column]:
     return columns
 
 
-def _listed(units: Sequence[str]) -> str:
+def _both(units: Sequence[str]) -> str:
     return say("{first} and {last}", first=units[0], last=units[1]) if len(units) == 2 else ", ".join(units)
 
 
@@ -189,7 +189,7 @@ def _notes(topic: Topic, topics: Sequence[Topic]) -> list[str]:
     others = [str(other) for other in topics if other is not topic]
     said = (
         say("topic {topic}", topic=str(topic)),
-        say("{units} by the definition of the message", units=_listed(units)) if units else "",
+        say("{units} by the definition of the message", units=_both(units)) if units else "",
         say("other topics: {others}", others=some(others, 10)) if others else "",
         say("defined by {files} beside the bag", files=", ".join(topic.beside)) if topic.beside else "",
         say("left out, no signal or of no fixed number: {left}", left=", ".join(topic.left)) if topic.left else "",
