@@ -1,6 +1,7 @@
 """Nothing that is shown stays English: every result in letters that are not Latin, and the words left over."""
 
 import re
+import shlex
 from collections.abc import Iterable
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -11,7 +12,10 @@ from click.testing import CliRunner
 from matplotlib.text import Text
 
 import allanite as al
+from allanite.attitude import FILTERS
 from allanite.cli import VERBS, deliver, main
+from allanite.core.language import Phrase
+from allanite.exporting.table import EXPORTS
 from allanite.identification.front import METHODS
 from allanite.rate import RATE_ESTIMATORS
 from allanite.reporting import html, language, text
@@ -47,18 +51,26 @@ DATA = [
     r"\b(al|prepare|planning)\.\w+(\.\w+)*(\([^)]*\))?",  # calls
     r"\b(ISO|IEEE|IEC|NIST|RFC|PDF|CSV|JSON|TOML|DCT-II|Std|SP) ?[\d-]*",  # standards and formats
     r"'time \[s\]'",  # a column
+    rf"^({'|'.join(FILTERS)})$",  # the name of a filter in a cell
+    r"imu = \S.*|config = \S.*",  # notes that are code
+    *(re.escape(row.reference) for row in FILTERS.values() if not isinstance(row.reference, Phrase)),
 ]
 """What is no word of a sentence."""
 
-UNITS = "deg rad arcsec sqrt Hz kHz min ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
-SYMBOLS = "GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
-NAMES = "gx gy gz ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
+FIELDS = {field.full for row in EXPORTS.values() for field in row.fields}
+FIELDS |= {part for name in FIELDS for part in (name.split(".")[-1], f"{name.split('.')[0]}.")}
+DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, sorted((FIELDS | set(EXPORTS)), key=len, reverse=True)))})(?!\w)")
+
+UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
+SYMBOLS = "beta GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
+NAMES = "gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
 CODES = {"ru", "zh", "en"}
 
 
 def allowed():
     """Words of Latin letters that are names, units or symbols."""
     known = {*UNITS.split(), *SYMBOLS.split(), *NAMES.split(), *CODES, *TERMS, *STATISTICS, *METHODS, *RATE_ESTIMATORS}
+    known |= {"bortz", "madgwick", "mahony"}
     return known | {p.letter or p.name for row in TERMS.values() for p in row.parameters}
 
 
@@ -148,6 +160,18 @@ def recording(path, seed, n=2000, **more):
     return path
 
 
+def six(path, n=4000, rate=20.0):
+    """Three gyros and three accelerometers at rest."""
+    rng = np.random.default_rng(5)
+    gyro = al.N(0.3, "deg/sqrt(h)") + al.K(300.0, "deg/h/sqrt(h)")
+    gyros = [np.degrees(al.simulate(gyro, n, rate, rng=rng).values) for _ in range(3)]
+    tilts = [al.simulate(al.N(100, "ug/sqrt(Hz)"), n, rate, rng=rng).values for _ in range(3)]
+    columns = np.column_stack([np.arange(n) / rate, *gyros, *tilts[:2], tilts[2] + 9.80665])
+    head = "time [s],gx [deg/s],gy [deg/s],gz [deg/s],ax [m/s^2],ay [m/s^2],az [m/s^2]"
+    np.savetxt(path, columns, "%.9g", ",", header=head, comments="")
+    return path
+
+
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     """Small inputs, by name."""
@@ -168,22 +192,28 @@ def files(tmp_path_factory):
     found["encoder"] = folder / "encoder.csv"
     np.savetxt(found["encoder"], np.degrees(np.column_stack([measured, true])), "%.10g", ",",
                header="enc [deg],ref [deg]", comments="")  # fmt: skip
+    found["six"], found["kalibr"] = six(folder / "six.csv"), folder / "imu.yaml"
+    run("convert '1 deg/sqrt(h)' 'K 9 deg/h/sqrt(h)' '90 ug/sqrt(Hz)' 'K 10 ug/sqrt(h)' --to kalibr --rate 100 "
+        "-o {kalibr}", found)  # fmt: skip
     found["hour"], found["made"] = folder / "hour.csv", folder / "made.csv"
     run("angle simulate {hour} --latitude 60 --duration 3600 --start 7200 --error h:128=3,-1.5", found)
     return found
 
 
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
+GIVEN = "--model 'N 0.3 deg/sqrt(h), K 10 deg/h/sqrt(h)' --model 'N 100 ug/sqrt(Hz), K 50 ug/sqrt(h)'"
+NOISE = "--gyro 'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz), B 50 ug'"
 RUNS = {
     "info": ["{a}", "{short}", "{wild}"],
     "analyze": [
         "{a} --channels gx --device fog --about operator=x", "{wild} --channels gx,gy,gz",
         "{a} --channels gx --method slopes", "{a} {b} --channels gx --limits {limits}",
+        "{a} {b} --channels gx --device fog",
     ],
     "deviation": ["{a} --channels gx --statistic oadev,hdev"],
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
-    "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx"],
+    "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
     "rate": ["{a} --channels gx --interval 20"],
     "angle": [
         "calibrate {encoder} --measured enc --reference ref",
@@ -194,15 +224,25 @@ RUNS = {
     "plan": ["--sensor fog --rate 10", "{a} --channels gx"],
     "selfcheck": ["--sensor mems --rate 20 --samples 1000 --records 3"],
     "statespace": ["--sensor fog --rate 10"],
+    "export": [
+        "{six} --to vins-mono", "{six} --to gazebo --axis each --inflate 2", "{wild} {six} --to kalibr --unexplained",
+        "{six} --to datasheet", "--to px4 " + GIVEN, "{six} --to statespace",
+    ],
+    "convert": ["'1 deg/sqrt(h)' --to gtsam", "{kalibr} --from kalibr", "{kalibr} --from kalibr --to vins-mono"],
+    "explain": ["", *EXPORTS],
     "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
     "compensate": ["{a} --regressors temp --channels gx"],
+    "vertical": [
+        "{six}", "{six} --method bortz", "{six} --method kalman --time-constant 5 --keep-bias",
+        NOISE + " --gyro-bias '10 deg/h'", NOISE + " --scenarios --rate 10", "{six} --gate 0.001",
+    ],
 }  # fmt: skip
 """Arguments of each verb, which between them show most of what it can say."""
 
 
 def run(line, files):
     """Run a command line."""
-    words = [word.format(**files, stage="--stage=ADC 12 5V") for word in line.split()]
+    words = [word.format(**files, stage="--stage=ADC 12 5V") for word in shlex.split(line)]
     done = CliRunner().invoke(main, words)
     assert done.exit_code in (0, 3, 4, 5), (line, done.output)
     return done
@@ -224,6 +264,8 @@ def test_every_verb_is_run():
 @pytest.mark.parametrize("verb", VERBS)
 def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monkeypatch):
     values = []
+    for name, row in EXPORTS.items():
+        monkeypatch.setitem(EXPORTS, name, replace(row, source=""))
     monkeypatch.setattr(deliver, "print_result", lambda value, lang: values.append(value))
     for line in RUNS[verb]:
         run(f"{verb} {line}", files)

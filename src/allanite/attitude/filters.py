@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
+from allanite.core.language import say
 from allanite.core.wording import spelled
 
 from .coning import attitudes, rotation_vectors
@@ -149,38 +150,38 @@ FILTERS: dict[str, AttitudeFilter] = {
     row.name: row
     for row in (
         AttitudeFilter(
-            "complementary", "complementary filter of first order",
+            "complementary", say("complementary filter of first order"),
             r"\hat\theta = \frac{\tau s}{\tau s + 1} \int \omega + \frac{1}{\tau s + 1} \theta_a",
             "Higgins, IEEE Trans. AES-11 (1975) 321", _complementary, looped=True,
         ),
         AttitudeFilter(
-            "second-order", "complementary filter of second order, which estimates the gyro bias",
+            "second-order", say("complementary filter of second order, which estimates the gyro bias"),
             r"\dot\theta = \omega - b + k_1 (\theta_a - \theta), \quad \dot b = -k_2 (\theta_a - \theta)",
             "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True,
         ),
         AttitudeFilter(
-            "kalman", "steady Kalman filter for angle and rate random walk",
+            "kalman", say("steady Kalman filter for angle and rate random walk"),
             r"k_1 = \sqrt{N^2 + 2 K \sqrt{S_a}} / \sqrt{S_a}, \quad k_2 = K / \sqrt{S_a}",
-            "the filter of second order with the gains of the Riccati equation", _complementary, looped=True,
+            say("the filter of second order with the gains of the Riccati equation"), _complementary, looped=True,
         ),
         AttitudeFilter(
-            "mahony", "Mahony's filter, kP = k1 and kI = k2",
+            "mahony", say("Mahony's filter, kP = k1 and kI = k2"),
             r"\dot q = \tfrac{1}{2} q \otimes (\omega - b + k_P\, a \times v), \quad \dot b = -k_I\, a \times v",
             "Mahony et al., IEEE Trans. AC-53 (2008) 1203", _mahony, looped=True,
         ),
         AttitudeFilter(
-            "madgwick", "Madgwick's filter, which corrects at a constant rate of 2 beta",
+            "madgwick", say("Madgwick's filter, which corrects at a constant rate of 2 beta"),
             r"\dot q = \tfrac{1}{2} q \otimes \omega - \beta \nabla f / |\nabla f|",
             "Madgwick et al., ICORR (2011)", _madgwick,
         ),
         AttitudeFilter(
-            "bortz", "gyros alone, rotation vector with coning correction",
+            "bortz", say("gyros alone, rotation vector with coning correction"),
             r"\phi = \theta_1 + \theta_2 + \tfrac{2}{3} \theta_1 \times \theta_2",
             "Bortz, IEEE Trans. AES-7 (1971) 61", _bortz,
         ),
         AttitudeFilter(
-            "accelerometer", "accelerometers alone", r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
-            "the tilt of the specific force", _accelerometer,
+            "accelerometer", say("accelerometers alone"), r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
+            say("the tilt of the specific force"), _accelerometer,
         ),
     )
 }  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
+from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, Term
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
@@ -181,7 +182,7 @@ def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> I
                 yield Source(sensor, t.symbol, text_of(t), scale(sensor) * rms)
         if bias[i]:
             unit = model.signal.sheet[0]
-            said = f"bias {bias[i] / unit_of(unit).factor:.4g} {unit}"
+            said = say("bias {value:.4g} {unit}", value=bias[i] / unit_of(unit).factor, unit=unit)
             yield Source(sensor, "bias", said, abs(bias[i]) * scale(sensor) * steady(loop, sensor, noise.interval))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.simulation.record import simulate
@@ -59,10 +60,10 @@ def _dash(t: FloatArray) -> FloatArray:
 SCENARIOS: dict[str, Scenario] = {
     row.name: row
     for row in (
-        Scenario("fixed base", "level and at rest", _level, np.zeros_like),
-        Scenario("acceleration", "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level, _dash),
+        Scenario(say("fixed base"), "level and at rest", _level, np.zeros_like),
+        Scenario(say("acceleration"), "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level, _dash),
         Scenario(
-            "oscillation", "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center", _sway,
+            say("oscillation"), "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center", _sway,
             np.zeros_like, 1.0,
         ),
     )
@@ -151,14 +152,20 @@ def compared() -> dict[str, tuple[str, Setting]]:
     """The filters that are compared: label, name in `FILTERS` and settings."""
     slow = Setting(Loop.of(100.0))
     return {
-        "accelerometer": ("accelerometer", slow),
+        say("accelerometer"): ("accelerometer", slow),
         "bortz": ("bortz", slow),
-        "first order, 1 s": ("complementary", Setting(Loop.of(1.0))),
-        "first order, 10 s": ("complementary", Setting(Loop.of(10.0))),
-        "first order, 100 s": ("complementary", slow),
-        "100 s, norm gate 0.02 g": ("complementary", replace(slow, norm_gate=0.02)),
-        "10 s, angle gate 1 deg": ("complementary", Setting(Loop.of(10.0), gate=math.radians(1.0))),
-        "second order, 100 s, 500 s": ("second-order", Setting(Loop(0.01, 1 / 500**2))),
+        say("first order, {time:g} s", time=1): ("complementary", Setting(Loop.of(1.0))),
+        say("first order, {time:g} s", time=10): ("complementary", Setting(Loop.of(10.0))),
+        say("first order, {time:g} s", time=100): ("complementary", slow),
+        say("{time:g} s, norm gate {gate:g} g", time=100, gate=0.02): ("complementary", replace(slow, norm_gate=0.02)),
+        say("{time:g} s, angle gate {gate:g} deg", time=10, gate=1): (
+            "complementary",
+            Setting(Loop.of(10.0), gate=math.radians(1.0)),
+        ),
+        say("second order, {time:g} s, {slow:g} s", time=100, slow=500): (
+            "second-order",
+            Setting(Loop(0.01, 1 / 500**2)),
+        ),
         "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
         "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
         "madgwick, beta 0.001": ("madgwick", Setting(Loop.of(1.0), beta=0.001)),
@@ -276,7 +283,7 @@ def design(
     """
     if not scenarios:
         return VerticalDesign(found)
-    chosen = {"best, first order": ("complementary", Setting(found.first.loop)), **compared()}
+    chosen = {say("best, first order"): ("complementary", Setting(found.first.loop)), **compared()}
     errors = compare_filters(
         found.first.gyro, found.first.accelerometer, rng=np.random.default_rng(seed), rate=rate or 100.0,
         bias=(bias * AXES[0], bias * AXES[1], bias * AXES[2]), filters=chosen,

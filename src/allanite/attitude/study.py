@@ -24,7 +24,7 @@ from .optimum import best_loop, best_second, optimum
 from .prediction import predict
 from .result import Angle, VerticalChannel, VerticalSettings, VerticalStudy
 
-ANGLES = ("roll", "pitch")
+ANGLES = (say("roll"), say("pitch"))
 PAIRS = ((0, 1), (1, 0))
 """The gyro and the accelerometer, among x, y, z, that an angle is found from."""
 

@@ -22,7 +22,7 @@ CHOICES = (
 FILE = (
     click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the file; - is standard output. The suffix chooses the form if there are several."),
-    "json", "force", "quiet",
+    "json", "lang", "force", "quiet",
 )  # fmt: skip
 
 
@@ -89,7 +89,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
 
 
 @click.command()
-@options(click.argument("target", required=False, default=""), "json", "force", "quiet")
+@options(click.argument("target", required=False, default=""), "json", "lang", "force", "quiet")
 def explain(target: str, **choices: Any) -> None:
     """Explain the fields of a target.
 

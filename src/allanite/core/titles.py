@@ -15,6 +15,4 @@ def title_of(symbol: str, signal: Signal) -> str:
     ('velocity random walk', 'voltage random walk')
     """
     row = TERMS[symbol]
-    if signal.name in row.titles or row.general is None:
-        return row.titles.get(signal.name, row.title)
-    return row.general(signal.quantity, signal.integral)
+    return row.titles.get(signal.name, row.title)

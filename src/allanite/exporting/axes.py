@@ -8,6 +8,7 @@ from typing import Any
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.language import join, say
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.study.analysis import Channel, Study
@@ -54,7 +55,7 @@ class Axis:
     @property
     def label(self) -> str:
         """Its name, also of a given model."""
-        return self.name or f"given {self.sensor}"
+        return self.name or (say("given gyro") if self.sensor == "gyro" else say("given accelerometer"))
 
     def estimate(self, symbol: str) -> Estimate | None:
         """The estimate of a term; None if it was not looked for."""
@@ -92,12 +93,21 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
         return
     fit, doubts = channel.noise.fit, channel.noise.doubts
     alerts = tuple(alert for alert in channel.alerts if alert not in doubts)
-    yield Axis(channel.record.name, fit, channel.record.rate, "; ".join(doubts), channel.readings, level, alerts, known)
+    yield Axis(
+        channel.record.name,
+        fit,
+        channel.record.rate,
+        join("; ", doubts) if doubts else "",
+        channel.readings,
+        level,
+        alerts,
+        known,
+    )
 
 
 @axes_of.register
 def _(source: Fit) -> Iterator[Axis]:
-    doubt = "" if source.valid is not None else "the model does not explain the record"
+    doubt = "" if source.valid is not None else say("the model does not explain the record")
     yield Axis(source.name, source, source.curve.rate if source.curve else None, doubt)
 
 

@@ -93,7 +93,7 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
         if markov and symbol == "K" and (one is None or one.limit):
             one = _markov(axis) or one
         if one is None:
-            why = say("not given or not looked for") if e is None else e.words().partition(",")[0]
+            why = say("not given or not looked for") if e is None else e.words()
             reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
         else:
             found.append(one)

@@ -11,7 +11,7 @@ from allanite.core.wording import spelled
 from .axes import Axis
 from .choice import POLICIES, Coefficient, Found, coefficients, selected
 from .content import Entry
-from .target import Field, Target, demand_rate
+from .target import GYRO, Field, Target, demand_rate
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
     for field in target.fields:
         group = chosen.get(field.sensor)
         if group is None:
-            missing.append(say("{field} is not written: no {sensor}", field=field.full, sensor=field.sensor))
+            missing.append(_absent(field))
             continue
         found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
         if found and (how.axis != "each" or len(found) == 3):
@@ -102,6 +102,12 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
             f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}"
         )
     return Filled(tuple(entries), tuple(missing))
+
+
+def _absent(field: Field) -> str:
+    if field.sensor == GYRO:
+        return say("{field} is not written: no gyro", field=field.full)
+    return say("{field} is not written: no accelerometer", field=field.full)
 
 
 def _sensors(target: Target) -> tuple[str, ...]:
@@ -132,7 +138,9 @@ def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]
         values.append(value)
         remarks.append(remark)
     shared = (
-        remarks[:1] if len(set(remarks)) == 1 else [f"{c.channel} {r}" for c, r in zip(found, remarks, strict=True)]
+        remarks[:1]
+        if len(set(remarks)) == 1
+        else [join(" ", (c.channel, r)) for c, r in zip(found, remarks, strict=True)]
     )
     return Entry(
         field.name, field.sensor, field.section, field.unit, field.formula, tuple(values),

@@ -50,7 +50,7 @@ class Scale:
         Examples
         --------
         >>> BY_MINIMUM.of(1.2, "deg/h").name, BY_RANDOM_WALK.of(0.001, "deg/sqrt(h)").name
-        ('tactical', 'navigation')
+        ('tactical grade', 'navigation grade')
         """
         size = convert(value, unit, self.unit)
         return next(grade for grade in self.grades if size < grade.below)

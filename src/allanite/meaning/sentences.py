@@ -53,7 +53,7 @@ def _title(estimate: Estimate) -> str:
     if estimate.signal.name == "gyro" or estimate.symbol not in "NKR":
         return TERMS[estimate.symbol].title
     if estimate.symbol == "N":
-        return say("{integral} random walk", integral=estimate.signal.integral)
+        return TERMS["N"].titles[estimate.signal.name]
     return say("random walk") if estimate.symbol == "K" else say("ramp")
 
 

@@ -113,7 +113,11 @@ def _judged(
     if not check.truth:
         return [covered, (say("falsely found in"), (found, error), wrong[0], 1)]
     size, its = check.bias
-    return [covered, (say("bias"), (abs(size), its), bias, 1), (say("missed in"), (1 - found, error), wrong[1], 1)]
+    return [
+        covered,
+        (say("bias of the estimate"), (abs(size), its), bias, 1),
+        (say("missed in"), (1 - found, error), wrong[1], 1),
+    ]
 
 
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own

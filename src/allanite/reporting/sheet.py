@@ -236,6 +236,8 @@ _UNITS = (
 
 def printable(text: str) -> str:
     """`text` without control characters: names out of a file must not drive the terminal."""
+    if text.isprintable():  # a phrase stays one
+        return text
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 

@@ -85,8 +85,6 @@ class NoiseTerm:
         Names, description, LaTeX formula (Allan variance) and source; the title is that for a gyro.
     titles : {name of a signal: title}
         Where it is called otherwise.
-    general : (quantity, its integral) -> title, or None
-        For any other signal; None if the title is the same for all.
     power : float
         The coefficient is a signal times time to this power.
     slope : float
@@ -175,4 +173,3 @@ class NoiseTerm:
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
     titles: Mapping[str, str] = field(default_factory=dict)
-    general: Callable[[str, str], str] | None = None

@@ -65,7 +65,7 @@ def test_limits_are_exceeded_beyond_chance_only():
     assert check.exceeded() == []
     assert check.exceeded(bias=0.11, coverage=0.9, missed=0.0, false=0.09) == []
     said = check.exceeded(bias=0.09, coverage=0.9, false=0.05)
-    assert said == ["N: bias 10 +- 0.014 %, limit 9 %", "B: falsely found in 10 +- 1.5 %, limit 5 %"]
+    assert said == ["N: bias of the estimate 10 +- 0.014 %, limit 9 %", "B: falsely found in 10 +- 1.5 %, limit 5 %"]
     uncovered = made(low=np.full(many, 2.05), high=np.full(many, 3.0), value=np.full(many, 2.1), claimed=[False] * many)
     broken = SelfCheck(MODEL, 100, 1.0, many, 0.95, (uncovered,), (0.0, 0.0)).exceeded(coverage=0.9, missed=0.1)
     assert [words.split(":")[1].split()[0] for words in broken] == ["coverage", "missed"]

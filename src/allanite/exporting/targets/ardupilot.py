@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
 
@@ -13,12 +14,12 @@ gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", WALK,
 
 ARDUPILOT = Target(
     name="ardupilot",
-    title="parameters of ArduPilot's EKF3",
+    title=say("parameters of ArduPilot's EKF3"),
     fields=(gyro, replace(accelerometer, span=(0.01, 1.0)), gyro_bias, replace(accelerometer_bias, span=(1e-5, 0.02))),
     forms={".param": Lines("{name},{value}")},
     source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, of the bias"
     " of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the parameters. "
     "The step is a whole number of samples, and so up to 2 ms shorter or longer",
-    notes=("the defaults are larger, since they cover vibration in flight: values of a bench are lower bounds",),
+    notes=(say("the defaults are larger, since they cover vibration in flight: values of a bench are lower bounds"),),
     step=0.012,
 )

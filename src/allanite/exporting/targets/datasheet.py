@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterator
 
 from allanite.core.datasheet import data_sheet
+from allanite.core.language import say
 from allanite.exporting.content import Content
 from allanite.exporting.target import Target
 
@@ -53,10 +54,10 @@ def _escaped(text: str) -> str:
 
 DATASHEET = Target(
     name="datasheet",
-    title="table of the quantities that data sheets quote, each with its interval",
+    title=say("table of the quantities that data sheets quote, each with its interval"),
     fields=(),
     forms={".md": markdown, ".csv": comma_separated, ".tex": latex},
     source="the page Reading a data sheet",
-    notes=("of a term that was not identified, high is the 95 % upper limit",),
+    notes=(say("of a term that was not identified, high is the 95 % upper limit"),),
     inflatable=False,
 )

@@ -1,5 +1,6 @@
 """Gazebo: the noise of an IMU in SDF, and the IMU plugin of gazebo-classic."""
 
+from allanite.core.language import say
 from allanite.exporting.content import Content, number
 from allanite.exporting.layouts import XML_COMMENT, Lines, spread, told
 from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Field, Target, pair
@@ -27,7 +28,7 @@ def sdf(content: Content) -> str:
 
 GAZEBO = Target(
     name="gazebo",
-    title="noise of an IMU in SDF, for Gazebo",
+    title=say("noise of an IMU in SDF, for Gazebo"),
     fields=tuple(
         field
         for sensor, section, (white, walk) in SECTIONS
@@ -41,7 +42,7 @@ GAZEBO = Target(
     source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per sample; the bias is a Gauss-Markov "
     "process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 per step: "
     "dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
-    notes=("f is the update_rate of the sensor", "SDF 1.6 or later"),
+    notes=(say("f is the update_rate of the sensor"), say("SDF 1.6 or later")),
     markov=True,
     each=True,
     comments=XML_COMMENT,
@@ -49,7 +50,7 @@ GAZEBO = Target(
 
 GAZEBO_CLASSIC = Target(
     name="gazebo-classic",
-    title="IMU plugin of gazebo-classic (RotorS, PX4 SITL, UUV simulator)",
+    title=say("IMU plugin of gazebo-classic (RotorS, PX4 SITL, UUV simulator)"),
     fields=(
         *pair("gyroscopeNoiseDensity", "accelerometerNoiseDensity", *DENSITY),
         *pair("gyroscopeRandomWalk", "accelerometerRandomWalk", *WALK),
@@ -66,7 +67,7 @@ GAZEBO_CLASSIC = Target(
     },
     source="rotors_gazebo_plugins/src/gazebo_imu_plugin.cpp: white noise density/sqrt(dt), and a Gauss-Markov "
     "bias driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per step",
-    notes=("gyroscopeTurnOnBiasSigma and accelerometerTurnOnBiasSigma do not follow from a static recording",),
+    notes=(say("gyroscopeTurnOnBiasSigma and accelerometerTurnOnBiasSigma do not follow from a static recording"),),
     markov=True,
     comments=XML_COMMENT,
 )  # fmt: skip

@@ -1,11 +1,12 @@
 """gnss-ins-sim: simulation of inertial sensors in Python."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
 
 GNSS_INS_SIM = Target(
     name="gnss-ins-sim",
-    title="IMU error model of gnss-ins-sim",
+    title=say("IMU error model of gnss-ins-sim"),
     fields=(
         Field("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
         Field("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
@@ -31,7 +32,10 @@ GNSS_INS_SIM = Target(
     source="gnss_ins_sim/sim/imu_model.py; gnss_ins_sim/pathgen/pathgen.py, bias_drift: a Gauss-Markov process "
     "driven by b_stability sqrt(1 - exp(-2 dt/T)), which starts at 0. Versions before drove it by "
     "b_stability dt, which depends on the rate. Without b_corr the drift is white noise",
-    notes=("imu = imu_model.IMU(accuracy=imu_err, axis=6)", "there is no random walk: T is much longer than a run"),
+    notes=(
+        "imu = imu_model.IMU(accuracy=imu_err, axis=6)",
+        say("there is no random walk: T is much longer than a run"),
+    ),
     markov=True,
     each=True,
 )

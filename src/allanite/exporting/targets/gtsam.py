@@ -1,5 +1,6 @@
 """GTSAM: preintegration of inertial measurements."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
 
@@ -8,7 +9,7 @@ BIAS = Field("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
 
 GTSAM = Target(
     name="gtsam",
-    title="parameters of GTSAM's CombinedImuFactor, in Python",
+    title=say("parameters of GTSAM's CombinedImuFactor, in Python"),
     fields=(
         *pair("setGyroscopeCovariance", "setAccelerometerCovariance", WHITE, "(m/s^2)^2/Hz"),
         *pair("setBiasOmegaCovariance", "setBiasAccCovariance", BIAS, "(m/s^3)^2/Hz"),
@@ -27,7 +28,9 @@ GTSAM = Target(
     source="gtsam/navigation/CombinedImuFactor.h and PreintegrationParams.h: covariances of continuous time, "
     "which the integration divides by dt. The division was not read in the version of today",
     notes=(
-        "setIntegrationCovariance and setBiasAccOmegaInt (its name differs between versions) do not follow from the "
-        "noise",
+        say(
+            "setIntegrationCovariance and setBiasAccOmegaInt (its name differs between versions) do not follow from "
+            "the noise"
+        ),
     ),
 )

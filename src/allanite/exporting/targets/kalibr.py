@@ -1,11 +1,12 @@
 """kalibr: camera-IMU calibration."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
 
 KALIBR = Target(
     name="kalibr",
-    title="imu.yaml of kalibr",
+    title=say("imu.yaml of kalibr"),
     fields=(
         *pair("gyroscope_noise_density", "accelerometer_noise_density", *DENSITY),
         *pair("gyroscope_random_walk", "accelerometer_random_walk", *WALK),
@@ -13,6 +14,6 @@ KALIBR = Target(
     forms={".yaml": Lines("{name}: {value}", start=("rostopic: /imu0", "update_rate: {rate}"))},
     source="kalibr_common/ConfigReader.py: all values must be above 0; kalibr itself divides the densities by "
     "sqrt(dt). Wiki page IMU Noise Model",
-    notes=("set rostopic to the topic of the recording",),
+    notes=(say("set rostopic to the topic of the recording"),),
     rated=True,
 )

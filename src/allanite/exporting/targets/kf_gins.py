@@ -1,11 +1,12 @@
 """KF-GINS: GNSS/INS integration of Wuhan University."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
 
 KF_GINS = Target(
     name="kf-gins",
-    title="imunoise of KF-GINS",
+    title=say("imunoise of KF-GINS"),
     fields=(
         Field("arw", GYRO, "N", "deg/sqrt(h)"),
         Field("vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
@@ -17,9 +18,9 @@ KF_GINS = Target(
     source="src/kf-gins/gi_engine.cpp: densities arw^2 and 2 gbstd^2/T of continuous time; units of the loader: "
     "deg/sqrt(h), m/s/sqrt(h), deg/h, mGal, h",
     notes=(
-        "gbstd and abstd are those of a Gauss-Markov process, which with T = corrtime = 100 h is a random walk",
-        "set initbgstd and initbastd: without them, KF-GINS starts with gbstd and abstd",
-        "gsstd and asstd (scale factors, ppm) do not follow from a static recording",
+        say("gbstd and abstd are those of a Gauss-Markov process, which with T = corrtime = 100 h is a random walk"),
+        say("set initbgstd and initbastd: without them, KF-GINS starts with gbstd and abstd"),
+        say("gsstd and asstd (scale factors, ppm) do not follow from a static recording"),
     ),
     each=True,
 )

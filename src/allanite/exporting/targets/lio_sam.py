@@ -1,17 +1,18 @@
 """LIO-SAM: lidar-inertial odometry."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
 
 LIO_SAM = Target(
     name="lio-sam",
-    title="params.yaml of LIO-SAM, its IMU part",
+    title=say("params.yaml of LIO-SAM, its IMU part"),
     fields=(*pair("imuGyrNoise", "imuAccNoise", *DENSITY), *pair("imuGyrBiasN", "imuAccBiasN", *WALK)),
     forms={".yaml": Lines("  {name}: {value}", start=("lio_sam:",))},
     source="src/imuPreintegration.cpp: gyroscopeCovariance = imuGyrNoise^2, to which GTSAM applies dt; the bias "
     "between two key frames has the standard deviation sqrt(deltaTij) imuGyrBiasN",
     notes=(
-        "ROS 2: the keys stand below /**: ros__parameters: instead of lio_sam:",
-        "imuGravity is the local gravity and not part of the noise",
+        say("ROS 2: the keys stand below /**: ros__parameters: instead of lio_sam:"),
+        say("imuGravity is the local gravity and not part of the noise"),
     ),
 )

@@ -1,5 +1,6 @@
 """MATLAB: imuSensor of the Navigation Toolbox."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Json
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
 
@@ -14,16 +15,20 @@ FIELDS = tuple(
 
 MATLAB = Target(
     name="matlab",
-    title="parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')",
+    title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
     fields=FIELDS,
     forms={".json": Json(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
     source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
     "which sets single-sided noise to match N and K. The keys of the file are the names of the "
     "properties; no sample of a file was seen",
     notes=(
-        "NoiseType must be single-sided: with the default, double-sided, imuSensor makes N and K smaller by sqrt(2)",
-        "BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times the "
-        "longest averaging time",
+        say(
+            "NoiseType must be single-sided: with the default, double-sided, imuSensor makes N and K smaller by sqrt(2)"
+        ),
+        say(
+            "BiasInstability is flicker only with BiasInstabilityCoefficients = fractalcoef(n, 1), n at least f times "
+            "the longest averaging time"
+        ),
     ),
     each=True,
 )

@@ -1,11 +1,12 @@
 """NaveGo: integrated navigation in MATLAB."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import MATLAB_COMMENT, Lines
 from allanite.exporting.target import DENSITY, GYRO, WALK, Field, Target, pair
 
 NAVEGO = Target(
     name="navego",
-    title="IMU errors of NaveGo, in SI",
+    title=say("IMU errors of NaveGo, in SI"),
     fields=(
         *pair("arw", "vrw", *DENSITY),
         *pair("gb_psd", "ab_psd", *WALK),
@@ -16,8 +17,8 @@ NAVEGO = Target(
     "decays with -1/gb_corr. conversions/imu_si_errors.m computes gb_psd = gb_dyn sqrt(gb_corr), or "
     "divided by it in other versions; neither drives the bias with its density, which is K",
     notes=(
-        "set these after imu_si_errors, which would overwrite gb_psd and ab_psd",
-        "gb_dyn and ab_dyn, the standard deviations at the start, do not follow from the noise",
+        say("set these after imu_si_errors, which would overwrite gb_psd and ab_psd"),
+        say("gb_dyn and ab_dyn, the standard deviations at the start, do not follow from the noise"),
     ),
     markov=True,
     each=True,

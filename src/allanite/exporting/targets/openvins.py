@@ -1,11 +1,12 @@
 """OpenVINS: visual-inertial odometry."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
 
 OPENVINS = Target(
     name="openvins",
-    title="kalibr_imu_chain.yaml of OpenVINS",
+    title=say("kalibr_imu_chain.yaml of OpenVINS"),
     fields=(
         *pair("gyroscope_noise_density", "accelerometer_noise_density", *DENSITY),
         *pair("gyroscope_random_walk", "accelerometer_random_walk", *WALK),
@@ -19,6 +20,6 @@ OPENVINS = Target(
     },
     source="ov_msckf/src/state/Propagator.cpp: the covariance of a step is sigma^2/dt in front of Jacobians that hold "
     "dt, so that the fields are densities; config/euroc_mav/kalibr_imu_chain.yaml",
-    notes=("T_i_b, Tw, Ta, Tg and the rotations are calibrations: take them over from your file",),
+    notes=(say("T_i_b, Tw, Ta, Tg and the rotations are calibrations: take them over from your file"),),
     rated=True,
 )

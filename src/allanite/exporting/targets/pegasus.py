@@ -1,11 +1,12 @@
 """Pegasus: the IMU of a simulator of vehicles in Isaac Sim."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Json
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
 
 PEGASUS = Target(
     name="pegasus",
-    title="IMU of the Pegasus Simulator in Isaac Sim",
+    title=say("IMU of the Pegasus Simulator in Isaac Sim"),
     fields=tuple(
         Field(name, sensor, term, unit, time=0 if term else 2, section=section)
         for sensor, section, units in (
@@ -22,8 +23,10 @@ PEGASUS = Target(
     "samples, and the gyro has the correlation time of the accelerometer",
     notes=(
         "config = json.load(open(file)); config.pop('comment'); IMU(config)",
-        "Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a step is N sqrt(f), without "
-        "drift",
+        say(
+            "Isaac Sim itself has no noise of an IMU; in Isaac Lab the standard deviation of a step is N sqrt(f), "
+            "without drift"
+        ),
     ),
     rated=True,
 )

@@ -1,5 +1,6 @@
 """PSINS: strapdown inertial navigation in MATLAB."""
 
+from allanite.core.language import say
 from allanite.exporting.layouts import MATLAB_COMMENT, Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
 
@@ -8,7 +9,7 @@ GRAVITY = 9.80665 / 9.7803267714
 
 PSINS = Target(
     name="psins",
-    title="imuerrset of PSINS",
+    title=say("imuerrset of PSINS"),
     fields=(
         Field("web", GYRO, "N", "deg/sqrt(h)"),
         Field("wdb", ACCELEROMETER, "N", "ug/sqrt(Hz)", weight=GRAVITY**2),

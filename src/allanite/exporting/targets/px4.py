@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
 
@@ -12,7 +13,7 @@ gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", NOISE, "m/s^2")
 
 PX4 = Target(
     name="px4",
-    title="parameters of PX4's EKF2, for QGroundControl",
+    title=say("parameters of PX4's EKF2, for QGroundControl"),
     fields=(
         gyro,
         replace(accelerometer, span=(0.01, 1.0)),
@@ -22,8 +23,10 @@ PX4 = Target(
     source="src/modules/ekf2/EKF/covariance.cpp: variances of a step (dt EKF2_GYR_NOISE)^2 and (dt "
     "EKF2_GYR_B_NOISE)^2 with dt = 10 ms (EKF2_PREDICT_US); ranges of the parameters",
     notes=(
-        "the defaults of PX4 are 10 to 100 times as large, since they cover vibration in flight: values of a bench are "
-        "lower bounds",
+        say(
+            "the defaults of PX4 are 10 to 100 times as large, since they cover vibration in flight: values of a bench "
+            "are lower bounds"
+        ),
     ),
     step=0.01,
 )

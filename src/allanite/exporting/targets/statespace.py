@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.errors import DataError
+from allanite.core.language import say
 from allanite.core.model import Model
 from allanite.exporting.axes import Axis
 from allanite.exporting.content import Content, number
@@ -80,10 +81,10 @@ def c_file(content: Content) -> str:
 
 STATESPACE = Target(
     name="statespace",
-    title="matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v",
+    title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"),
     fields=(),
     forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file},
     source="exact discretization at the sampling rate; flicker as Gauss-Markov processes matched from 1 to 1000 s",
-    notes=("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the start",),
+    notes=(say("Qd is the covariance of w, R the variance of v, P0 the covariance of the states at the start"),),
     rated=True,
 )

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
 
@@ -10,18 +11,18 @@ WALK = Field("", GYRO, "K", "rad/s^2", rate=1)
 
 VINS_MONO = Target(
     name="vins-mono",
-    title="config file of VINS-Mono, its IMU part",
+    title=say("config file of VINS-Mono, its IMU part"),
     fields=(*pair("gyr_n", "acc_n", NOISE, "m/s^2"), *pair("gyr_w", "acc_w", WALK, "m/s^3")),
     forms={".yaml": Lines("{name}: {value}", first=("%YAML:1.0",))},
     source="vins_estimator/src/factor/integration_base.h: the midpoint of two samples whose noise is taken for "
     "independent has the covariance dt^2 gyr_n^2/2 per step, and the bias dt^2 gyr_w^2. N itself would be"
     " too small by sqrt(2 f)",
-    notes=("g_norm is the local gravity and not part of the noise",),
+    notes=(say("g_norm is the local gravity and not part of the noise"),),
 )
 
 VINS_FUSION = replace(
     VINS_MONO,
     name="vins-fusion",
-    title="config file of VINS-Fusion, its IMU part",
+    title=say("config file of VINS-Fusion, its IMU part"),
     source="vins_estimator/src/factor/integration_base.h, as in VINS-Mono",
 )

@@ -40,9 +40,8 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     m = [curve.m[which].tolist() for curve, which in zip(curves, early_ones, strict=True)]
     variance = np.concatenate([c.variance[which] for c, which in zip(curves, early_ones, strict=True)])
     if variance.size < len(symbols) or not np.all(variance > 0):
-        raise DataError(
-            say("{size} nonzero points are needed for {terms} terms", size=variance.size, terms=len(symbols))
-        )
+        told = {"nonzero": np.count_nonzero(variance > 0), "size": variance.size, "terms": len(symbols)}
+        raise DataError(say("{nonzero} of {size} points are nonzero; {terms} terms need as many, all nonzero", **told))
     X = np.concatenate([columns(name, symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)])
     products = np.zeros((len(X), len(X), len(symbols), len(symbols)))
     first = len(m[0])

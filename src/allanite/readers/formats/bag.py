@@ -135,7 +135,7 @@ def _table(topic: _Topic, process: Process) -> Table:
 def _notes(topic: _Topic) -> Iterator[Phrase]:
     units = sorted(set(filter(headers.inertial, topic.units.values())), reverse=True)
     if units:
-        yield say("{units} by the definition of the message", units=" and ".join(units))
+        yield say("{units} by the definition of the message", units=", ".join(units))
     if topic.beside:
         yield say("defined by {files} beside the bag", files=", ".join(topic.beside))
     if topic.left:

@@ -123,7 +123,7 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         return
     found.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
-        Column(say("unit"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
+        Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
         Column(say("found"), "name"), Column(say("limit"), "name"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
@@ -152,7 +152,7 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     """A row for each channel of each unit: coefficients in the units of data sheets."""
     rows = [(unit, c) for unit in batch for c in unit.channels if c.record.signal is signal]
     symbols = list(dict.fromkeys(e.symbol for _, c in rows for e in c.fit or ()))
-    heads = [Column(say("unit"), "name"), Column(say("channel"), "name")]
+    heads = [Column(say("file"), "name"), Column(say("channel"), "name")]
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
     heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
     heads += [Column(say("result"), "name")] if batch.specification else []
@@ -199,7 +199,7 @@ def _minimum(channel: Channel, level: float) -> str:
 def _across(batch: Batch) -> Table:
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("unit"), "name"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
         Column(say("others below")), Column("", "unit"),
     )  # fmt: skip
     rows = [_spread(batch, found) for found in batch.across]

@@ -190,7 +190,7 @@ def _face(study: CompensationStudy, level: float) -> Face:
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     said = verdict(channel, printed_number)
     said = join(": ", (source, said)) if source else said
-    doubt, of = _doubtful(channel), say("noise before the correction: ")
+    doubt, of = _doubtful(channel), say("noise before the correction")
     sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
     if not source:
         return sheet

@@ -1,7 +1,5 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
-from typing import Any
-
 from allanite.core.language import say
 from allanite.core.titles import title_of
 from allanite.core.units import signal_named
@@ -9,11 +7,12 @@ from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
 from allanite.exporting.imported import Imported
 from allanite.exporting.table import EXPORTS
+from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
 
 from . import View
 
-BRAND = "noise coefficients for a filter"
+BRAND = say("noise coefficients for a filter")
 KEY = say(
     "f is the rate, T a correlation time; N, K and B are the coefficients of white noise, random walk and flicker"
 )
@@ -23,8 +22,7 @@ def _export_face(value: Export, _: float) -> Face:
     row = EXPORTS[value.target]
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
-        headings, rows = value.rows()
-        parts.append(Table(_columns(headings), rows))
+        parts.append(Table(HEADINGS, value.rows()[1]))
         parts.append(Note(KEY, "quiet"))
     elif not value.binary:
         parts.append(Code(value.text.rstrip("\n")))
@@ -33,9 +31,11 @@ def _export_face(value: Export, _: float) -> Face:
     return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),), header, provenance=value.provenance)
 
 
-def _columns(headings: list[str]) -> tuple[Column, ...]:
-    kinds: dict[str, Any] = {"field": "name", "value": "number", "unit": "unit"}
-    return tuple(Column(heading, kinds.get(heading, "text")) for heading in headings)
+SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
+HEADINGS = (
+    Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
+    Column(say("channel"), "text"), Column(say("remark"), "text"),
+)  # fmt: skip
 
 
 def _imported_face(value: Imported, _: float) -> Face:
@@ -45,8 +45,8 @@ def _imported_face(value: Imported, _: float) -> Face:
         [t.symbol, title_of(t.symbol, t.signal), f"{t.to(unit):.6g}", unit, f"{t.value:.6g}", t.unit]
         for t, unit in terms
     ]
-    columns = (Column("term", "symbol"), Column("", "text"), Column("value"), Column("unit", "unit"),
-               Column("SI"), Column("unit", "unit"))  # fmt: skip
+    columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value")), Column(say("unit"), "unit"),
+               Column(say("SI")), Column(say("unit"), "unit"))  # fmt: skip
     about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
     return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
 
@@ -54,16 +54,16 @@ def _imported_face(value: Imported, _: float) -> Face:
 def _explanation_face(value: Explanation, _: float) -> Face:
     if not value.target:
         rows = [[row.name, row.title] for row in EXPORTS.values()]
-        sheet = Sheet("targets", (), (Table((Column("target", "name"), Column("", "text")), rows),))
-        return Face("targets", BRAND, (sheet,))
+        sheet = Sheet(say("targets"), (), (Table((Column(say("target"), "name"), Column("", "text")), rows),))
+        return Face(sheet.name, BRAND, (sheet,))
     row = EXPORTS[value.target]
     fields = [
-        [f.full, f.sensor, f.unit, f.formula,
-         title_of(f.term, signal_named(f.sensor)) if f.term else "correlation time"]
+        [f.full, SENSORS[f.sensor], f.unit, f.formula,
+         title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]
         for f in row.fields
     ]  # fmt: skip
-    columns = (Column("field", "name"), Column("sensor", "text"), Column("unit", "unit"), Column("is", "text"),
-               Column("", "text"))  # fmt: skip
+    columns = (Column(say("field"), "name"), Column(say("sensor"), "text"), Column(say("unit"), "unit"),
+               Column(say("is"), "text"), Column("", "text"))  # fmt: skip
     parts: list[Part] = [Table(columns, fields), Note(KEY, "quiet")] if fields else []
     if row.step:
         parts.append(

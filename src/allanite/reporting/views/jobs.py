@@ -108,7 +108,7 @@ def channel_sheet(
 def statement_note(said: Statement, before: str = "") -> Iterator[Note]:
     """How well a model explains a record: the grade with its reasons; nothing where it was not tested."""
     if said.grade:
-        yield Note(join("", (before, said.head)), LEVELS[said.grade], points=said.points)
+        yield Note(join(": ", filter(None, (before, said.head))), LEVELS[said.grade], points=said.points)
 
 
 def warnings(channel: Warned, of: str = "") -> Iterator[Part]:

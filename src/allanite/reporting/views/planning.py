@@ -114,7 +114,15 @@ def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
         + [_with_error(measured) for measured in (c.bias, c.spread, c.coverage, c.found)]
         for c in check.terms
     ]
-    heads = _heads(say("truth"), say("unit"), say("bound"), say("bias"), say("spread"), say("coverage"), say("found"))
+    heads = _heads(
+        say("truth"),
+        say("unit"),
+        say("bound"),
+        say("bias of the estimate"),
+        say("spread"),
+        say("coverage"),
+        say("found"),
+    )
     yield Table(heads, rows)
     share = _with_error(check.unexplained)
     yield Note(say("records whose model is reported not to explain them: {share}", share=share))

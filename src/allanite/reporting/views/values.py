@@ -61,7 +61,7 @@ def rows_of(values: Sequence[Any], level: float) -> Rows:
 def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
     numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
     if curve.law is None:
-        return ["m", "tau [s]", f"[{curve.unit}]", say("count")], [
+        return ["m", "tau [s]", f"[{curve.unit}]", say("terms averaged")], [
             [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
         ]
     limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
@@ -69,7 +69,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]
         [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
         for (m, tau, value, n), (low, high, edf) in zip(numbers, limits, strict=True)
     ]
-    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", say("count")], rows
+    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", say("terms averaged")], rows
 
 
 def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[list[str]]]:

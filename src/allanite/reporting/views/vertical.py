@@ -13,7 +13,7 @@ from allanite.attitude.optimum import Optimum
 from allanite.attitude.prediction import Prediction, texts
 from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
 from allanite.attitude.scenarios import ScenarioErrors, VerticalDesign
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
@@ -135,7 +135,7 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
     head = say("one filter is the best in all scenarios") if same else say("no filter is the best in all scenarios")
     yield Note(head, "strong", points=best)
     yield from _norm_gate(found)
-    heads = [Column(say("filter"), "name"), *(Column(say("{scenario} [deg]", scenario=s)) for s in found.scenarios)]
+    heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
     cells = [
         [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
         for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
@@ -163,7 +163,7 @@ def _design_face(found: VerticalDesign, _: float) -> Face:
         about = say("simulated: {duration:g} s at {rate:g} Hz", duration=s.duration, rate=s.rate)
         sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(s))))
     noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
-    header = [("noise", noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
+    header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
     return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[_filters()], provenance=provenance_of())
 
 
@@ -194,8 +194,8 @@ def _study_face(study: VerticalStudy, _: float) -> Face:
 def _remarks(study: VerticalStudy) -> Iterator[Part]:
     row, loop = study.settings.row, study.loop
     yield Note(
-        say("{title}: time constant {tau:.4g} s{second}", title=say(row.title), tau=loop.time_constant,
-            second=say(", k2 = {k2:.4g} 1/s^2", k2=loop.k2) if loop.k2 else ""), "strong",
+        say("{title}: time constant {tau:.4g} s{second}", title=row.title, tau=loop.time_constant,
+            second=f", k2 = {loop.k2:.4g} 1/s^2" if loop.k2 else ""), "strong",
     )  # fmt: skip
     yield from (Note(remark) for remark in study.remarks)
     if study.falling:
@@ -206,7 +206,7 @@ def _remarks(study: VerticalStudy) -> Iterator[Part]:
 
 
 def _angle_sheet(study: VerticalStudy, angle: Angle) -> Sheet:
-    about = (say("{gyro} and {accelerometer}", gyro=angle.gyro, accelerometer=angle.accelerometer),)
+    about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
     parts: list[Part] = [Note(
         say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
             deviation=angle.deviation / ARCSEC)
