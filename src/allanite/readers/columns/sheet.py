@@ -60,8 +60,8 @@ def sheet(path: str) -> Sheet:
         columns, notes = sheet_of(name)
     except DataError:
         raise DataError(
-            f"{name}: no rows of numbers are found; a text or CSV file is expected, with the names of its columns above "
-            "rows of numbers"
+            f"{name}: no rows of numbers are found; a text or CSV file is expected, with the names of its columns "
+            "above rows of numbers"
         ) from None
     except OSError as error:
         raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
