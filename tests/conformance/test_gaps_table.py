@@ -1,32 +1,69 @@
-"""A part of the table of records with gaps is made again."""
+"""The tables of records with gaps hold what is asked: limits that hold the truth in 92 to 98 %, or no result."""
 
-import numpy as np
+from table import read
+
+import math
+import re
+from statistics import mean
+
+import pytest
 
 import gaps
 
-SEEDS = range(3)
+COEFFICIENTS, CURVES = read("gaps.md"), read("gaps_curves.md")
+SENSORS = tuple(gaps.SENSORS)
 
 
-def test_small_noise_of_the_rate_is_told_where_quantization_rules():
-    found = [gaps.coefficients_of(("RLG", "1 %", i)) for i in SEEDS]
-    assert all(one["N"][0] > 0 for one in found)
-    assert sum(one["N"][1] for one in found) >= len(SEEDS) - 1
-    assert np.sqrt(np.mean([(one["N"][0] - 1) ** 2 for one in found])) < 0.2
+def least(page):
+    """92 % less 2.6 standard errors of a share of the page's records."""
+    records = int(re.search(r"--records (\d+)", page.head)[1])
+    return 92 - 260 * math.sqrt(0.92 * 0.08 / records)
 
 
-def test_a_third_of_the_readings_may_be_lost():
-    found = [gaps.coefficients_of(("MEMS", "30 %", i)) for i in SEEDS]
-    assert all(one["N"][0] > 0 for one in found)
-    assert sum(one["N"][1] for one in found) >= len(SEEDS) - 1
+def covered(rows):
+    return [float(row["95"].split()[0]) for row in rows if row["95"]]
 
 
-def test_limits_of_curves_reach_what_the_whole_record_would():
-    found = [gaps.curves_of(("MEMS", "1 %", i)) for i in SEEDS]
-    for statistic, share in (("oadev", 0.1), ("oadev", 0.4), ("ohdev", 0.2)):
-        assert sum(one[statistic, share][0] == 0 for one in found) >= len(SEEDS) - 1
+@pytest.mark.parametrize("page", [COEFFICIENTS, CURVES])
+def test_every_cell_is_there(page):
+    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", page.head)
+    assert {(row["sensor"], row["lost"]) for row in page.rows()} == {(s, lost) for s in SENSORS for lost in gaps.LOSSES}
 
 
-def test_bursts_lose_the_share_that_is_asked_for():
-    for share, length in gaps.LOSSES.values():
-        gone = gaps.lost(gaps.SIZE, share, length, np.random.default_rng(1))
-        assert abs(gone.mean() - share) < 0.02
+def test_limits_of_coefficients_hold():
+    rows = COEFFICIENTS.rows()
+    assert min(covered(rows)) >= least(COEFFICIENTS)
+    for symbol in "QNBK":
+        assert 92 <= mean(covered(row for row in rows if row["term"] == symbol)) <= 99
+
+
+def test_what_is_explained_stays_so():
+    assert min(float(row["explained"]) for row in COEFFICIENTS.rows() if row["explained"]) >= 95
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        "MEMS",
+        "FOG",
+        pytest.param(
+            "RLG",
+            marks=pytest.mark.xfail(
+                reason="where N is claimed too large, in 3 of 60 records at 30 %, the joints pass for N: the curve is "
+                "up to 9 times too large instead of refused; at 1 % limits hold in 85 to 95 %",
+                strict=True,
+            ),
+        ),
+    ],
+)
+def test_limits_of_curves_hold_or_the_curve_is_refused(sensor):
+    found = covered(row for row in CURVES.rows() if row["sensor"] == sensor)
+    assert min(found) >= least(CURVES)
+    assert 92 <= mean(found) <= 98
+
+
+@pytest.mark.parametrize("sensor", ["MEMS", "FOG"])
+def test_curves_reach_four_tenths_of_the_record_where_one_reading_in_a_hundred_is_lost(sensor):
+    row, = (r for r in CURVES.rows() if (r["sensor"], r["lost"], r["statistic"], r["tau / T"])
+            == (sensor, "1 %", "oadev", "0.4"))  # fmt: skip
+    assert row["there"] == "100"
