@@ -171,7 +171,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     inertial = [axis for axis in axes_of(source) if axis.fit.signal.inertial]
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
     axes = tuple(replace(axis, rate=axis.rate or known) for axis in inertial)
-    kept = usable(axes, how)
+    kept = usable(axes, how, () if how.partial else target.sensors)
     filled = fill(target, kept, how) if target.fields else Filled((), ())
     if not target.fields:
         kept = _picked(kept, how)

@@ -49,17 +49,19 @@ class Filled:
     missing: tuple[str, ...]
 
 
-def usable(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:
+def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[Axis, ...]:
     """The axes whose models explain their records, or all if that is asked for.
 
     Raises
     ------
     DataError
-        There is none.
+        There is none, or none of a `needed` sensor although there are axes of it.
     """
     kept = tuple(axis for axis in axes if how.unexplained or not axis.doubt)
-    if not kept:
-        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in axes)
+    lost = set(needed) - {axis.sensor for axis in kept}
+    doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
+    if doubted or not kept:
+        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in doubted)
         remedy = spelled("--unexplained", "unexplained=True")
         raise DataError(f"{reasons or 'no channel has a result'}. To export the coefficients nevertheless: {remedy}")
     return kept

@@ -110,6 +110,9 @@ def test_models_that_explain_nothing_are_refused_unless_asked_for():
     bad = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[:3]]
     with pytest.raises(al.DataError, match=r"gx: the model does not explain the record.*unexplained=True"):
         al.export(bad, "datasheet")
+    doubted = [replace(one, goodness=replace(goodness, p=1e-20)) for one in six()[3:]]
+    with pytest.raises(al.DataError, match=r"^ax: the model does not explain the record.*unexplained=True"):
+        al.export([*six()[:3], *doubted], "kalibr", rate=100.0)
     mixed = [bad[1], six()[0], *six()[3:]]
     found = al.export(mixed, "kalibr", rate=100.0)
     assert found.entries[0].channels == ("gx",)
