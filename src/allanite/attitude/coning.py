@@ -44,7 +44,7 @@ def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
     Examples
     --------
     >>> rotation_vectors(np.array([[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0]]))[0].round(12).tolist()
-    [0.001, 0.001, 6.67e-07]
+    [0.001, 0.001, 6.66667e-07]
     """
     if samples not in PAIRS:
         raise UsageError(f"a coning correction takes {', '.join(map(str, PAIRS))} samples, not {samples!r}")

@@ -31,8 +31,7 @@ FILE = (
     "some files", "target", *CHOICES,
     click.option("--filter-rate", type=float, metavar="HZ",
         help="Rate of the filter's steps.  [default: the target's own, or the sampling rate]"),
-    click.option("--model", "models", multiple=True, metavar="TERMS",
-        help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
+    "models",
     click.option("--unexplained", is_flag=True, help="Also export coefficients of channels that no model explains."),
     *RECORDING, *IDENTIFYING, *FILE,
 )  # fmt: skip
@@ -59,8 +58,7 @@ def export(files: tuple[str, ...], target: str, models: tuple[str, ...], **choic
 @click.command()
 @options(
     click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "optional target",
-    click.option("--from", "origin", metavar="TARGET", help="VALUE is a file of this target: read its coefficients."),
-    click.option("--rate", type=float, metavar="HZ", help="Sampling rate, for fields of discrete time."),
+    "origin", "rate of fields",
     *CHOICES, *FILE,
 )  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:

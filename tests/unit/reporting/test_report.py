@@ -316,7 +316,7 @@ def test_the_page_tells_the_whole_story(text):
 
 
 def test_warnings_stand_above_the_numbers_of_the_page(text):
-    assert text.index('class="alert"') < text.index('<table class="terms">')
+    assert text.index('class="alert"') < text.index('<table class="terms stack">')
 
 
 def test_the_page_is_not_overwritten(study, tmp_path):
