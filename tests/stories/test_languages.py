@@ -233,7 +233,7 @@ RUNS = {
     "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
     "compensate": ["{a} --regressors temp --channels gx"],
     "vertical": [
-        "{six}", "{six} --method bortz", "{six} --method kalman --time-constant 5 --keep-bias",
+        "{six}", "{six} --filter bortz", "{six} --filter kalman --time-constant 5 --keep-bias",
         NOISE + " --gyro-bias '10 deg/h'", NOISE + " --scenarios --rate 10", "{six} --gate 0.001",
     ],
 }  # fmt: skip

@@ -1,7 +1,7 @@
 """The filters of roll and pitch: a table, and how each is run."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,8 @@ from allanite.core.language import say
 from allanite.core.wording import spelled
 
 from .coning import attitudes, rotation_vectors
+from .density import Densities
+from .gains import best_first_order, best_kalman, best_second_order
 from .inertial import Inertial
 from .loop import Loop
 
@@ -60,6 +62,10 @@ class AttitudeFilter:
     run : (inertial, setting) -> angles
     looped : bool
         Whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`.
+    estimates : bool
+        Whether it estimates the gyro bias.
+    best : noises -> Loop
+        Its gains for the noise of roll and of pitch.
     """
 
     name: str
@@ -68,6 +74,8 @@ class AttitudeFilter:
     reference: str
     run: Callable[[Inertial, Setting], Angles]
     looped: bool = False
+    estimates: bool = False
+    best: Callable[[Sequence[Densities]], Loop] = best_first_order
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:
@@ -81,7 +89,7 @@ def _complementary(data: Inertial, setting: Setting) -> Angles:
     if steep >= 0:
         raise DataError(
             f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a filter of "
-            f"quaternions: {spelled('--method mahony', 'method=...')}"
+            f"quaternions: {spelled('--filter mahony', 'method=...')}"
         )
     return found, held
 
@@ -157,12 +165,14 @@ FILTERS: dict[str, AttitudeFilter] = {
         AttitudeFilter(
             "second-order", say("complementary filter of second order, which estimates the gyro bias"),
             r"\dot\theta = \omega - b + k_1 (\theta_a - \theta), \quad \dot b = -k_2 (\theta_a - \theta)",
-            "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True,
+            "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True, estimates=True,
+            best=best_second_order,
         ),
         AttitudeFilter(
             "kalman", say("steady Kalman filter for angle and rate random walk"),
             r"k_1 = \sqrt{N^2 + 2 K \sqrt{S_a}} / \sqrt{S_a}, \quad k_2 = K / \sqrt{S_a}",
             say("the filter of second order with the gains of the Riccati equation"), _complementary, looped=True,
+            estimates=True, best=best_kalman,
         ),
         AttitudeFilter(
             "mahony", say("Mahony's filter, kP = k1 and kI = k2"),

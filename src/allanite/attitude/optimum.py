@@ -1,38 +1,22 @@
 """The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from allanite.core.errors import UsageError
 from allanite.core.model import ModelLike
 from allanite.core.plain import Value
-from allanite.core.wording import spelled
 
 from .density import Densities
-from .loop import Loop
+from .gains import Bias, best_loop, best_second
 from .prediction import Prediction, biases, predict
 from .wiener import random_error, wiener_error
 
 DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Factors of the time constant at which the error is given."""
 
-SHORTEST, LONGEST = 1e-5, 1e6
-"""Time constants between which the best one is sought, s."""
-
-GRID = 89
-"""Time constants that are tried first: eight in a decade."""
-
-SETTLED = 10.0
-"""Time constants of the bias of a filter of second order in the horizon, at least."""
-
 WORTH = 0.02
 """Share of the error by which a filter of second order must be better to be recommended."""
-
-Bias = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,60 +126,3 @@ def optimum(noise: Densities, bias: Bias = (0.0, 0.0)) -> Optimum:
     alone = best_loop([noise], [(0.0, 0.0)]) if any(bias) else loop
     detuned = tuple((k, predict(noise, loop.scaled(k), bias).rms) for k in DETUNING)
     return Optimum(first, second, wiener_error(noise, alone), random_error(noise, alone), detuned)
-
-
-def best_loop(noises: Sequence[Densities], bias: Sequence[Bias]) -> Loop:
-    """The filter of first order with the least sum of squares of the errors of several angles.
-
-    Raises
-    ------
-    UsageError
-        The least error is at an end of the range of time constants.
-    """
-    from scipy.optimize import minimize_scalar
-
-    def error(log: float) -> float:
-        loop = Loop.of(math.exp(log))
-        return math.log(sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True)))
-
-    shortest = max((n.interval or SHORTEST) for n in noises)
-    grid = np.linspace(math.log(shortest), math.log(LONGEST), GRID)
-    at = int(np.argmin([error(float(log)) for log in grid]))
-    if at in (0, GRID - 1):
-        short = at == 0
-        raise UsageError(
-            f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
-            f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
-            + spelled("--time-constant", "time_constant=...")
-        )
-    found = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
-    return Loop.of(math.exp(found.x))
-
-
-def best_second(noises: Sequence[Densities], bias: Sequence[Bias], first: Loop) -> Loop | None:
-    """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
-
-    A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
-    """
-    from scipy.optimize import minimize
-
-    durations = [n.duration for n in noises if n.duration is not None]
-    if len(durations) < len(noises):
-        return None
-    settling = SETTLED / min(durations)
-
-    def loop_of(logs: np.ndarray) -> Loop:
-        k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
-        return Loop(k1, max(k2, k1 * settling))
-
-    def squares(loop: Loop) -> float:
-        return sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True))
-
-    least = squares(first)
-    starts = [np.log([first.k1, first.k1**2 * share]) for share in (1e-4, 1e-2, 0.3)]
-    tries = (
-        minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
-                 options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
-    )  # fmt: skip
-    found = min(tries, key=lambda result: float(result.fun))
-    return None if found.fun > 1 - 2e-4 else loop_of(found.x)

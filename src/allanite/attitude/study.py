@@ -16,11 +16,11 @@ from allanite.study.channels import Inspected, Progress, Source, each_channel, o
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
 
-from .density import GRAVITY, Densities
+from .density import Densities
 from .filters import Setting
 from .inertial import Inertial, demand_whole, inertial, six_channels
-from .loop import Loop, kalman
-from .optimum import best_loop, best_second, optimum
+from .loop import Loop
+from .optimum import optimum
 from .prediction import predict
 from .result import Angle, VerticalChannel, VerticalSettings, VerticalStudy
 
@@ -145,9 +145,8 @@ def _noises(models: Sequence[Model | None], data: Inertial) -> list[Densities]:
 
 def _loop(settings: VerticalSettings, noises: list[Densities], refusals: Sequence[str]) -> Loop:
     """The filter, as given or the best for the noise."""
-    estimates = settings.method in ("second-order", "kalman")
     if settings.time_constant is not None:
-        slow = settings.bias_time or (SLOWER * settings.time_constant if estimates else None)
+        slow = settings.bias_time or (SLOWER * settings.time_constant if settings.row.estimates else None)
         return Loop(1 / settings.time_constant, 0.0 if slow is None else slow**-2)
     if not noises:
         reasons = "; ".join(dict.fromkeys(r for r in refusals if r)) or "the noise is not known"
@@ -155,26 +154,8 @@ def _loop(settings: VerticalSettings, noises: list[Densities], refusals: Sequenc
             f"no time constant follows from the noise: {reasons}; give it with "
             + spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
         )
-    first = best_loop(noises, [(0.0, 0.0)] * 2)
-    if settings.method == "second-order":
-        first = best_second(noises, [(0.0, 0.0)] * 2, first) or first
-    if settings.method == "kalman":
-        first = _kalman(noises)
+    first = settings.row.best(noises)
     return first if settings.bias_time is None else replace(first, k2=settings.bias_time**-2)
-
-
-def _kalman(noises: Sequence[Densities]) -> Loop:
-    """The steady Kalman filter for the mean power of both angles."""
-
-    def size(models: Sequence[Model], symbol: str) -> float:
-        return math.sqrt(sum(t.value**2 for m in models for t in m if t.symbol == symbol) / len(models))
-
-    gyros = [n.gyro for n in noises]
-    tilt = size([n.accelerometer for n in noises], "N") / GRAVITY
-    if not tilt:
-        raise DataError("the Kalman filter needs white noise (N) of the accelerometers, and none was identified; use "
-                        + spelled("--method second-order", "method='second-order'"))  # fmt: skip
-    return kalman(size(gyros, "N"), tilt, size(gyros, "K"))
 
 
 def _angle(

@@ -26,6 +26,10 @@ FILE = (
 )  # fmt: skip
 
 
+USUAL = "datasheet"
+"""The target where none is named."""
+
+
 @click.command()
 @options(
     "some files", "target", *CHOICES,
@@ -35,7 +39,7 @@ FILE = (
     click.option("--unexplained", is_flag=True, help="Also export coefficients of channels that no model explains."),
     *RECORDING, *IDENTIFYING, *FILE,
 )  # fmt: skip
-def export(files: tuple[str, ...], target: str, models: tuple[str, ...], **choices: Any) -> None:
+def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], **choices: Any) -> None:
     """Write the noise as a file of a filter.
 
     FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an
@@ -50,15 +54,15 @@ def export(files: tuple[str, ...], target: str, models: tuple[str, ...], **choic
         raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model")
     out = outputs(choices, [*files, choices["recipe"]], also=("output",))
     how = _how(choices, filter_rate=choices.pop("filter_rate"), unexplained=choices.pop("unexplained"))
-    row, suffix = prepared(target, how, _suffix(out.paths))
+    row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     recipe = recipe_of(choices)
     carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)
 
 
 @click.command()
 @options(
-    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "optional target",
-    "origin", "rate of fields",
+    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target",
+    "origin", "rate",
     *CHOICES, *FILE,
 )  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
@@ -81,7 +85,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
         return
     stated = next((found.rate for found in read), None)
     how = _how({**choices, "rate": rate or stated}, partial="output" not in out.paths)
-    row, suffix = prepared(target or "datasheet", how, _suffix(out.paths))
+    row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     models = [model for found in read for model in found.models] if origin else models_of(values)
     carry_out(lambda _: exported(row, models, how, suffix), out, _EXTRA)
 

@@ -256,9 +256,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
     "origin": click.option("--from", "origin", metavar="TARGET",
         help="VALUE is a file of this target: read its coefficients."),
-    "rate of fields": click.option("--rate", type=float, metavar="HZ",
-        help="Sampling rate, for fields of discrete time."),
-    "filter": click.option("--method", "filter_name", metavar="NAME",
+    "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),
     "horizon": click.option("--duration", type=Duration(), metavar="TIME",
@@ -270,10 +268,9 @@ OPTIONS: dict[str, Decorator] = {
     "angle trend": click.option("--trend", type=int, default=0, show_default=True,
         help="Degree of a polynomial drift estimated jointly."),
     "trend": click.option("--trend", is_flag=True, help="Estimate a linear drift jointly; it is not removed."),
-    "target": click.option("--to", "target", required=True, metavar="TARGET",
-        help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them."),
-    "optional target": click.option("--to", "target", metavar="TARGET",
-        help="Program whose fields to print: kalibr, vins-mono, px4, ...  [default: datasheet]"),
+    "target": click.option("--to", "target", metavar="TARGET",
+        help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "
+        "[default: datasheet]"),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip

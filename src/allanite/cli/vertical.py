@@ -46,7 +46,7 @@ USUAL_DURATION = 3600.0
     click.option("--scenarios", is_flag=True,
                  help="Without a recording: simulate all filters at rest, under acceleration and in oscillation."),
     "seed",
-    *(option for option in IDENTIFYING if option != "method"),
+    *IDENTIFYING,
     *RESULTS,
 )  # fmt: skip
 def vertical(file: str | None, **choices: Any) -> None:
@@ -67,9 +67,9 @@ def vertical(file: str | None, **choices: Any) -> None:
     from allanite.attitude.result import VerticalSettings
     from allanite.attitude.study import vertical as job
 
-    choices["method"] = choices.pop("filter_name")
+    identifying, choices["method"] = choices["method"], choices.pop("filter_name")
     settings = settings_of(VerticalSettings, choices)
-    recipe = recipe_of(choices)
+    recipe = recipe_of({**choices, "method": identifying})
     carry_out(lambda tell: job(file, settings=settings, recipe=recipe, progress=tell), out)
 
 
@@ -88,7 +88,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     allowed = {"gyro", "accelerometer", "rate", "level", "recipe", *DESIGNING}
     extra = [key for key, value in choices.items() if value not in (None, False) and key not in allowed]
     if extra:
-        name = {"filter_name": "method", "samples": "coning", "start": "from"}.get(extra[0], extra[0].replace("_", "-"))
+        name = {"filter_name": "filter", "samples": "coning", "start": "from"}.get(extra[0], extra[0].replace("_", "-"))
         raise UsageError(f"--{name} applies to a recording, but none is given; omit it, or give FILE")
     noise = parse_model(choices["gyro"]), parse_model(choices["accelerometer"])
     bias = choices["gyro_bias"] or 0.0, choices["accelerometer_bias"] or 0.0

@@ -282,7 +282,6 @@ def test_the_other_sensor_as_a_model_and_json(files):
         (("export", "{gyro}", "--to", "nothing"), 2, "unknown target 'nothing'"),
         (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
         (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
-        (("export", "{gyro}"), 2, "Missing option '--to'"),
         (("export", "{gyro}", "--to", "datasheet", "--axis", "best"), 2, "unknown --axis 'best'"),
         (("export", "absent.json", "--to", "kalibr"), 3, "'absent.json' is not a result of allanite in JSON"),
         (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
