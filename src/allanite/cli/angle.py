@@ -9,7 +9,8 @@ import click
 from allanite.core.errors import UsageError
 
 from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
-from .options import NAMES, RESULTS, Separated, options
+from .options import RESULTS, options
+from .types import NAMES, Separated
 
 if TYPE_CHECKING:
     from allanite.angle import AngleSettings, Gimbals, Harmonics

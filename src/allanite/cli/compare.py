@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .deliver import carry_out, outputs, recipe_of
-from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.comparison.comparison import Comparison

@@ -5,7 +5,8 @@ from typing import Any
 import click
 
 from .deliver import Extra, carry_out, demand_recording, given, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, Separated, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import NAMES, Separated
 
 SECONDS = Separated(float, "seconds", example="60,300")
 

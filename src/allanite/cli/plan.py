@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, RECORDING, RESULTS, Duration, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import Duration
 
 if TYPE_CHECKING:
     from allanite.study.modelled import ModelJob

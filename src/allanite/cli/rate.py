@@ -7,7 +7,8 @@ import click
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import carry_out, given, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, NAMES, RECORDING, RESULTS, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.core.units import Signal

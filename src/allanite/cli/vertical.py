@@ -7,7 +7,8 @@ import click
 from allanite.core.errors import UsageError
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, RECORDING, RESULTS, Duration, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import Duration
 
 if TYPE_CHECKING:
     from allanite.attitude.scenarios import VerticalDesign
