@@ -198,7 +198,8 @@ def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, Squ
 class Scan(Value):
     """Expected accuracy by the start of the interval: starts, totals, conditions, shape (k,); h, shape (k, 2), rad.
 
-    `best` is the plan of the window with the smallest total.
+    `errors`, shape (k, a), are the standard deviations of the a amplitudes `names`; `best` is the plan of the window
+    with the smallest total.
     """
 
     _keys: ClassVar[dict[str, str]] = {"starts": "start", "totals": "total", "conditions": "condition"}
@@ -207,12 +208,14 @@ class Scan(Value):
     totals: FloatArray
     conditions: FloatArray
     h: FloatArray
+    names: tuple[str, ...]
+    errors: FloatArray
     best: AnglePlan
 
     def rows(self) -> tuple[list[str], list[list[float]]]:
         """Headings and rows."""
-        columns = (self.starts, *self.h.T, self.totals, self.conditions)
-        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition"]
+        columns = (self.starts, *self.h.T, self.totals, self.conditions, *self.errors.T)
+        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition", *self.names]
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
 
@@ -248,6 +251,8 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
         totals=totals,
         conditions=np.array([p.condition for p in plans]),
         h=np.array([p.h for p in plans]),
+        names=plans[0].names[: plans[0].amplitudes],
+        errors=np.array([p.errors[: p.amplitudes] for p in plans]),
         best=plan(settings, float(grid[int(totals.argmin())])),
     )
 

@@ -21,7 +21,8 @@ VERBS: dict[str, str] = {
     "statespace": "plan.statespace",
     "export": "export.export",
     "convert": "export.convert",
-    "explain": "export.explain",
+    "explain": "explain.explain",
+    "example": "example.example",
     "budget": "budget.budget",
     "compensate": "compensate.compensate",
     "vertical": "vertical.vertical",
@@ -31,7 +32,8 @@ VERBS: dict[str, str] = {
 GROUPS = {
     "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
-    "Use in a filter": ("export", "convert", "explain"),
+    "Use in a filter": ("export", "convert"),
+    "Learn": ("explain", "example"),
     "Special jobs": ("rate", "angle", "budget", "compensate", "vertical"),
 }
 """Headings of the help, and the verbs below each."""

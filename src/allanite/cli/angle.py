@@ -10,7 +10,7 @@ from allanite.core.errors import UsageError
 
 from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
 from .options import RESULTS, options
-from .types import NAMES, Separated
+from .types import NAMES, NUMBERS, Separated
 
 if TYPE_CHECKING:
     from allanite.angle import AngleSettings, Gimbals, Harmonics
@@ -172,7 +172,11 @@ def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
 @options(
     *EXPERIMENT,
     click.option(
-        "--start", type=float, metavar="S", help="Start, in seconds after h = 0.  [default: all starts are compared]"
+        "--start",
+        "starts",
+        type=NUMBERS,
+        metavar="S,...",
+        help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]",
     ),
     "given sigma",
     click.option(
@@ -195,12 +199,12 @@ def plan(**choices: Any) -> None:
     from allanite.angle import plan as run
     from allanite.angle import scan
 
-    start = choices["start"]
-    if start is not None and "plot" in out.paths:
-        raise UsageError("the figure compares all possible starts: omit --start, or write a --report instead")
+    starts = choices["starts"] or ()
+    if len(starts) == 1 and "plot" in out.paths:
+        raise UsageError("the figure compares several starts: give more than one, or write a --report instead")
     orders = dict.fromkeys(choices["angles"], choices["orders"])
     settings = _experiment(choices, sigma=choices["sigma"], prior=choices["prior"], orders=orders)
-    _deliver(scan(settings) if start is None else run(settings, start), out, choices)
+    _deliver(run(settings, *starts) if len(starts) == 1 else scan(settings, starts or None), out, choices)
 
 
 @angle.command()

@@ -90,18 +90,6 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     carry_out(lambda _: exported(row, models, how, suffix), out, _EXTRA)
 
 
-@click.command()
-@options(click.argument("target", required=False, default=""), "json", "lang", "force", "quiet")
-def explain(target: str, **choices: Any) -> None:
-    """Explain the fields of a target.
-
-    Prints the fields of TARGET with their units, formulas and sources; without TARGET, the targets.
-    """
-    from allanite.exporting.conversion import Explanation
-
-    carry_out(lambda _: Explanation(target), outputs(choices, []))
-
-
 _EXTRA = Extra(data={"output": lambda made: made.data})
 
 

@@ -32,6 +32,16 @@ def _constant(record: "Record", text: str, _: Any, __: Any) -> "Record":
     return faults.constant(record, value, unit)
 
 
+def turning_rate(text: str | None) -> float:
+    """The constant rate in deg/h; 0 if none is given."""
+    from allanite.core.units import convert
+
+    if text is None:
+        return 0.0
+    ((value, unit),) = _quantities(text, "constant", "10 deg/h")
+    return convert(value, unit or "deg/h", "deg/h")
+
+
 def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
     from allanite.core.errors import UsageError
     from allanite.simulation import faults

@@ -88,7 +88,7 @@ OPTIONS: dict[str, Decorator] = {
         help="For the header of the report: serial, operator, date, temperature, ..."),
     "model": click.option("--model", metavar="TERMS",
         help="Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
-    "sensor": click.option("--sensor", metavar="NAME", help="Or the model of a typical gyro: mems, fog or rlg."),
+    "sensor": click.option("--sensor", metavar="NAME", help="Or the model of a typical gyro: mems, fog, rlg; or gl1 or gl1-smooth, ring lasers that count."),
     "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
     "samples": click.option("--samples", type=int, metavar="N", help="Or the number of samples."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,

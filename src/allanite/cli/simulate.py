@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .deliver import Extra, deliver, demand_recording, outputs, progress
-from .faults import FAULTS, quantizer_unit
+from .faults import FAULTS, quantizer_unit, turning_rate
 from .options import options
 
 if TYPE_CHECKING:
     from allanite.core.model import Model
     from allanite.core.record import Recording
+    from allanite.simulation.ring_laser import RingLaser
 
 NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 """First letters of the channels' names."""
@@ -55,14 +56,16 @@ def simulate(**choices: Any) -> None:
     demand_recording(path)
     from allanite.core.errors import UsageError
     from allanite.simulation.recording import Simulation, readings
+    from allanite.simulation.ring_laser import RING_LASERS
     from allanite.study.modelling import NoiseSettings
 
     model = NoiseSettings(choices["model"], choices["sensor"]).given()
     if model is None:
         raise UsageError("give the noise with --model or --sensor")
     n = readings(choices["rate"], choices["duration"], choices["samples"])
+    laser = RING_LASERS.get((choices["sensor"] or "").lower())
     with progress(out) as tell:
-        recording = _recording(model, n, choices, tell)
+        recording = _recording(model, n, choices, tell) if laser is None else _counts(laser, n, choices)
     truth = Simulation.of(model, choices["seed"], recording)
     deliver(truth, out, Extra(recordings={"out": lambda _: recording}))
 
@@ -91,3 +94,29 @@ def _recording(model: "Model", n: int, choices: dict[str, Any], tell: Callable[[
                 record = fault(record, choices[option], rng, choices)
         records.append(record)
     return Recording(tuple(records))
+
+
+COUNTING = ("model", "sensor", "rate", "duration", "samples", "channels", "seed", "constant", "out")
+"""Options that apply to a ring laser gyro, which counts by itself."""
+
+
+def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
+    """The counts of a ring laser gyro that turns at a constant rate."""
+    import numpy as np
+
+    from allanite.core.errors import UsageError
+    from allanite.core.record import Recording
+    from allanite.simulation.ring_laser import simulate_ring_laser
+
+    extra = [key for key, value in choices.items() if value and key not in COUNTING]
+    if extra:
+        name = extra[0].replace("_", "-")
+        raise UsageError(
+            f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it, or give --model"
+        )
+    turning = turning_rate(choices["constant"])
+    rng = np.random.default_rng(choices["seed"])
+    names = [f"gyro{i + 1}" if choices["channels"] > 1 else "gyro" for i in range(choices["channels"])]
+    return Recording(
+        tuple(simulate_ring_laser(laser, turning, n, choices["rate"], rng=rng, name=each) for each in names)
+    )

@@ -61,6 +61,7 @@ _MODULES: dict[str, str] = {
     "meaning.meaning": "Meaning",
     "planning.bound": "Bound",
     "planning.plan": "RecordingPlan",
+    "planning.properties": "Properties",
     "planning.selfcheck": "SelfCheck",
     "planning.termcheck": "TermCheck",
     "rate.earth": "North",

@@ -3,6 +3,7 @@
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
 from allanite.core.notation import parse_model
+from allanite.simulation.ring_laser import RING_LASERS
 
 SENSORS: dict[str, str] = {
     "mems": "N 0.005 deg/sqrt(s), B 0.002 deg/s, K 3e-4 deg/s/sqrt(s)",
@@ -13,12 +14,12 @@ SENSORS: dict[str, str] = {
 
 
 def sensor(name: str) -> Model:
-    """The model of a typical sensor.
+    """The model of a typical sensor, or of a known ring laser gyro.
 
     Parameters
     ----------
-    name : {"mems", "fog", "rlg"}
-        A key of `SENSORS`, in small or capital letters.
+    name : str
+        A key of `SENSORS` or of `RING_LASERS`, in small or capital letters.
 
     Raises
     ------
@@ -30,6 +31,9 @@ def sensor(name: str) -> Model:
     >>> print(sensor("rlg"))
     Q = 0.5 arcsec, N = 0.003 deg/sqrt(h), B = 0.05 deg/h
     """
-    if name.lower() not in SENSORS:
-        raise UsageError(f"unknown sensor {name!r}; known sensors: {', '.join(SENSORS)}")
-    return parse_model(SENSORS[name.lower()])
+    known = name.lower()
+    if known in RING_LASERS:
+        return RING_LASERS[known].model
+    if known not in SENSORS:
+        raise UsageError(f"unknown sensor {name!r}; known sensors: {', '.join((*SENSORS, *RING_LASERS))}")
+    return parse_model(SENSORS[known])

@@ -94,6 +94,9 @@ The pulse and the bias are printed there; random walk and residual fit the scatt
 True rate 12.4392 deg/h, sampled at 400 Hz.
 """
 
+RING_LASERS: dict[str, RingLaser] = {"gl1": GL1}
+"""Ring laser gyros by name."""
+
 
 def simulate_ring_laser(
     gyro: RingLaser, turning: float, n: int, rate: float, *, rng: "np.random.Generator", name: str = ""

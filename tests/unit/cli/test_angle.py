@@ -119,7 +119,7 @@ REFUSED = [
     (["plan", *EXPERIMENT, "--angles", "h_polar"], 3, "under sway only"),
     (["plan", *EXPERIMENT, "--orders", "128,x"], 2, "expected integers"),
     (["plan", *EXPERIMENT, "--sway", "1"], 2, "amplitude in deg and period in s"),
-    (["plan", *EXPERIMENT, "--start", 0, "--plot", "x.png"], 2, "omit --start"),
+    (["plan", *EXPERIMENT, "--start", 0, "--plot", "x.png"], 2, "give more than one"),
     (["simulate", "x.csv", *EXPERIMENT], 2, "at least one --error"),
     (["simulate", "x.csv", *EXPERIMENT, "--error", "h=1"], 2, "h:128=3,-1.5"),
     (["simulate", "x.csv", *EXPERIMENT, "--error", "k:128=1,1"], 2, "angles: h, q"),

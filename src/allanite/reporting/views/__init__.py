@@ -63,6 +63,7 @@ VIEWS: dict[str, str] = {
     "SelfCheck": "planning.CHECK",
     "SelfChecks": "planning.CHECKS",
     "Bound": "planning.BOUND",
+    "Properties": "properties.PROPERTIES",
     "StateSpace": "statespace.SPACE",
     "StateSpaces": "statespace.SPACES",
     "Export": "export.EXPORT",

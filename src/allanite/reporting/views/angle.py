@@ -314,7 +314,23 @@ def _scan_face(scan: Scan, level: float) -> Face:
     table = Table(heads, rows, say("all windows"), marks=marks, details=True)
     sheet = replace(_plan_sheet(best, say("best window")), verdicts=(verdict,))
     title = say("Where to estimate the angle sensors")
-    return Face(title, BRAND, (sheet,), parts=(drawing, table), how=(Note(PLANNED),))
+    few = (_ranges(scan),) if len(scan.starts) <= FEW else ()
+    return Face(title, BRAND, (sheet,), parts=(drawing, table, *few), how=(Note(PLANNED),))
+
+
+FEW = 8
+"""Windows that stand side by side in a table."""
+
+
+def _ranges(scan: Scan) -> Table:
+    """The amplitudes by range of h."""
+    heads = [f"{math.degrees(low):.1f} .. {math.degrees(high):.1f}" for low, high in scan.h]
+    rows = [[name, *(f"{e:.3g}" for e in row)] for name, row in zip(scan.names, scan.errors.T.tolist(), strict=True)]
+    least = scan.totals.min()
+    rows.append([say("sum"), *(f"{t:.4g}" for t in scan.totals)])
+    rows.append([say("sum over that of the best"), *(f"{t / least:.3g}" for t in scan.totals)])
+    title = say("expected standard deviations of the amplitudes by range of h, deg")
+    return Table((Column(say("constant"), "symbol"), *(Column(head) for head in heads)), rows, title)
 
 
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":

@@ -123,7 +123,7 @@ class Local:
         white = np.array([sharp and white_level(term) > 0 for term in rows])
         smooth = ~(fixed | white)
         power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
-        held = np.asarray(power > 0).max(axis=1)
+        held = (power > 0).any(axis=1)
         if not held.any():
             return [None] * len(share)
         terms = [row for row, there in zip(rows, smooth, strict=True) if there]

@@ -1,0 +1,122 @@
+"""What a statistic makes of each power law of noise: its bias and its degrees of freedom, without simulation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.errors import UsageError
+from allanite.core.model import Model
+from allanite.core.plain import Value
+from allanite.core.units import SIGNALS
+from allanite.statistics.confidence.limits import mixtures, unit_term
+from allanite.statistics.grids import checked, factors_of, times
+from allanite.statistics.moments.expect import expected, expected_at
+from allanite.statistics.row import Statistic
+from allanite.statistics.table import STATISTICS, Points, statistic_named
+from allanite.terms import TERMS
+
+SIZE = 7200
+"""Samples of the record where no length is given: two hours at 1 Hz."""
+
+JOIN, DIVISOR = 0.2, 30
+"""As `deviation` joins hybrids."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Properties(Value):
+    """Expectation and scatter of a statistic for single noise terms.
+
+    Attributes
+    ----------
+    statistic : str
+    size : int
+        Samples of the record.
+    m : array of int, shape (k,)
+        Averaging factors.
+    tau : array, shape (k,)
+        Averaging times in sampling intervals.
+    symbols : tuple of str, length s
+        Terms: the power laws that the statistic does not remove.
+    ratio : array, shape (k, s)
+        Expected Allan variance over the expected variance of the statistic at the same tau; for a statistic of third
+        differences, expected Hadamard variance.
+    edf : array, shape (k, s)
+        Equivalent degrees of freedom, 2 E^2 / Var.
+
+    Examples
+    --------
+    >>> found = properties("theo1", m=[100, 1000])
+    >>> [f"{x:.3f}" for x in found.ratio[:, found.symbols.index("B")]]
+    ['1.837', '1.857']
+    """
+
+    statistic: str
+    size: int
+    m: IntArray
+    tau: FloatArray
+    symbols: tuple[str, ...]
+    ratio: FloatArray
+    edf: FloatArray
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: one of each averaging factor."""
+        headings = ["m", "tau", *(f"ratio {s}" for s in self.symbols), *(f"edf {s}" for s in self.symbols)]
+        together = zip(self.m.tolist(), self.tau.tolist(), self.ratio.tolist(), self.edf.tolist(), strict=True)
+        return headings, [[m, tau, *ratio, *edf] for m, tau, ratio, edf in together]
+
+    def _summary(self) -> str:
+        return f"{self.statistic} of {self.size} samples at {self.m.size} averaging factors"
+
+
+def properties(
+    statistic: str, size: int = SIZE, *, taus: str | Sequence[float] | None = None, m: Sequence[int] | None = None
+) -> Properties:
+    """Bias against the Allan (or Hadamard) variance, and degrees of freedom, of a statistic.
+
+    Parameters
+    ----------
+    statistic : str
+        A name in `STATISTICS`.
+    size : int
+        Samples of the record.
+    taus : str or sequence of float, optional
+        A grid as for `deviation`, by default "octave", or averaging times in sampling intervals.
+    m : sequence of int, optional
+        Averaging factors, instead.
+
+    Returns
+    -------
+    Properties
+
+    Raises
+    ------
+    UsageError
+        The statistic is unknown or estimates no Allan or Hadamard variance, or an averaging time is none of its.
+    """
+    row = statistic_named(statistic)
+    if row.extreme or row.power:
+        raise UsageError(f"{row.name} is not an estimate of the Allan or Hadamard variance; explain another statistic")
+    points = _points(row, size, taus, m)
+    symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
+    models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
+    target = STATISTICS["oadev" if row.order == 2 else "ohdev"]
+    tau = times(row, points.m, size, JOIN)
+    ratio = [expected(model, target.name, tau, rate=1.0) / _expected(points, model) for model in models]
+    degrees = [mixtures(points, [model])[0] for model in models]
+    return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))
+
+
+def _points(row: Statistic, size: int, taus: str | Sequence[float] | None, m: Sequence[int] | None) -> Points:
+    """The points asked for, or octaves."""
+    if m is not None and taus is None:
+        factors = checked(m, row, size, JOIN)
+    else:
+        factors = checked(factors_of("octave" if taus is None else taus, row, size, 1.0, JOIN), row, size, JOIN)
+    return Points(row, factors, [(size, 1)], size, 1.0, JOIN)
+
+
+def _expected(points: Points, model: Model) -> FloatArray:
+    return expected_at(points.row, model, points.m, points.size, 1.0, join=JOIN, divisor=DIVISOR)

@@ -1,0 +1,46 @@
+"""``allanite example``: every paper by commands that can be typed."""
+
+import re
+
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import VERBS, main
+from allanite.cli.example import EXAMPLES
+
+SHORTER = {"188 min": "8 min", "1h": "60", "2h": "600"}
+"""Lengths for the test."""
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, list(map(str, arguments)))
+
+
+def test_the_list_and_an_unknown_paper():
+    listed = run("example").stdout
+    assert all(name in listed for name in EXAMPLES)
+    refused = run("example", "999")
+    assert refused.exit_code == 2 and "unknown paper '999'; examples: 00" in refused.stderr
+
+
+@pytest.mark.parametrize("paper", EXAMPLES)
+def test_the_commands_are_verbs(paper):
+    lines = run("example", paper, "--commands").stdout.splitlines()
+    assert len(lines) == len(EXAMPLES[paper].commands)
+    assert all(line.split()[0] == "allanite" and line.split()[1] in VERBS for line in lines)
+
+
+@pytest.mark.parametrize("paper", EXAMPLES)
+def test_an_example_writes_its_files(paper, tmp_path, monkeypatch):
+    row = EXAMPLES[paper]
+    pattern = re.compile(r"(?<=--duration )('188 min'|1h|2h)")
+    shorter = [pattern.sub(lambda found: repr(SHORTER[found[0].strip("'")]), command) for command in row.commands]
+    monkeypatch.setitem(EXAMPLES, paper, type(row)(row.name, row.title, row.source, tuple(shorter)))
+    done = run("example", paper, tmp_path / "made")
+    assert done.exit_code == 0, done.stderr
+    named = set(re.findall(r"[\w.]+\.(?:html|png|csv|npz)", " ".join(shorter)))
+    assert named == {path.name for path in (tmp_path / "made").iterdir()}
+    again = run("example", paper, tmp_path / "made")
+    assert again.exit_code == 2 and "exists" in again.stderr
+    forced = run("example", paper, tmp_path / "made", "--force", "--quiet")
+    assert forced.exit_code == 0 and not forced.stdout, forced.stderr
