@@ -36,13 +36,13 @@ EXAMPLES: dict[str, Example] = {
     for row in (
         Example(
             "002", "errors of the angle sensors of a gimbal",
-            "the results of an algorithm to estimate the errors of the angle sensors of a gimballed inertial navigation "
-            "system, allbest.ru 2018",
+            "the results of an algorithm to estimate the errors of the angle sensors of a gimballed inertial "
+            "navigation system, allbest.ru 2018",
             (
                 "angle plan --latitude 60 --duration 3600 --q-law linear --start 0,3600,7200,10800,14400,18000 "
                 "--csv table1.csv --plot ranges.png",
-                "angle simulate hour.csv --latitude 60 --duration 3600 --q-law linear --start 7200 --error h:128=3,-1.5 "
-                "--error h:256=1,2 --error q:128=-2,1 --error q:256=1.5,1",
+                "angle simulate hour.csv --latitude 60 --duration 3600 --q-law linear --start 7200 "
+                "--error h:128=3,-1.5 --error h:256=1,2 --error q:128=-2,1 --error q:256=1.5,1",
                 "angle estimate hour.csv --difference difference --latitude 60 --rho rho --report hour.html "
                 "--plot figure2.png",
             ),
@@ -79,7 +79,7 @@ EXAMPLES: dict[str, Example] = {
     click.option("--commands", is_flag=True, help="Print the commands only."),
     "lang", "force", "quiet",
 )  # fmt: skip
-def example(paper: str | None, folder: str, commands: bool, lang: str, force: bool, quiet: bool) -> None:
+def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
     """Reproduce the main table and figure of a paper.
 
     Writes simulated input, tables, figures and the page of PAPER into FOLDER, by commands that are printed and that can
@@ -97,10 +97,9 @@ def example(paper: str | None, folder: str, commands: bool, lang: str, force: bo
         click.echo("\n".join(shown))
         return
     os.makedirs(folder, exist_ok=True)
-    shared: dict[str, Any] = {"lang": lang, "force": force, "quiet": quiet}
     with contextlib.chdir(folder):
         for line, text in zip(lines, shown, strict=True):
-            if not quiet:
+            if not shared["quiet"]:
                 click.echo(f"\n$ {text}")
             _run(line, shared)
 

@@ -111,9 +111,7 @@ def _counts(laser: "RingLaser", n: int, choices: dict[str, Any]) -> "Recording":
     extra = [key for key, value in choices.items() if value and key not in COUNTING]
     if extra:
         name = extra[0].replace("_", "-")
-        raise UsageError(
-            f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it, or give --model"
-        )
+        raise UsageError(f"--{name} does not apply to {choices['sensor']}, which delivers counts; omit it")
     turning = turning_rate(choices["constant"])
     rng = np.random.default_rng(choices["seed"])
     names = [f"gyro{i + 1}" if choices["channels"] > 1 else "gyro" for i in range(choices["channels"])]

@@ -12,6 +12,7 @@ BRAND = say("bias and degrees of freedom of a statistic")
 RATIO = say("Allan variance over the expected variance of the statistic")
 HADAMARD = say("Hadamard variance over the expected variance of the statistic")
 FREEDOM = say("equivalent degrees of freedom")
+EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
 def _face(value: Properties, _: float) -> Face:
@@ -20,9 +21,7 @@ def _face(value: Properties, _: float) -> Face:
     parts: list[Part] = [
         _table(value, value.ratio, RATIO if row.order == 2 else HADAMARD, ".3f"),
         _table(value, value.edf, FREEDOM, ".4g"),
-        Note(
-            say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)"), "quiet"
-        ),
+        Note(EXACT, "quiet"),
         Note(say("source: {source}", source=row.reference), "quiet"),
     ]
     return Face(row.title, BRAND, (Sheet(row.title, (size,), tuple(parts)),))

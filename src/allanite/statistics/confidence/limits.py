@@ -123,7 +123,7 @@ class Local:
         white = np.array([sharp and white_level(term) > 0 for term in rows])
         smooth = ~(fixed | white)
         power = (np.array([t.power(self.rate) for t in self.model]) * scale)[:, smooth]
-        held = (power > 0).any(axis=1)
+        held = np.asarray(np.any(power > 0, axis=1))
         if not held.any():
             return [None] * len(share)
         terms = [row for row, there in zip(rows, smooth, strict=True) if there]
@@ -132,7 +132,7 @@ class Local:
         kinds = Kinds(smooth, white, fixed)
         return [
             _mixture(next(found), p, self.r, kinds, v) if h else None
-            for p, v, h in zip(share, inverse.tolist(), held, strict=True)
+            for p, v, h in zip(share, inverse.tolist(), held.tolist(), strict=True)
         ]
 
 
