@@ -1,0 +1,109 @@
+"""The claims of a paper on TheoH for optical gyros, measured on simulated records.
+
+    python benchmarks/theoh_paper.py [--records 60] [--draws 2000] [--write PATH]
+
+Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
+"""
+
+from table import begin, markdown
+
+import math
+from multiprocessing import Pool
+
+import numpy as np
+
+import allanite as al
+from allanite.core.units import convert
+from allanite.planning.properties import properties
+
+SIZE = 7200
+FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
+"""A stand-in for the paper's fiber-optic gyro, whose record is not published."""
+
+FITS = [("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("gls", "oadev"), ("gls", "theo1"),
+        ("whittle", None)]  # fmt: skip
+PROFILES = {
+    "constant": lambda t: np.ones_like(t),
+    "three times in the second half": lambda t: np.where(t < 0.5, 1.0, 3.0),
+    "three times in the middle": lambda t: 1 + 2 * np.exp(-(((t - 0.5) / 0.15) ** 2)),
+}
+"""Standard deviation of white noise over the record."""
+
+
+def spread(name: str, m: int, draws: int) -> tuple[float, float]:
+    """Relative standard deviation of the Allan deviation of white noise: exact, and of simulated records."""
+    edf = properties(name, SIZE, m=[m]).edf[0, 1]
+    rng = np.random.default_rng(72)
+    white = rng.standard_normal((draws, SIZE))
+    total = np.concatenate((np.zeros((draws, 1)), np.cumsum(white, axis=1)), axis=1)
+    step = m if name == "adev" else 1
+    second = (total[:, 2 * m :] - 2 * total[:, m:-m] + total[:, : -2 * m])[:, ::step]
+    variance = (second**2).mean(axis=1)
+    return 1 / math.sqrt(2 * edf), float(variance.std() / variance.mean()) / 2
+
+
+def joint() -> list[tuple[str, ...]]:
+    """Expected deviations of the mixture around the joint of TheoH."""
+    rows = []
+    for tau in (720, 1440, 1500, 2700, 5400):
+        allan = float(al.expected(FOG, "oadev", [float(tau)], rate=1.0)[0])
+        theo = float(al.expected(FOG, "theoh", [float(tau)], rate=1.0, size=SIZE)[0])
+        unit = convert(1.0, "rad/s", "deg/h")
+        rows.append((str(tau), f"{unit * math.sqrt(allan):.3f}", f"{unit * math.sqrt(theo):.3f}", f"{math.sqrt(theo / allan):.3f}"))
+    return rows
+
+
+def fitted(seed: int) -> list[list[float]]:
+    """B, K and R over the truth, by fit."""
+    record = al.simulate(FOG, SIZE, 1.0, rng=np.random.default_rng(seed))
+    found = []
+    for method, statistic in FITS:
+        fit = al.identify(record, method, terms="QNBKR", statistic=statistic)
+        values = {t.symbol: abs(t.value) for t in fit.model}
+        found.append([values.get(t.symbol, 0.0) / abs(t.value) for t in FOG])
+    return found
+
+
+def varying(draws: int) -> list[tuple[str, ...]]:
+    """Mean Theo1 and Allan variances of white noise whose level changes, over that of its mean power."""
+    rows, n = [], 1200
+    t = (np.arange(n) + 0.5) / n
+    for i, (name, profile) in enumerate(PROFILES.items()):
+        rng, scale = np.random.default_rng(100 + i), profile(t)
+        records = [al.Record(scale * rng.standard_normal(n), 1.0, "rad/s") for _ in range(draws)]
+        for statistic, taus in (("oadev", (30.0, 300.0, 600.0)), ("theo1", (30.0, 300.0, 600.0, 900.0))):
+            each = np.mean([al.deviation(r, statistic, taus=taus, noise=None).variance for r in records], axis=0)
+            ratio = each * np.array(taus) / (scale**2).mean()
+            rows.append((name, statistic, *(f"{x:.2f}" for x in ratio), *["-"] * (4 - len(taus))))
+    return rows
+
+
+def main() -> None:
+    run = begin(__doc__, records=60, draws=2000)
+    asked = run.asked
+    with Pool() as pool:
+        errors = np.array(pool.map(fitted, range(1, asked.records + 1), chunksize=4)) - 1
+    rmse = np.sqrt((errors**2).mean(axis=0))
+    symbols = [t.symbol for t in FOG]
+    fits = [(method, statistic or "-", *(f"{x:.2f}" for x in row)) for (method, statistic), row in zip(FITS, rmse, strict=True)]
+    k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
+    k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
+    notes = [
+        f"seeds 1..{asked.records} for the fits, 72 and 100..102 for the rest; {SIZE} samples at 1 Hz of {FOG}",
+        f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse.",
+    ]
+    body = [
+        "## Error of the Allan deviation, 72 windows of 100 s, percent", "",
+        *markdown(("", "exact", f"{asked.draws} records"), k),
+        "## TheoH at its joint: expected deviation, deg/h", "",
+        *markdown(("tau, s", "Allan", "TheoH", "ratio"), joint()),
+        "## Coefficients: rmse over the truth", "",
+        *markdown(("method", "statistic", *symbols), fits),
+        "## Noise that changes its level: variance times tau over the mean power", "",
+        *markdown(("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
+    ]  # fmt: skip
+    run.publish("TheoH for optical gyros", notes, body)
+
+
+if __name__ == "__main__":
+    main()
