@@ -51,7 +51,8 @@ _LENGTH = re.compile(r"(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|an
 
 _IDENTIFIER = re.compile(
     r"(^|[^a-z])(ids?|dt|seq|sequence|instance|index|idx|status|state|flags?|valid|health|timestamp_relative|counter|cnt|ctr|"
-    r"(error|calib(ration)?|message|samples?|packet)_?counts?)[^a-z]*$|(^|[^a-z])clip(s|ped|ping)?([^a-z]|$)"
+    r"(error|calib(ration)?|message|samples?|packet)_?counts?)[^a-z]*$|(^|[^a-z])clip(s|ped|ping)?([^a-z]|$)|"
+    r"covariance|orientation"
 )
 """A name of what is not a sample, whichever sensor it names beside: gyro_device_id, delta_angle_dt."""
 
