@@ -123,7 +123,7 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
     high, low = max(rate, other), min(rate, other)
     apart = (
         say("a factor of {factor:.4g} apart", factor=high / low)
-        if high > 2 * low
+        if high >= 2 * low
         else say("{share} apart", share=percent(high / low - 1))
     )
     used = say(
@@ -133,8 +133,8 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
     return Finding(
         say("given rate"),
         join(", ", (used, *told)),
-        say("if the other rate is right, averaging times and coefficients are wrong by a power of the ratio"),
-        say("find out which rate is right; {option} gives it", option=spelled("--rate HZ", "rate=...")),
+        say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
+        say("find out which is right, and give it with {option}", option=spelled("--rate HZ", "rate=...")),
     )
 
 
