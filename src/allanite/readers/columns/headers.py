@@ -33,6 +33,7 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
     "zeit": "", "zeitstempel": "", "uhrzeit": "", "temps": "", "tiempo": "", "tempo": "",
     "second": "s", "seconds": "s", "sec": "s", "secs": "s", "s": "s", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "micros": "us", "microseconds": "us", "us": "us", "nanoseconds": "ns", "ns": "ns",
+    "msec": "ms", "usec": "us", "nsec": "ns", "nsecs": "ns", "nanosec": "ns", "nanosecs": "ns",
     "время": "", "t,с": "s", "时间": "", "时间戳": "", "时刻": "", "采样时间": "",
 }  # fmt: skip
 
