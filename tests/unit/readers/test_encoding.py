@@ -53,8 +53,10 @@ def test_names_and_units(tmp_path, lines, encoding, note, comma):
     [
         ("gx [°/s]", "latin-1", "Latin-1"), ("ax [µg]", "latin-1", "Latin-1"), ("m/s²", "latin-1", "Latin-1"),
         ("Prüfstand Größe;gx [°/s]", "latin-1", "Latin-1"), ("Température", "latin-1", "Latin-1"),
+        ("mesurée à 100 Hz – l’été", "cp1252", "Latin-1"), ("mesure à 100", "latin-1", "Latin-1"),
         ("gx [°/с]", "cp1251", "cp1251"), ("gx [°/ч]", "cp1251", "cp1251"), ("ax [мкg];ay [м/с2]", "cp1251", "cp1251"),
         ("ВРЕМЯ;ДУС", "cp1251", "cp1251"), ("№;Скорость", "cp1251", "cp1251"), ("стоп", "cp1251", "cp1251"),
+        ("t, с;gx", "cp1251", "cp1251"),
         ("gx[度/秒],gy[度/秒]", "gbk", "GB18030"), ("测试人员：张三", "gbk", "GB18030"), ("ωx(°/s)", "gbk", "GB18030"),
     ],
 )  # fmt: skip

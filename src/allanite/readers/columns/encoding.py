@@ -17,12 +17,12 @@ _JUDGED = 1 << 16
 _BLOCK = 1 << 20
 """Bytes that are tested at once."""
 
-_SIGNS = frozenset("°µ²³·±×№«»–—“”…\u00a0")
+_SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
 """Signs that any text may hold beside its letters."""
 
 _RUSSIAN = re.compile(
     r"врем|темпер|скорост|ускор|угол|угл|гиро|дус|аксел|датчик|частот|период|дискретиз|номер|сч[её]тчик|дата|"
-    r"(?<![а-яё])(?:рад|град|сек|мин|час|мс|мкс|гц|ось)(?![а-яё])|[°мд]/[сч]",
+    r"(?<![а-яё])(?:рад|град|сек|мин|час|мс|мкс|гц|ось)(?![а-яё])|[°мд]/[сч]|,\s*[смч](?![а-яё])",
     re.IGNORECASE,
 )
 _CHINESE = re.compile(
@@ -41,7 +41,8 @@ class _Encoding:
 
 
 def _is_latin(text: str) -> bool:
-    """Signs, or accented letters within words of plain letters."""
+    """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
+    text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
     strange = re.compile(r"(?<![A-Za-z])[À-ÿ]+(?![A-Za-z])|[À-ÿ]{3}")
     return not strange.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
 
@@ -56,7 +57,8 @@ def _is_russian(text: str) -> bool:
         return False
     words = re.findall(r"[^\W\d_°]+", text.replace("мкg", "").replace("мg", ""))
     own = [word for word in words if re.search("[А-яЁё]", word)]
-    return bool(own) and all(re.fullmatch(r"[А-ЯЁ]?[а-яё]+|[А-ЯЁ]+[A-Za-z]?|[A-Za-z]", word) for word in own)
+    telling = any(len(word) > 1 for word in own) or _RUSSIAN.search(text)
+    return bool(telling) and all(re.fullmatch(r"[А-ЯЁ]?[а-яё]+|[А-ЯЁ]+[A-Za-z]?|[A-Za-z]", word) for word in own)
 
 
 def _is_chinese(text: str) -> bool:
@@ -73,7 +75,7 @@ def _is_chinese(text: str) -> bool:
 _ENCODINGS = (
     _Encoding("GB18030", "gb18030", _is_chinese, _CHINESE),
     _Encoding("cp1251", "cp1251", _is_russian, _RUSSIAN),
-    _Encoding("Latin-1", "latin-1", _is_latin),
+    _Encoding("Latin-1", "cp1252", _is_latin),
 )
 
 

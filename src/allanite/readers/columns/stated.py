@@ -1,5 +1,6 @@
 """Units that the user states by sensor or by column, and what headers say against them."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -69,7 +70,10 @@ def _sensor(column: Column) -> str:
 def contradicts(column: Column, unit: str) -> bool:
     """Whether the header of a column states a unit of another size or quantity."""
     theirs = headers.known(column.unit)
-    return theirs is not None and theirs != unit_of(unit)
+    if theirs is None:
+        return False
+    mine = unit_of(unit)
+    return theirs.dimension != mine.dimension or not math.isclose(theirs.factor, mine.factor, rel_tol=1e-9)
 
 
 def against_headers(used: Iterable[tuple[Column, str]]) -> Iterator[Finding]:
