@@ -3,7 +3,8 @@
 import click
 
 from allanite.cli import VERBS, main
-from allanite.core.units import ATOMS, SIGNALS, SPELLINGS, convert
+from allanite.core.spellings import SPELLINGS, WORDS
+from allanite.core.units import ATOMS, SIGNALS, convert
 from allanite.terms import TERMS
 from generate.markdown import shown, table
 
@@ -11,7 +12,7 @@ from generate.markdown import shown, table
 def units_page() -> list[str]:
     """The table of units, and the units of every coefficient."""
     sizes = [(f"`{name}`", shown(size), _dimension(dimension)) for name, (size, dimension) in ATOMS.items()]
-    also = [(f"`{word}`", f"`{meaning}`") for word, meaning in SPELLINGS.items()]
+    also = [(f"`{word}`", f"`{meaning}`") for word, meaning in (SPELLINGS | WORDS).items()]
     sheets = [
         (symbol, signal.name, f"`{signal.sheet[row.power]}`", f"`{signal.si[row.power]}`",
          shown(convert(1.0, signal.sheet[row.power], signal.si[row.power])))

@@ -55,6 +55,11 @@ def write_inputs(folder):
     np.save(folder / "pickle.npy", np.array([Trap(folder / "executed")], dtype=object), allow_pickle=True)
     (folder / "bare.npy").write_bytes(pickle.dumps(Trap(folder / "executed")))
     (folder / "folder").mkdir()
+    csv_of(folder / "gyros.csv", [np.arange(5000) / 100, noise(), noise()], header="time [s],wx,wy")
+    body = "\n".join(f"{v:.4f}" for v in noise())
+    (folder / "capitals.csv").write_bytes("ПУСК\n".encode("cp1251") + body.encode())
+    (folder / "rates.csv").write_text("Sample rate: 100 Hz\nUpdate rate: 50 Hz\ngx [deg/s]\n" + body)
+    csv_of(folder / "ids.csv", [noise(), noise()], header="gyro_integral_dt,frame_id")
 
 
 CASES = [
@@ -74,6 +79,13 @@ CASES = [
     ("one.csv", [*OPTIONS, "--statistic", "nadev"], 2, ["'nadev'", "oadev"]),
     ("one.csv", [*OPTIONS, "--from", "100"], 2, ["window", "100"]),
     ("one.csv", [*OPTIONS, "--band", "5,1"], 2, ["band", "low < high"]),
+    ("gyros.csv", ["--unit", "gyro=deg/s,accel=g"], 2, ["accelerometer", "no column", "2: wx (gyro)", "omit it"]),
+    ("gyros.csv", ["--unit", "gyro=deg/s,wz=deg/s"], 2, ["no column 'wz'", "2: wx"]),
+    ("gyros.csv", ["--unit", "gyro=g"], 2, ["'g' is not a unit of a gyro", "--unit gyro=deg/s,accel=g"]),
+    ("gyros.csv", ["--unit", "wx=deg/s,wx=g"], 2, ["gives wx two units"]),
+    ("capitals.csv", OPTIONS, 3, ["encoding", "GB18030 or cp1251", "UTF-8", "iconv"]),
+    ("rates.csv", [], 2, ["contradict each other", "line 1", "line 2", "--rate 100"]),
+    ("ids.csv", OPTIONS, 2, ["not an inertial signal by its name", "gyro_integral_dt", "--channels"]),
     ("nan.csv", OPTIONS, 3, ["1000 of 1000", "not finite"]),
     ("constant.csv", OPTIONS, 3, ["never changes", "3.25"]),
     ("short.csv", OPTIONS, 3, ["10 samples", "too few", "200"]),

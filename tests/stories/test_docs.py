@@ -19,7 +19,8 @@ from tests import ROOT
 import allanite as al
 from allanite.cli import VERBS, main
 from allanite.comparison.change import OUTCOMES
-from allanite.core.units import ATOMS, SPELLINGS
+from allanite.core.spellings import SPELLINGS
+from allanite.core.units import ATOMS
 
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")

@@ -76,7 +76,7 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
     if any(len(records) != 3 for records in found):
         cure = "choose six channels with " + spelled("--channels gx,gy,gz,ax,ay,az", "channels=...")
         if not found[1]:
-            cure = spelled("if the file has no units, give --accelerometer-unit g beside --unit deg/s",
+            cure = spelled("if the file has no units, give --unit gyro=deg/s,accel=g",
                            "add the accelerometers to the recording")  # fmt: skip
         raise DataError(
             f"roll and pitch need three gyros and three accelerometers, but there are {' and '.join(counts)}: "
@@ -128,7 +128,7 @@ def _demand_plausible(gyro: FloatArray, force: FloatArray) -> None:
     if fastest > FASTEST:
         raise DataError(
             f"the gyros read {fastest:.3g} rad/s (RMS), which no vehicle does: are they in deg/s? Give the unit with "
-            f"{spelled('--unit deg/s', 'unit=...')}"
+            f"{spelled('--unit gyro=deg/s', 'unit=...')}"
         )
     size = float(np.median(np.linalg.norm(force, axis=1)))
     if size < 0.1:
@@ -138,5 +138,5 @@ def _demand_plausible(gyro: FloatArray, force: FloatArray) -> None:
         if abs(size / wrong - 1) < PLAUSIBLE:
             raise DataError(
                 f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers in {unit}? "
-                f"Give the unit with {spelled(f'--accelerometer-unit {unit}', 'unit=...')}"
+                f"Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}"
             )

@@ -45,8 +45,6 @@ class VerticalSettings(Value):
         Samples of the coning correction, 1 to 4.
     keep_bias : bool
         Whether the mean rates are kept; those of a static recording are subtracted otherwise.
-    accelerometer_unit : str, optional
-        Unit of the accelerometers of a file whose header has no units.
     """
 
     method: str = "complementary"
@@ -57,7 +55,6 @@ class VerticalSettings(Value):
     gate: float | None = None
     samples: int = 2
     keep_bias: bool = False
-    accelerometer_unit: str | None = None
 
     def __post_init__(self) -> None:
         filter_named(self.method)

@@ -68,7 +68,7 @@ def vertical(
     """
     settings = settings or VerticalSettings(method, time_constant)
     recipe = recipe or Recipe()
-    recording = _opened(source, recipe, settings)
+    recording = open_recording(source, recipe)
     gyros, accelerometers = six_channels(recording)
     for record in (*gyros, *accelerometers):
         demand_whole(record)
@@ -92,20 +92,6 @@ def vertical(
         channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings, angles, loop,
         data.rate, held, falling, data.downward, (*_remarks(data, bias, static=static), *_beyond(channels, loop)),
     )  # fmt: skip
-
-
-def _opened(source: Source, recipe: Recipe, settings: VerticalSettings) -> Recording:
-    """The recording; of a file without units, gyros and accelerometers are read one after the other."""
-    first = open_recording(source, recipe)
-    if settings.accelerometer_unit is None or len(first) > 3 or isinstance(source, Recording | Record):
-        return first
-    second = open_recording(source, replace(recipe, unit=settings.accelerometer_unit, scale=None))
-    return replace(first, records=(*first.records, *second.records), notes=_joined(first, second))
-
-
-def _joined(first: Recording, second: Recording) -> tuple[str, ...]:
-    """The notes of both, without those on what the other has read."""
-    return tuple(dict.fromkeys(n for n in (*first.notes, *second.notes) if not n.startswith("left out, ")))
 
 
 def _identified(

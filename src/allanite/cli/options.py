@@ -8,7 +8,7 @@ import click
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 
-from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Scale, Taus
+from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Scale, Taus, Units
 
 Decorator = Callable[[Any], Any]
 
@@ -51,7 +51,8 @@ OPTIONS: dict[str, Decorator] = {
     "some files": click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
     "rate": click.option("--rate", "--fs", "rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
-    "unit": click.option("--unit", help="Unit of the samples: deg/s, deg/h, rad/s, arcsec, g, m/s^2, ..."),
+    "unit": click.option("--unit", type=Units(), metavar="UNIT",
+        help="Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g."),
     "kind": click.option("--kind", help="What a sample is: rate, increment, angle or count."),
     "scale": click.option("--scale", type=Scale(), metavar="STEP",
         help="Scale factor per count: 0.01 (in --unit) or 0.01deg/s."),

@@ -61,6 +61,18 @@ class Band(ParamType):
 _FREQUENCIES = Separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
 
 
+class Units(ParamType):
+    """A unit, or several by sensor or channel; a recipe may hold a table."""
+
+    name = "unit"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The text, checked where a table is given."""
+        from allanite.readers.options import stated_unit
+
+        return stated_unit(value)
+
+
 class Scale(ParamType):
     """A number, or a number with its unit."""
 

@@ -24,8 +24,6 @@ USUAL_DURATION = 3600.0
 @options(
     "optional file",
     *RECORDING,
-    click.option("--accelerometer-unit", metavar="UNIT",
-                 help="Unit of the accelerometers if the file has no units, beside --unit for the gyros."),
     click.option("--gyro", metavar="TERMS",
                  help="Noise of a gyro, e.g. 'N 0.3 deg/sqrt(h), B 10 deg/h'.  [default: identified]"),
     click.option("--accelerometer", metavar="TERMS",

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from .errors import UnitError
 from .language import say
+from .spellings import SIGNS, SPELLINGS, latin
 
 Dimension = tuple[float, ...]
 """Powers of the quantities in `BASES`: halves and quarters, which a float represents exactly."""
@@ -57,17 +58,6 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     for prefix in ("", *prefixes)
 }
 
-SPELLINGS: dict[str, str] = {
-    "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
-    "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
-    "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)",
-    "°C": "degC", "ºC": "degC", "degc": "degC", "celsius": "degC", "kelvin": "K", "ampere": "A", "volt": "V",
-    "tesla": "T",
-    "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
-}  # fmt: skip
-
-SIGNS = {"√(": "sqrt(", "√": "rt", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "·": "*", "**": "^", "mps2": "m/s^2"}
-
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 """A power as written in headers: m/s2, rad s-1."""
 
@@ -96,6 +86,7 @@ class _Parser:
     """Recursive descent over ``expression = power (('*' | '/' | nothing) power)*``."""
 
     def __init__(self, text: str) -> None:
+        text = latin(text)
         for sign, word in SIGNS.items():
             text = text.replace(sign, word)
         text = _BARE_POWER.sub(r"^\1", text)

@@ -8,7 +8,7 @@ several arrays use `datasets` to decide which of them belong together. A format 
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     path: "str | os.PathLike[str] | Frame",
     *,
     rate: float | None = None,
-    unit: str | None = None,
+    unit: str | Mapping[str, str] | None = None,
     kind: str | None = None,
     scale: float | str | None = None,
     channels: Sequence[str] | None = None,
@@ -44,9 +44,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         or pyarrow with column names like those of a CSV file: ``"gx [deg/s]"``.
     rate : float, optional
         Sampling rate, Hz; overrides the file.
-    unit : str, optional
+    unit : str or dict, optional
         Unit of the samples, for example ``"deg/s"``; overrides headers, except for columns that belong to the
-        other type of sensor according to their header or name and are not selected by `channels`.
+        other type of sensor according to their header or name and are not selected by `channels`. By sensor or by
+        column: ``{"gyro": "deg/s", "accel": "g"}``, ``{"wx": "deg/s", "4": "g"}`` or ``"gyro=deg/s,accel=g"``.
     kind : {"rate", "increment", "angle", "count"}, optional
         What a sample represents, if the unit does not determine it.
     scale : float or str, optional
@@ -93,9 +94,10 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import digest_of, head_of, landed
 
-    from .options import Options, channel_names
+    from .options import Options, channel_names, stated_unit
 
     names = (channel_names(channels), channel_names(along))
+    unit = None if unit is None else stated_unit(unit)
     options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)

@@ -2,16 +2,25 @@
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from allanite.core.errors import UsageError
 from allanite.core.record import KINDS, explain_kinds
-from allanite.core.units import unit_of
+from allanite.core.spellings import latin
+from allanite.core.units import signal_with, unit_of
 from allanite.core.wording import spelled
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""
+
+
+KINDS_OF_SENSORS = {
+    "gyro": "gyro", "gyros": "gyro", "gyroscope": "gyro", "accel": "accelerometer", "acc": "accelerometer",
+    "accelerometer": "accelerometer", "accelerometers": "accelerometer",
+}  # fmt: skip
+"""Words for all gyros or all accelerometers of a file."""
 
 
 class Frame(Protocol):
@@ -29,7 +38,8 @@ class Frame(Protocol):
 class Options:
     """What the user states about a file, as in `allanite.readers.read`; None takes it from the file.
 
-    A `scale` such as ``"0.01deg/s"`` becomes a number and a unit.
+    A `scale` such as ``"0.01deg/s"`` becomes a number and a unit. A `unit` such as ``"gyro=deg/s,accel=g"`` becomes
+    `units`, by the name of a sensor or the key of a column.
     """
 
     rate: float | None = None
@@ -42,8 +52,13 @@ class Options:
     dtype: str | None = None
     columns: int | None = None
     offset: int | None = None
+    units: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
+        if self.unit is not None:
+            stated = stated_unit(self.unit)
+            object.__setattr__(self, "units", parts_of(stated))
+            object.__setattr__(self, "unit", None if self.units else stated)
         if isinstance(self.scale, str):
             worth, unit = _worth(self.scale, self.unit)
             object.__setattr__(self, "scale", worth)
@@ -52,9 +67,7 @@ class Options:
         _demand_positive(self.scale, "the scale", "the unit of the samples", spelled("--scale 0.1", "scale=0.1"))
         if self.kind is not None and self.kind not in KINDS:
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
-        if self.unit is not None:
-            object.__setattr__(self, "unit", _demand_text(self.unit, "unit", "'deg/s'").strip())
-            unit_of(self.unit)
+        _demand_units(self)
         if self.time is not None:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")
         if self.dtype is not None:
@@ -71,6 +84,69 @@ class Options:
     def worth(self) -> float | None:
         """Scale factor per count, in `unit`."""
         return None if self.scale is None else float(self.scale)
+
+
+def stated_unit(unit: Any) -> str:
+    """A unit, or several by sensor or channel, as one text; a mapping becomes ``"gyro=deg/s,accel=g"``.
+
+    Examples
+    --------
+    >>> stated_unit("deg/s"), stated_unit({"gyro": "deg/s", "ax": "g"})
+    ('deg/s', 'gyro=deg/s,ax=g')
+    """
+    if not isinstance(unit, Mapping):
+        text = _demand_text(unit, "unit", "'deg/s' or 'gyro=deg/s,accel=g'").strip()
+        return text if "=" in text else latin(text)
+    for key, value in unit.items():
+        _demand_text(value, f"the unit of {key!r}", "'deg/s'")
+        if not isinstance(key, str) or not key.strip() or set(key) & set(",="):
+            raise UsageError(f"units are given by 'gyro', 'accel', or the name or number of a column, not by {key!r}; "
+                             "a column with a comma or = in its name is given by its number")  # fmt: skip
+    if not unit:
+        raise UsageError("no unit is given; for example unit={'gyro': 'deg/s', 'accel': 'g'}")
+    return ",".join(f"{key.strip()}={value.strip()}" for key, value in unit.items())
+
+
+def parts_of(unit: str) -> tuple[tuple[str, str], ...]:
+    """The units by sensor or column; empty if there is one for all.
+
+    Examples
+    --------
+    >>> parts_of("gyro=deg/s, ax=g"), parts_of("deg/s")
+    ((('gyro', 'deg/s'), ('ax', 'g')), ())
+    """
+    if "=" not in unit:
+        return ()
+    found = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]
+    for key, value in found:
+        if not key or not value:
+            example = spelled("--unit gyro=deg/s,accel=g", "unit='gyro=deg/s,accel=g'")
+            raise UsageError(f"{unit!r} does not give each sensor or column a unit; for example {example}")
+    names = [KINDS_OF_SENSORS.get(key.lower(), key) for key, _ in found]
+    again = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if again is not None:
+        raise UsageError(f"{unit!r} gives {again} two units; give it one")
+    return tuple(zip(names, (latin(value) for _, value in found), strict=True))
+
+
+def _demand_units(options: Options) -> None:
+    """Refuse a unit that is unknown, or not one of its sensor, and a scale for several units."""
+    for unit in (options.unit,) if options.unit else (value for _, value in options.units):
+        unit_of(unit)
+    for name, unit in options.units:
+        size = unit_of(unit).dimension
+        signal = signal_with(size) or signal_with(size, 1)
+        if name in KINDS_OF_SENSORS.values() and (signal is None or signal.name != name):
+            example = spelled("--unit gyro=deg/s,accel=g", "unit={'gyro': 'deg/s', 'accel': 'g'}")
+            raise UsageError(f"{unit!r} is not a unit of a {name}; for example {example}")
+    if options.unit and options.units:
+        why = f"the scale is in {options.unit!r}, but units are given by sensor or channel"
+        raise UsageError(f"{why}; give the scale as a number")
+    if options.scale is not None and len({unit for _, unit in options.units}) > 1:
+        option = spelled("--channels", "channels=...")
+        raise UsageError(
+            f"one scale cannot belong to several units; read the channels of each by themselves with {option}"
+        )
 
 
 def _worth(text: str, unit: str | None) -> tuple[float | str, str | None]:

@@ -1,6 +1,7 @@
 """Recipe: every choice of an analysis as plain data."""
 
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ from allanite.core.scope import Band, demand_band
 from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.meaning.devices import device
 from allanite.prepare.outliers import demand_choice
+from allanite.readers.options import stated_unit
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -38,11 +40,12 @@ class Recipe:
 
     The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
-    they are excluded from the fit only. `device` is a name in `DEVICES`, whose likely causes of each term are shown.
+    they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
+    text ``"gyro=deg/s,ax=g"``. `device` is a name in `DEVICES`, whose likely causes of each term are shown.
     """
 
     rate: float | None = None
-    unit: str | None = None
+    unit: str | Mapping[str, str] | None = None
     kind: str | None = None
     scale: float | str | None = None
     channels: tuple[str, ...] | None = None
@@ -65,6 +68,8 @@ class Recipe:
     about: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.unit, Mapping):
+            object.__setattr__(self, "unit", stated_unit(self.unit))
         for key in _NUMBERS:
             value = getattr(self, key)
             fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))

@@ -154,6 +154,20 @@ def test_the_command(desk):
     assert "Roll and pitch of six.csv" in page
 
 
+def test_a_file_without_units(desk, still):
+    rows = np.stack([record.values for record in still], axis=1)
+    np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
+    units = f"gyro={still['gx'].unit},accel={still['ax'].unit}"
+    short = ["--rate", "50", "--time-constant", "2", "--quiet", "--json", "-"]
+    done = run("bare.csv", "--unit", units, *short)
+    assert done.exit_code == 0, done.output
+    both = [json.loads(text)["angles"] for text in (done.output, run("six.csv", *short).output)]
+    assert [a["deviation"] for a in both[0]] == pytest.approx([a["deviation"] for a in both[1]], rel=1e-9)
+    refused = run("bare.csv", "--unit", "deg/s", *short)
+    assert refused.exit_code == 3
+    assert "--unit gyro=deg/s,accel=g" in " ".join(refused.output.split())
+
+
 def test_the_matrices_are_those_of_the_filter(desk, still):
     done = run("six.csv", "--time-constant", "2", "--quiet", "--json", "-")
     k1 = json.loads(done.output)["loop"]["k1"]

@@ -259,10 +259,12 @@ def test_fractions_without_unit_are_seconds(stamped):
     assert any("assumed to be in seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
 
 
-def test_the_given_rate_wins_and_a_difference_is_noted(stamped):
+def test_the_given_rate_wins_and_a_difference_is_a_finding(stamped):
     path = stamped(np.arange(200) * 0.01)
-    assert not any("stamps" in note for note in read(path, rate=100.05).notes)
-    assert any("100.0 Hz" in note and "200.0 Hz is used" in note for note in read(path, rate=200).notes)
+    assert not read(path, rate=100.05).findings
+    (found,) = read(path, rate=200).findings
+    assert "100.0 Hz" in found.what
+    assert "200.0 Hz is used" in found.what
 
 
 def test_time_option(stamped):

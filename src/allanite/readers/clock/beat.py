@@ -1,7 +1,7 @@
 """The sampling rate: given by the user, stated in the file, or from time stamps or a counter; never guessed."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
+from allanite.core.finding import Finding
 from allanite.core.language import join, say
 from allanite.core.units import unit_of
-from allanite.core.wording import spelled
+from allanite.core.wording import percent, spelled
 from allanite.readers.columns.column import Column
 
 from .clocks import Sources, counted_grid, places, unwrapped
@@ -21,16 +22,28 @@ from .stamps import fit, seconds_since
 PLAUSIBLE = (0.5, 20e3)
 """Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
 
+SAME = 1e-3
+"""Relative difference up to which a given rate and that of time stamps are the same."""
+
+NOMINAL = 0.05
+"""The same for the rate that a file states: sensors are seldom as fast as their data sheet."""
+
 
 @dataclass(frozen=True, eq=False)
 class Beat:
-    """The sampling rate in Hz, the time of the first sample in s, the grid, the assumptions and the open questions."""
+    """The sampling rate in Hz, the time of the first sample in s, assumptions, open questions, grid, and warnings."""
 
     rate: float = 0.0
     start: float | None = None
     notes: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
     grid: Grid = ONE_AFTER_THE_OTHER
+    contradictions: tuple[Finding, ...] = ()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Defects of the time stamps, and rates that contradict each other."""
+        return (*self.grid.findings, *self.contradictions)
 
 
 def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
@@ -38,14 +51,18 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
 
     `repeated` marks rows with the same samples as the row before, shape (n - 1,).
     """
-    given = rate if rate is not None else sources.rate
+    given, column = rate if rate is not None else sources.rate, sources.stamps
+    unstamped = column is None or bool(given and column.text)
+    if unstamped and given is None:
+        given = sources.stated
     first = sources.notes
-    if rate is None and sources.rate is not None:
-        first = (*first, say("rate {rate} Hz from {source}", rate=_shown(sources.rate), source=sources.source))
-    column = sources.stamps
-    if column is None or (given and column.text):
+    if rate is None and given is not None:
+        source = sources.source if sources.rate else sources.stated_source
+        first = (*first, say("rate {rate} Hz from {source}", rate=_shown(given), source=source))
+    against = _against(sources, rate)
+    if column is None or unstamped:
         unused = () if column is None else (say("{column} holds text and was not used", column=column.label),)
-        return _unstamped(sources.counter, given, (*first, *unused))
+        return replace(_unstamped(sources, given, (*first, *unused)), contradictions=against)
     column.demand_numbers()
     stamps, wrapped = unwrapped(column.values)
     again = (
@@ -53,11 +70,12 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
         if wrapped
         else ()
     )
-    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given)
+    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given or sources.stated)
     if not unit and not np.any(stamps != stamps[0]):
         unit = "s"  # time stamps that are all equal are so in any unit
     if not unit:
-        return Beat(given, notes=first) if given else Beat(questions=(_ask_unit(column),))
+        known = Beat(given or 0.0, notes=first, contradictions=against)
+        return known if given else Beat(questions=(_ask_unit(column),))
     elapsed = seconds_since(stamps, unit)
     grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
     if grid.trouble and not given:
@@ -76,16 +94,58 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
             float(given or 0),
             notes=(*first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
             grid=grid,
+            contradictions=against,
         )
-    notes = _notes(column.label, (given, 1 / grid.interval), guessed, grid.lost)
+    measured = 1 / grid.interval
+    notes, differing = _notes(column.label, (given, measured), guessed, grid.lost)
+    if given is None and _apart(measured, sources.stated, NOMINAL):
+        differing = (_contradiction(measured, sources.stated or 0.0, sources.stated_source),)
     origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
-    return Beat(given or 1 / grid.interval, float(origin) * unit_of(unit).factor, (*first, *again, *notes), (), grid)
+    said = (*first, *again, *notes)
+    return Beat(given or measured, float(origin) * unit_of(unit).factor, said, (), grid, (*against, *differing))
 
 
-def _unstamped(column: Column | None, given: float | None, notes: tuple[str, ...]) -> Beat:
+def _against(sources: Sources, rate: float | None) -> tuple[Finding, ...]:
+    """Warnings that the given rate contradicts those that the file states."""
+    stated = ((sources.rate, sources.source), (sources.stated, sources.stated_source))
+    return tuple(
+        _contradiction(rate, other, source) for other, source in stated if rate and other and _apart(rate, other)
+    )
+
+
+def _apart(rate: float, other: float | None, limit: float = SAME) -> bool:
+    """Whether two rates differ by more than a relative `limit`; not if the other is unknown."""
+    return other is not None and abs(rate / other - 1) > limit
+
+
+def _contradiction(rate: float, other: float, source: str, told: Sequence[str] = ()) -> Finding:
+    """The warning that one rate is used although something else gives another."""
+    high, low = max(rate, other), min(rate, other)
+    apart = (
+        say("a factor of {factor:.4g} apart", factor=high / low)
+        if high >= 2 * low
+        else say("{share} apart", share=percent(high / low - 1))
+    )
+    used = say(
+        "rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
+        rate=_shown(rate), source=source, other=_shown(other), apart=apart,
+    )  # fmt: skip
+    return Finding(
+        say("given rate"),
+        join(", ", (used, *told)),
+        say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
+        say("find out which is right, and give it with {option}", option=spelled("--rate HZ", "rate=...")),
+    )
+
+
+def _unstamped(sources: Sources, given: float | None, notes: tuple[str, ...]) -> Beat:
     """The beat without time stamps: missing samples from a counter, if the rate is given."""
+    column = sources.counter
     if given:
         return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
+    if sources.stated_source:
+        several = say("the file states rates that contradict each other, {places}", places=sources.stated_source)
+        return Beat(questions=(join(": ", (several, _ask())),))
     if column is None:
         return Beat(questions=(say("the sampling rate is not in the file: {advice}", advice=_ask()),))
     asked = say(
@@ -104,19 +164,16 @@ def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
     return counted_grid(column, float(elapsed[-1]) / int(where[-1]))
 
 
-def _notes(label: str, rates: tuple[float | None, float], guessed: str, lost: int) -> list[str]:
+def _notes(
+    label: str, rates: tuple[float | None, float], guessed: str, lost: int
+) -> tuple[list[str], tuple[Finding, ...]]:
+    """The note on the rate of time stamps, or the warning that it is not the given one."""
     given, measured = rates
     told: list[str] = [say("including {count} missing intervals", count=lost)] if lost else []
     told += [guessed] if guessed else []
     if given is None:
-        return [join(", ", (say("rate {rate} Hz from {source}", rate=_shown(measured), source=label), *told))]
-    if abs(given / measured - 1) <= 1e-3:
-        return []
-    used = say(
-        "rate {rate} Hz is used, but the time stamps of {column} give {measured} Hz",
-        rate=_shown(given), column=label, measured=_shown(measured),
-    )  # fmt: skip
-    return [join(", ", (used, *told))]
+        return [join(", ", (say("rate {rate} Hz from {source}", rate=_shown(measured), source=label), *told))], ()
+    return [], (_contradiction(given, measured, label, told),) if _apart(given, measured) else ()
 
 
 def _ask() -> str:

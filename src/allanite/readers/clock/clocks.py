@@ -28,13 +28,18 @@ _WRAPS = (8, 16, 32, 31)
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file."""
+    """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file.
+
+    `stated` is a nominal rate from lines of text, which applies only where there are no time stamps.
+    """
 
     stamps: Column | None = None
     unit: str = ""
     counter: Column | None = None
     rate: float | None = None
     source: str = ""
+    stated: float | None = None
+    stated_source: str = ""
     notes: tuple[str, ...] = ()
 
 

@@ -8,14 +8,16 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
 from allanite.core.language import join, say
 from allanite.core.record import KIND_WORDS, KINDS, explain_kinds
 from allanite.core.units import BASES, signal_with, unit_of
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
 
-from . import headers
+from . import conventions, headers, stated
 from .column import Column, lookup, some
+from .stated import Stated
 
 T = TypeVar("T")
 
@@ -43,12 +45,13 @@ class Left(NamedTuple):
 
 @dataclass(frozen=True)
 class Choice:
-    """The signals of a file, the assumptions about them, the columns omitted, and open questions."""
+    """The signals of a file, the assumptions about them, the columns omitted, open questions, and warnings."""
 
     signals: tuple[Signal, ...]
     notes: tuple[str, ...]
     left: tuple[str, ...]
     questions: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
 
 
 def named(columns: tuple[Column, ...], keys: tuple[str, ...] | None) -> tuple[Column, ...] | None:
@@ -69,16 +72,22 @@ def choose(
     pool = [column for column in columns if column is not time] if chosen is None else list(chosen)
     for column in chosen or ():
         column.demand_numbers()
+    asked_of = stated.of_columns(columns, options)
     found = [
-        _candidate(column, options, pool) if chosen is None else _resolved(column, options, applies=True)
+        _candidate(column, asked_of(column), pool)
+        if chosen is None
+        else _resolved(column, asked_of(column).options, applies=True)
         for column in pool
     ]
     signals = tuple(item for item in found if isinstance(item, Signal))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
+    findings = tuple(stated.against_headers((signal.column, signal.unit) for signal in signals))
     reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in left)
     if (signals and chosen is None) or not left:
-        return Choice(signals, notes, tuple(say("left out, {reason}", reason=reason) for reason in reasons), ())
+        return Choice(
+            signals, notes, tuple(say("left out, {reason}", reason=reason) for reason in reasons), (), findings
+        )
     asked = [
         say("{columns}: {reason}; {remedy}", columns=names, reason=why, remedy=ask)
         for (why, ask), names in _together(((i.why, i.ask), i.column) for i in left if i.ask)
@@ -113,11 +122,12 @@ def drivers(columns: tuple[Column, ...]) -> tuple[Column, ...]:
 SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
 
 
-def _candidate(column: Column, options: Options, pool: list[Column]) -> Signal | Left:
-    # if the file states the meaning of a column, its name does not matter
-    said = bool(column.kind) or _asked_for(column, options)
+def _candidate(column: Column, asked: Stated, pool: list[Column]) -> Signal | Left:
+    # if the file or the user states the meaning of a column, its name does not matter
+    options = asked.options
+    said = bool(column.kind) or asked.named or _asked_for(column, options)
     why = "" if said else _no_signal(column, options) or _rises(column, options, pool)
-    return Left(column, why) if why else _resolved(column, options, applies=_applies(column, options))
+    return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
 
 
 def _no_signal(column: Column, options: Options) -> str:
@@ -204,19 +214,26 @@ def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Le
 
 
 def _source(column: Column, options: Options, unit: str, applies: bool) -> str:
-    """Origin of the unit; empty if the user gave it and the header agrees."""
-    if not column.unit or (options.unit == unit == column.unit):
+    """Origin of the unit; empty if the user gave it and the header agrees, or a warning says that it does not."""
+    if not column.unit or (options.unit == unit == column.unit) or stated.contradicts(column, unit):
         return ""
+    known = conventions.convention_of(column)
     if unit != column.unit:
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:
-        kind = KIND_WORDS[column.kind]
-        if column.scale is None:
-            return say("kind {kind} from the file for", kind=kind)
-        return say("kind {kind} of {scale:g} {unit} from the file for", kind=kind, scale=column.scale, unit=unit)
+        return _stored(column, unit)
+    if known is not None:
+        return say("unit {unit} by the definition of {family} for", unit=unit, family=known.family)
     if applies:
         return say("unit {unit} from the header of", unit=unit)
     return say("unit {unit}, which does not match {wanted}, from the header of", unit=unit, wanted=options.unit)
+
+
+def _stored(column: Column, unit: str) -> str:
+    kind = KIND_WORDS[column.kind]
+    if column.scale is None:
+        return say("kind {kind} from the file for", kind=kind)
+    return say("kind {kind} of {scale:g} {unit} from the file for", kind=kind, scale=column.scale, unit=unit)
 
 
 def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:

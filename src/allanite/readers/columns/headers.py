@@ -3,6 +3,7 @@
 import re
 
 from allanite.core.errors import UnitError
+from allanite.core.spellings import latin
 from allanite.core.units import Signal, Unit, signal_with, unit_of
 
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
@@ -32,6 +33,8 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
     "zeit": "", "zeitstempel": "", "uhrzeit": "", "temps": "", "tiempo": "", "tempo": "",
     "second": "s", "seconds": "s", "sec": "s", "secs": "s", "s": "s", "millis": "ms", "milliseconds": "ms", "ms": "ms",
     "micros": "us", "microseconds": "us", "us": "us", "nanoseconds": "ns", "ns": "ns",
+    "msec": "ms", "usec": "us", "nsec": "ns", "nsecs": "ns", "nanosec": "ns", "nanosecs": "ns",
+    "время": "", "t,с": "s", "时间": "", "时间戳": "", "时刻": "", "采样时间": "",
 }  # fmt: skip
 
 _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
@@ -39,13 +42,32 @@ _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "ad
 _OTHER = re.compile(  # a name that begins like this, up to its end or a number, is not an inertial signal
     r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
-    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)"
+    r"battery|quat|quaternion|q_?[0-3wxyz]|roll|pitch|yaw|heading|euler|heater)([^a-z]|$)|.*temperature|.*[^a-z](temp|cnt|ctr)([^a-z]|$)|"
+    r"(номер|сч[её]тчик|пакет|кадр|статус|флаг|магн|давлен|высот|широт|долгот|крен|тангаж|курс|напряж|ток)|"
+    r"(序号|编号|计数|帧|状态|标志|磁|气压|压力|湿度|高度|纬度|经度|横滚|滚转|俯仰|航向|偏航|姿态|电压|电流)"
 )
-_DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater")
+_TEMPERATURE = re.compile(r"(^|[^a-z])(temp|temperature|темпер[а-я]*|.*温度)(_?[0-9xyz])*$")
+_LENGTH = re.compile(r"(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$")
+"""A name of the length of a vector, which is not the output of a sensor."""
+
+_IDENTIFIER = re.compile(
+    r"(^|[^a-z])(ids?|dt|seq|sequence|instance|index|idx|status|state|flags?|valid|health|timestamp_relative|counter|cnt|ctr|"
+    r"(error|calib(ration)?|message|samples?|packet)_?counts?)[^a-z]*$|(^|[^a-z])clip(s|ped|ping)?([^a-z]|$)|"
+    r"covariance|orientation"
+)
+"""A name of what is not a sample, whichever sensor it names beside: gyro_device_id, delta_angle_dt."""
+
+_DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater|темпер|давлен|напряж|温度|压力|气压|湿度|电压")
 _BY_NAME = {
-    "gyro": re.compile(r"gyr|^[gw][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta"),
-    "accelerometer": re.compile(r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force"),
+    "gyro": re.compile(
+        r"gyr|^[gwω][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta|гиро|^дус|угл.*скорост|陀螺|角速"
+    ),
+    "accelerometer": re.compile(
+        r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force|аксел|ускорен|(?<!角)加速度|加表|加计|比力"
+    ),
 }
+_FULL_WIDTH = str.maketrans("（）［］：，／　", "()[]:,/ ")
+"""Signs of Chinese texts, and the usual ones."""
 
 
 def split(header: str) -> tuple[str, str]:
@@ -56,14 +78,16 @@ def split(header: str) -> tuple[str, str]:
     >>> split("gx [deg/s]"), split("acc_x_mps2"), split("gyro_rad[0]")
     (('gx', 'deg/s'), ('acc_x_mps2', 'm/s^2'), ('gyro_rad[0]', 'rad'))
     """
-    header = header.strip()
+    header = header.translate(_FULL_WIDTH).strip()
     if len(header) > LONGEST:
         return header, ""
     name, unit = _bracketed(header)
+    if unit is None:
+        name, unit = _after_comma(header)
     if unit is not None and unit.lower() in _RAW and name:
         return name, ""
     if unit is not None and not (unit.isdigit() or unit.lower() in ("x", "y", "z")):
-        return name or header, unit
+        return name or header, latin(unit)
     tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
         unit = SUFFIXES.get("_".join(tokens[-count:]))
@@ -79,6 +103,12 @@ def _bracketed(header: str) -> tuple[str, str | None]:
         if _INSIDE.fullmatch(header, at + 1, len(header) - 1):
             return header[:at].strip(), header[at + 1 : -1].strip()
     return header, None
+
+
+def _after_comma(header: str) -> tuple[str, str | None]:
+    """The name and the unit after a comma, as Russian tables write them: ``Время, с``."""
+    name, _, unit = (part.strip() for part in header.rpartition(","))
+    return (name, unit) if name and not unit.isdigit() and known(unit) is not None else (header, None)
 
 
 def known(unit: str) -> Unit | None:
@@ -115,7 +145,7 @@ def clock_rank(name: str) -> int:
     lower = _bare(name)
     if lower in TIME_NAMES:
         return 1 if name.strip() == "T" else 0
-    return 1 if re.search(r"time(?!out)|stamp|elapsed", lower) else 2
+    return 1 if re.search(r"time(?!out)|stamp|elapsed|врем|时间|时刻", lower) else 2
 
 
 def clock_unit(name: str) -> str:
@@ -126,14 +156,19 @@ def clock_unit(name: str) -> str:
 def is_other(name: str, unit: str = "") -> bool:
     """Whether a name is that of something other than an inertial signal: a temperature, a counter, a compass.
 
-    A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss.
+    A unit of an inertial sensor overrides it, as in ``yaw [deg/s]``, except for the compass, whose G is the gauss, for
+    temperatures, and for the length of a vector.
 
     Examples
     --------
     >>> is_other("Temp1"), is_other("yaw", "deg/s"), is_other("yaw_rate"), is_other("mag_x", "G")
     (True, False, False, True)
+    >>> is_other("gyro_device_id"), is_other("gyro_integral_dt"), is_other("gyro_counts_x")
+    (True, True, False)
     """
     bare = _bare(name)
+    if _TEMPERATURE.search(bare) or _LENGTH.match(bare) or (identifies(name) and not inertial(unit)):
+        return True
     if bare.startswith("m"):
         return bool(_OTHER.match(bare))
     if inertial(unit) or re.search(r"rate|gyr|acc", bare):
@@ -156,8 +191,21 @@ def is_driver(name: str, unit: str = "") -> bool:
     return is_other(name, unit) and bool(_DRIVER.search(bare) or name.strip() == "T")
 
 
+def identifies(name: str) -> bool:
+    """Whether a name is that of an identifier, a state or a count, not of samples.
+
+    Examples
+    --------
+    >>> identifies("header.frame_id"), identifies("deltaAngleDt"), identifies("accel_clip_count"), identifies("gyro_x")
+    (True, True, True, False)
+    """
+    return bool(_IDENTIFIER.search(_bare(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name))))
+
+
 def sensor_by_name(name: str) -> str:
-    """The sensor that a name suggests; empty if none, or both."""
+    """The sensor that a name suggests; empty if none, both, or an identifier."""
+    if identifies(name):
+        return ""
     suggested = [sensor for sensor, pattern in _BY_NAME.items() if pattern.search(_bare(name))]
     return suggested[0] if len(suggested) == 1 else ""
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from allanite.core.errors import DataError
 from allanite.core.language import say, say_count
 
-from . import headers
+from . import headers, preamble
 
 MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.#qnan", "-1.#ind", "1.#ind"))
 
@@ -78,7 +78,8 @@ class Layout:
     """The layout of a text file.
 
     `names` and `units` have one entry per column (empty if the file has none), `text` the positions of columns
-    of words, `offset` and `line` (from 1) the start of the first row of numbers, `notes` what was skipped.
+    of words, `offset` and `line` (from 1) the start of the first row of numbers, `notes` what was skipped. `nominal` is
+    the sampling rate in Hz that the lines above state, None if they state none, with its place.
     """
 
     delimiter: str
@@ -89,6 +90,7 @@ class Layout:
     offset: int
     line: int
     notes: tuple[str, ...] = ()
+    nominal: tuple[float | None, str] = (None, "")
 
     @property
     def width(self) -> int:
@@ -113,6 +115,8 @@ def find(data: bytes) -> Layout:
         else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
     )
     marks = MARKS[:3] if delimiter == ";" else MARKS
+    rated = [(n, text) for n, _, text in lines if _worded(text) and preamble.statement(n, text, decimal)]
+    lines = [line for line in lines if line[0] not in dict(rated)]
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
     rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
     if not any(has_number(row, decimal) for row in rows):
@@ -135,7 +139,17 @@ def find(data: bytes) -> Layout:
         )
     if decimal == ",":
         notes = (*notes, say("the decimal sign is a comma"))
-    return Layout(delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes)
+    rate, places = preamble.nominal((line for line in rated if line[0] < rows[first].line), decimal)
+    if rate is None and places:
+        notes = (*notes, say("rates that contradict each other are not used: {places}", places=places))
+    return Layout(
+        delimiter, decimal, names, units, text, rows[first].offset, rows[first].line, notes, (rate, places)
+    )  # fmt: skip
+
+
+def _worded(text: str) -> bool:
+    """Whether a line has a word, and is not one of numbers."""
+    return any(letter.isalpha() and letter not in "eE" for letter in text)
 
 
 def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:

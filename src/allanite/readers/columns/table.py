@@ -19,7 +19,7 @@ from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels
+from . import channels, conventions, pairs
 from .arrays import RATE_NAMES
 from .column import Column, unique
 
@@ -34,7 +34,8 @@ class Table:
     """The columns of a file in its order, what the file states about them, and the assumptions so far.
 
     `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
-    `rate_source` is the place where it states the rate.
+    `rate_source` is the place where it states the rate. `nominal` is one that applies only without time stamps, in Hz,
+    with its place.
     """
 
     columns: tuple[Column, ...]
@@ -42,6 +43,7 @@ class Table:
     rate_source: str = ""
     notes: tuple[str, ...] = field(default=())
     start: float | None = None
+    nominal: tuple[float | None, str] = (None, "")
 
     def recording(self, options: Options) -> Recording:
         """The channels as records with common sample times."""
@@ -49,11 +51,16 @@ class Table:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
             )
-        table = replace(self, columns=unique(self.columns))
+        columns, joined = pairs.joined(conventions.applied(unique(self.columns)), options)
+        table = replace(self, columns=columns, notes=(*self.notes, *joined))
         chosen = channels.named(table.columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
-        sources = replace(clocks.find(open_, options.time, chosen), rate=table.rate, source=table.rate_source)
+        stated, place = table.nominal
+        sources = replace(
+            clocks.find(open_, options.time, chosen),
+            rate=table.rate, source=table.rate_source, stated=stated, stated_source=place,
+        )  # fmt: skip
         time = sources.stamps
         along, said = channels.beside(channels.named(table.columns, options.along) or ())
         taken = [signal.column for signal in along]
@@ -70,7 +77,7 @@ class Table:
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
         others = tuple(_record(signal, beat, table.start) for signal in drivers)
         notes = (*table.notes, *beat.notes, *choice.notes, *choice.left, *said)
-        return Recording(records, notes=notes, findings=beat.grid.findings, others=others)
+        return Recording(records, notes=notes, findings=(*beat.findings, *choice.findings), others=others)
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:

@@ -25,7 +25,7 @@ def read(frame: Frame, options: Options) -> Recording:
     headers = tuple(name for name, _ in named)
     values = [_parsed(name, entry) for name, entry in named]
     columns, tags, notes = text.of_parsed(values, headers, ("",) * len(headers))
-    return text.arranged(columns, tags, notes, options).recording(options)
+    return text.arranged(text.Parsed(columns, tags, notes), options).recording(options)
 
 
 def _named(frame: Any) -> Iterator[tuple[str, Any]]:

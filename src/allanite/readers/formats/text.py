@@ -2,14 +2,14 @@
 
 import re
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.language import say
 from allanite.core.record import Recording
-from allanite.readers.columns import dates, layout, parse, sensors, shapes
+from allanite.readers.columns import dates, encoding, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.table import KEY, Table, described, restored
 from allanite.readers.options import Options
@@ -17,34 +17,41 @@ from allanite.readers.options import Options
 TITLE = "text or CSV: columns of numbers, with or without a header"
 
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
-_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 def sniff(head: bytes, suffix: str) -> bool:
     """Whether the first bytes are those of a text."""
-    if head.startswith(_UTF16):
+    if head.startswith(encoding.UTF16):
         return True
     control = sum(head.count(bytes([code])) for code in range(32) if code not in b"\t\n\v\f\r\x1a")
     return control == 0 and bool(head.strip())
 
 
+class Parsed(NamedTuple):
+    """The columns of a text, those of few words by position, the assumptions, and the rate that its lines state."""
+
+    columns: list[Column]
+    tags: dict[int, parse.Tags]
+    notes: tuple[str, ...]
+    nominal: tuple[float | None, str] = (None, "")
+
+
 def read(path: str, options: Options) -> Recording:
     """The channels of a text file."""
-    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
-    columns, tags, said = columns_of(data)
-    table, comment = arranged(columns, tags, (*notes, *said), options), _COMMENT.match(data)
-    return restored(table, comment[1] if comment else "").recording(options)
+    data, notes = _opened(path)
+    comment = _COMMENT.match(data)
+    return restored(arranged(columns_of(data, notes), options), comment[1] if comment else "").recording(options)
 
 
-def arranged(columns: list[Column], tags: dict[int, parse.Tags], notes: tuple[str, ...], options: Options) -> Table:
+def arranged(found: Parsed, options: Options) -> Table:
     """The table of columns, those of several sensors separated."""
-    by = sensors.turns(columns, tags)
+    columns, by = found.columns, sensors.turns(found.columns, found.tags)
     if by is None:
         columns, told = sensors.between(columns)
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    return Table(tuple(columns), notes=(*notes, *told))
+    return Table(tuple(columns), notes=(*found.notes, *told), nominal=found.nominal)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -61,13 +68,12 @@ def write(recording: Recording, path: str) -> None:
 
 def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
     """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
-    data, notes = shapes.straightened(_plain(Path(path).read_bytes()))
-    columns, _, said = columns_of(data)
-    return columns, (*notes, *said)
+    found = columns_of(*_opened(path))
+    return found.columns, found.notes
 
 
-def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
-    """The columns of a text, those of few words by position, and the assumptions."""
+def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
+    """The columns of a text in UTF-8, after these notes."""
     found = layout.find(data)
     if found.width > shapes.WIDEST:
         raise DataError(
@@ -75,16 +81,18 @@ def columns_of(data: bytes) -> tuple[list[Column], dict[int, parse.Tags], tuple[
         )
     values, passed = parse.columns(data, found)
     columns, tags, said = of_parsed(values, found.names, found.units)
-    return columns, tags, (*found.notes, *passed, *said)
+    return Parsed(columns, tags, (*notes, *found.notes, *passed, *said), found.nominal)
+
+
+def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
+    """The text of a file in UTF-8, one line per sample, and the assumptions."""
+    data, assumed = encoding.in_utf8(Path(path).read_bytes())
+    data, turned = shapes.straightened(_plain(data))
+    return data, (*assumed, *turned)
 
 
 def _plain(data: bytes) -> bytes:
-    """UTF-8 or Latin-1 without a byte order mark, with line ends that contain a newline."""
-    if data.startswith(_UTF16):
-        try:
-            data = data.decode("utf-16").encode()
-        except UnicodeDecodeError as error:
-            raise DataError(f"the file begins like UTF-16 text but is damaged: {error}") from None
+    """The text without a byte order mark, with line ends that contain a newline."""
     data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
     if b"\x00" in data:
         raise DataError(f"there is a zero byte at byte {data.index(0)} of the text: the file is damaged or binary")

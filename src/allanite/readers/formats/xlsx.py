@@ -52,7 +52,6 @@ def _sheet(item: Mapping[str, Any], process: Process, options: Options) -> list[
 
     def load() -> Table:
         demand_size(size, process.path, f"sheet {name!r}")
-        columns, tags, notes = text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes())
-        return text.arranged(columns, tags, notes, options)
+        return text.arranged(text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes()), options)
 
     return [streams.Stream(name, rows - found.line + 1, found.names, load, fits=fits)]

@@ -1,0 +1,44 @@
+"""Spellings of units: words, signs, and Russian and Chinese names."""
+
+import re
+
+SPELLINGS: dict[str, str] = {
+    "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
+    "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
+    "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)",
+    "°C": "degC", "ºC": "degC", "degc": "degC", "celsius": "degC", "kelvin": "K", "ampere": "A", "volt": "V",
+    "tesla": "T",
+    "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
+}  # fmt: skip
+
+SIGNS = {"√(": "sqrt(", "√": "rt", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "·": "*", "**": "^", "mps2": "m/s^2"}
+
+WORDS: dict[str, str] = {
+    "угл. сек": "arcsec", "угл.сек": "arcsec", "угл. с": "arcsec", "угл.с": "arcsec", "рад": "rad", "мрад": "mrad",
+    "мкрад": "urad", "град": "deg", "°С": "degC", "с": "s", "сек": "s", "мс": "ms", "мкс": "us", "нс": "ns",
+    "мин": "min", "ч": "h", "час": "h", "м": "m", "см": "cm", "мм": "mm", "Гц": "Hz", "мg": "mg", "мкg": "ug",
+    "弧度": "rad", "毫弧度": "mrad", "度": "deg", "毫度": "mdeg", "角分": "arcmin", "角秒": "arcsec", "秒": "s",
+    "毫秒": "ms", "微秒": "us", "纳秒": "ns", "分钟": "min", "小时": "h", "时": "h", "米": "m", "毫g": "mg",
+    "微g": "ug", "赫兹": "Hz", "赫": "Hz", "摄氏度": "degC", "℃": "degC", "每": "/", "平方": "^2",
+}  # fmt: skip
+"""Russian and Chinese words of units. Grams are not among them: мг is a mass, an acceleration is in мg."""
+
+_LETTER = r"[^\W\d_²³]"
+_WORD = re.compile(
+    "|".join(
+        # Chinese writes words without blanks, and a Cyrillic word ends where its letters end
+        re.escape(word) if ord(word[0]) > 0x2E00 or word == "℃" else rf"(?<!{_LETTER}){re.escape(word)}(?!{_LETTER})"
+        for word in sorted(WORDS, key=len, reverse=True)
+    )
+)
+
+
+def latin(text: str) -> str:
+    """A unit with its Russian and Chinese words in their Latin spelling; any other text is unchanged.
+
+    Examples
+    --------
+    >>> latin("°/ч"), latin("弧度/秒"), latin("м/с²"), latin("deg/s")
+    ('°/h', 'rad/s', 'm/s²', 'deg/s')
+    """
+    return text if text.isascii() else _WORD.sub(lambda found: WORDS[found[0]], text)

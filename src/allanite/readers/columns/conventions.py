@@ -1,0 +1,57 @@
+"""Names of columns that define their units: those of sensor_msgs, PX4 and EuRoC."""
+
+import re
+from dataclasses import replace
+from typing import NamedTuple
+
+from .column import Column
+
+
+class Convention(NamedTuple):
+    """Names that define a unit: what defines them, a pattern of names in lower case, and the unit."""
+
+    family: str
+    names: re.Pattern[str]
+    unit: str
+
+
+_ABOVE = r"(?:.*[./])?"
+CONVENTIONS = (
+    Convention("sensor_msgs/Imu", re.compile(_ABOVE + "angular_velocity[./][xyz]"), "rad/s"),
+    Convention("sensor_msgs/Imu", re.compile(_ABOVE + "linear_acceleration[./][xyz]"), "m/s^2"),
+    Convention("PX4", re.compile(_ABOVE + r"gyro_rad(?:\[[0-2]\]|[._][0-2])"), "rad/s"),
+    Convention("PX4", re.compile(_ABOVE + r"accelerometer_m_s2(?:\[[0-2]\]|[._][0-2])"), "m/s^2"),
+    Convention("EuRoC", re.compile("w_rs_s_[xyz]"), "rad/s"),
+    Convention("EuRoC", re.compile("a_rs_s_[xyz]"), "m/s^2"),
+)
+"""The units of the definitions of messages and data sets: sensor_msgs/Imu.msg, SensorCombined.msg of PX4, ASL."""
+
+_SHORT = {
+    "gyro": Convention("sensor_msgs/Imu", re.compile("angular_velocity_[xyz]"), "rad/s"),
+    "accelerometer": Convention("sensor_msgs/Imu", re.compile("linear_acceleration_[xyz]"), "m/s^2"),
+}
+"""Names of sensor_msgs without dots, which other files may have too: they count only if both sensors have them."""
+
+
+def convention_of(column: Column) -> Convention | None:
+    """The convention that gave a column its unit; None if its header did."""
+    every = (*CONVENTIONS, *_SHORT.values())
+    return next((one for one in every if _names(one, column) and column.unit == one.unit), None)
+
+
+def applied(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    """The columns with the units that their names define, where their headers have none."""
+    short = all(any(_names(one, column) for column in columns) for one in _SHORT.values())
+    known = (*CONVENTIONS, *(_SHORT.values() if short else ()))
+    return tuple(_known(column, known) for column in columns)
+
+
+def _known(column: Column, known: tuple[Convention, ...]) -> Column:
+    found = next((one for one in known if _names(one, column)), None)
+    # gyro_rad[0] looks like an angle in rad
+    fits = found is not None and not column.kind and not column.text and column.unit in ("", "rad")
+    return replace(column, unit=found.unit) if found is not None and fits else column
+
+
+def _names(convention: Convention, column: Column) -> bool:
+    return bool(convention.names.fullmatch(column.header.strip().lower()))

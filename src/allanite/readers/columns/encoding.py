@@ -1,0 +1,156 @@
+"""The encoding of a text: UTF-8 if it is, otherwise the only one of three in which it can be read."""
+
+import re
+from codecs import getincrementaldecoder
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from allanite.core.errors import DataError
+from allanite.core.language import Phrase, say
+
+UTF16 = (b"\xff\xfe", b"\xfe\xff")
+"""Byte order marks."""
+
+_JUDGED = 1 << 16
+"""Bytes of lines with letters beyond ASCII that are judged."""
+
+_BLOCK = 1 << 20
+"""Bytes that are tested at once."""
+
+_SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
+"""Signs that any text may hold beside its letters."""
+
+_RUSSIAN = re.compile(
+    r"врем|темпер|скорост|ускор|угол|угл|гиро|дус|аксел|датчик|частот|период|дискретиз|номер|сч[её]тчик|дата|"
+    r"(?<![а-яё])(?:рад|град|сек|мин|час|мс|мкс|гц|ось)(?![а-яё])|[°мд]/[сч]|,\s*[смч](?![а-яё])",
+    re.IGNORECASE,
+)
+_CHINESE = re.compile(
+    "时间|温度|角速|加速|陀螺|加表|采样|频率|传感|序号|数据|日期|弧度|米/秒|度/|[(（\\[]度[)）\\]]|小时|[轴秒]"
+)
+
+
+@dataclass(frozen=True)
+class _Encoding:
+    """An encoding: its name, that of Python, whether a decoded text is plausible, and words that such texts have."""
+
+    name: str
+    codec: str
+    plausible: Callable[[str], bool]
+    words: re.Pattern[str] | None = None
+
+
+def _is_latin(text: str) -> bool:
+    """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
+    text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
+    strange = re.compile(r"(?<![A-Za-z])[À-ÿ]+(?![A-Za-z])|[À-ÿ]{3}")
+    return not strange.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
+
+
+def _accented(letter: str) -> bool:
+    return letter in _SIGNS or (letter >= "À" and letter not in "×÷")
+
+
+def _is_russian(text: str) -> bool:
+    """Cyrillic words in lower case, capitals, or with one capital, and no letters of other languages among them."""
+    if any(ord(c) > 127 and c not in _SIGNS and not "А" <= c <= "я" and c not in "Ёё" for c in text):
+        return False
+    words = re.findall(r"[^\W\d_°]+", text.replace("мкg", "").replace("мg", ""))
+    own = [word for word in words if re.search("[А-яЁё]", word)]
+    telling = any(len(word) > 1 for word in own) or _RUSSIAN.search(text)
+    return bool(telling) and all(re.fullmatch(r"[А-ЯЁ]?[а-яё]+|[А-ЯЁ]+[A-Za-z]?|[A-Za-z]", word) for word in own)
+
+
+def _is_chinese(text: str) -> bool:
+    """Mostly common characters: signs, and those of the first level of GB 2312."""
+    beyond = [letter for letter in text if ord(letter) > 127]
+    written = [letter.encode("gb18030") for letter in beyond]
+    common = sum(
+        len(code) == 2 and code[1] > 0xA0 and (code[0] in range(0xB0, 0xD8) or code[0] in range(0xA1, 0xA7))
+        for code in written
+    )
+    return common >= 0.8 * len(beyond)
+
+
+_ENCODINGS = (
+    _Encoding("GB18030", "gb18030", _is_chinese, _CHINESE),
+    _Encoding("cp1251", "cp1251", _is_russian, _RUSSIAN),
+    _Encoding("Latin-1", "cp1252", _is_latin),
+)
+
+
+def in_utf8(data: bytes) -> tuple[bytes, tuple[Phrase, ...]]:
+    """The text in UTF-8, and a note on the encoding that was assumed, if it was another.
+
+    Raises
+    ------
+    DataError
+        The text is in none of the encodings, or may be in several.
+    """
+    if data.startswith(UTF16):
+        return _decoded(data, "utf-16", "UTF-16").encode(), ()
+    if data.isascii() or _is_utf8(data):
+        return data, ()
+    found = _encoding(_lettered(data))
+    note = say("the text is not UTF-8, and is read as {name}", name=found.name)
+    return _decoded(data, found.codec, found.name).encode(), (note,)
+
+
+def _is_utf8(data: bytes) -> bool:
+    decoder, view = getincrementaldecoder("utf-8")(), memoryview(data)
+    try:
+        for start in range(0, len(data), _BLOCK):  # the whole text may be several times as large in memory
+            decoder.decode(view[start : start + _BLOCK], final=start + _BLOCK >= len(data))
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _decoded(data: bytes, codec: str, name: str) -> str:
+    try:
+        return data.decode(codec)
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise DataError(f"the file begins like {name} text but is damaged in line {line}: {error}") from None
+
+
+def _lettered(data: bytes) -> bytes:
+    """The first lines that are not ASCII."""
+    found, size, start = list[bytes](), 0, 0
+    while size < _JUDGED and (place := re.compile(rb"[\x80-\xff]").search(data, start)):
+        first = max(data.rfind(b"\n", 0, place.start()), data.rfind(b"\r", 0, place.start())) + 1
+        end = data.find(b"\n", place.start())
+        start = len(data) if end < 0 else end + 1
+        found.append(data[first:start][:_JUDGED])
+        size += len(found[-1])
+    return b"\n".join(dict.fromkeys(found))
+
+
+def _encoding(lines: bytes) -> _Encoding:
+    """The only encoding in which the lines are plausible, or the only one with words that such files have."""
+    plausible = list(_plausible(lines))
+    telling = [one for one, text in plausible if one.words and one.words.search(text)]
+    fitting = [one for one, _ in plausible]
+    for some in (fitting, telling):
+        if len(some) == 1:
+            return some[0]
+    what = (
+        "may be " + " or ".join(one.name for one in telling or fitting)
+        if fitting
+        else "is neither " + ", ".join(one.name for one in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
+    )
+    sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
+    raise DataError(
+        f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it as UTF-8, "
+        "for example with iconv -f GB18030 -t UTF-8, or -f CP1251"
+    )
+
+
+def _plausible(lines: bytes) -> Iterable[tuple[_Encoding, str]]:
+    for one in _ENCODINGS:
+        try:
+            text = lines.decode(one.codec)
+        except UnicodeDecodeError:
+            continue
+        if one.plausible(text):
+            yield one, text

@@ -1,0 +1,99 @@
+"""Units that the user states by sensor or by column, and what headers say against them."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
+from allanite.core.language import Phrase, join, say
+from allanite.core.units import unit_of
+from allanite.core.wording import spelled
+from allanite.readers.options import KINDS_OF_SENSORS, Options
+
+from . import headers
+from .column import Column, lookup, some
+
+
+class Stated(NamedTuple):
+    """The options that apply to a column, and whether its unit was given by its own name."""
+
+    options: Options
+    named: bool = False
+
+
+def of_columns(columns: tuple[Column, ...], options: Options) -> Callable[[Column], Stated]:
+    """The options of each column: with one unit for all, or with its own."""
+    if not options.units:
+        return lambda column: Stated(options)
+    plain = replace(options, unit=None, units=())
+    of_sensors: dict[Column, str] = {}
+    of_names: dict[Column, str] = {}
+    for name, unit in options.units:
+        if name in KINDS_OF_SENSORS.values():
+            of_sensors |= dict.fromkeys(_columns_of(columns, name, unit), unit)
+        else:
+            column = lookup(columns, name)
+            column.demand_numbers()
+            of_names[column] = unit
+    own = {
+        column: Stated(replace(plain, unit=unit), column in of_names)
+        for column, unit in (of_sensors | of_names).items()
+    }
+    return lambda column: own.get(column, Stated(plain))
+
+
+def _columns_of(columns: tuple[Column, ...], sensor: str, unit: str) -> list[Column]:
+    """The columns of a type of sensor; refused if there are none."""
+    types = {column: _sensor(column) for column in columns}
+    found = [column for column, theirs in types.items() if theirs == sensor]
+    if found:
+        return found
+    shown = (f"{c.position}: {c.header or c.name}" + (f" ({theirs})" if theirs else "") for c, theirs in types.items())
+    first = next((c.position for c, theirs in types.items() if not theirs and headers.clock_rank(c.name) == 2), 1)
+    raise UsageError(
+        f"the unit {unit} is given for {sensor} channels, but no column is one by its name or unit; the file has "
+        f"{some(list(shown), 30)}; omit it, or give the unit by column: "
+        + spelled(f"--unit {first}={unit}", f"unit={{'{first}': '{unit}'}}")
+    )
+
+
+def _sensor(column: Column) -> str:
+    """The type of sensor of a column, by its unit, otherwise by its name; empty if neither says one."""
+    if column.text or headers.is_other(column.name, column.unit) or headers.is_time(column.unit):
+        return ""
+    signal = headers.inertial(column.unit)
+    return signal.name if signal else headers.sensor_by_name(column.name)
+
+
+def contradicts(column: Column, unit: str) -> bool:
+    """Whether the header of a column states a unit of another size or quantity."""
+    theirs = headers.known(column.unit)
+    if theirs is None:
+        return False
+    mine = unit_of(unit)
+    return theirs.dimension != mine.dimension or not math.isclose(theirs.factor, mine.factor, rel_tol=1e-9)
+
+
+def against_headers(used: Iterable[tuple[Column, str]]) -> Iterator[Finding]:
+    """A warning for each pair of a unit that is used and another in headers."""
+    pairs: dict[tuple[str, str], list[str]] = {}
+    for column, unit in used:
+        if contradicts(column, unit):
+            pairs.setdefault((unit, column.unit), []).append(repr(column.header or column.name))
+    for (unit, theirs), names in pairs.items():
+        what = say(
+            "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}",
+            unit=unit, columns=some(names, 12), theirs=theirs,
+        )  # fmt: skip
+        effect = say("if the file is right, the coefficients are wrong")
+        remedy = say("omit {option} if the file is right", option=spelled(f"--unit {unit}", f"unit={unit!r}"))
+        yield Finding(say("given unit"), join(": ", (what, _apart(unit, theirs))), effect, remedy)
+
+
+def _apart(unit: str, theirs: str) -> Phrase:
+    ours, other = unit_of(unit), unit_of(theirs)
+    if ours.dimension != other.dimension:
+        return say("that is another quantity")
+    return say("that is a factor of {factor:.6g}", factor=ours.factor / other.factor)

@@ -1,0 +1,150 @@
+"""Units by sensor and by column, and warnings where the file says otherwise."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import UsageError
+from allanite.readers import read
+
+NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(header, columns=3, above="", name="imu.csv"):
+        rows = "\n".join(f"{i / 100:.2f}," + ",".join(map(str, row[:columns])) for i, row in enumerate(NOISE))
+        path = tmp_path / name
+        path.write_text(f"{above}{header}\n{rows}\n")
+        return path
+
+    return write
+
+
+def units(recording):
+    return {record.name: record.unit for record in recording}
+
+
+def found(recording, name):
+    return [finding for finding in recording.findings if finding.name == name]
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        "gyro=deg/s,accel=g",
+        " gyroscope = deg/s , accelerometer = g ",
+        {"gyro": "deg/s", "accel": "g"},
+        {"wx": "deg/s", "wy": "deg/s", "ax": "g"},
+        {"2": "deg/s", "3": "deg/s", "acc": "g"},
+        {"gyro": "°/с", "ax": "g"},
+    ],
+)
+def test_units_by_sensor_and_by_column(write, unit):
+    assert units(read(write("time [s],wx,wy,ax"), unit=unit)) in (
+        {"wx": "deg/s", "wy": "deg/s", "ax": "g"},
+        {"wx": "°/s", "wy": "°/s", "ax": "g"},
+    )
+
+
+def test_a_column_by_name_wins_over_its_sensor_and_over_its_name(write):
+    path = write("time [s],wx,temp,ax")
+    assert units(read(path, unit={"gyro": "deg/s", "temp": "deg/h"})) == {"wx": "deg/s", "temp": "deg/h"}
+    assert units(read(path, unit="wx=deg/h,gyro=deg/s")) == {"wx": "deg/h"}
+
+
+def test_other_columns_keep_their_header_or_are_left_out(write):
+    recording = read(write("time [s],wx,ax [mg],foo"), unit="gyro=deg/s")
+    assert units(recording) == {"wx": "deg/s", "ax": "mg"}
+    assert any("the unit is unknown" in note and "'foo'" in note for note in recording.notes)
+    assert not recording.findings
+
+
+@pytest.mark.parametrize(
+    ("unit", "words"),
+    [
+        ("gyro=deg/s,accel=g", ["unit g", "accelerometer", "no column", "wx (gyro)", "omit it"]),
+        ("gyro=deg/s,wz=deg/s", ["'wz'", "2: wx"]),
+        ("gyro=g", ["'g'", "not a unit of a gyro"]),
+        ("gyro=furlong", ["unknown unit 'furlong'"]),
+        ("gyro=deg/s,gyros=deg/h", ["gyro", "two units"]),
+        ("gyro=", ["'gyro='", "gyro=deg/s,accel=g"]),
+        ("gyro=deg/s,g", ["each sensor or column", "gyro=deg/s,accel=g"]),
+        ({}, ["no unit is given"]),
+        ({"gyro": 5}, ["the unit of 'gyro'", "5"]),
+        ({"a,b": "g"}, ["'a,b'", "number"]),
+    ],
+)
+def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
+    with pytest.raises(UsageError) as caught:
+        read(write("time [s],wx,wy,T [degC]"), unit=unit)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_one_scale_for_several_units_is_refused(write):
+    path = write("time [s],wx,wy,ax")
+    with pytest.raises(UsageError, match="one scale"):
+        read(path, unit="gyro=arcsec,accel=m/s", kind="count", scale=0.1)
+    with pytest.raises(UsageError, match="give the scale as a number"):
+        read(path, unit="gyro=deg/s", scale="0.1deg/h")
+
+
+def test_recipe_command_line_and_python_agree(write, tmp_path):
+    path = str(write("time [s],wx,wy,ax"))
+    (tmp_path / "text.toml").write_text('unit = "gyro=deg/s,accel=g"\n')
+    (tmp_path / "table.toml").write_text('[unit]\ngyro = "deg/s"\naccel = "g"\n')
+    ways = (["--unit", "gyro=deg/s,accel=g"], *(["--recipe", str(tmp_path / f"{n}.toml")] for n in ("text", "table")))
+    for way in ways:
+        result = CliRunner().invoke(main, ["analyze", path, "--method", "slopes", "--json", "-", *way])
+        assert result.exit_code == 0, result.output
+        said = json.loads(result.stdout)
+        assert [channel["unit"] for channel in said["channels"]] == ["deg/s", "deg/s", "g"]
+        assert said["recipe"]["unit"] == "gyro=deg/s,accel=g"
+    recipe = al.Recipe(unit={"gyro": "deg/s", "accel": "g"})
+    assert recipe == al.Recipe.load(tmp_path / "table.toml") == al.Recipe.load(tmp_path / "text.toml")
+    assert al.Recipe.from_dict(recipe.to_dict()) == recipe
+
+
+def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
+    recording = read(write("time [s],wx [rad/s],wy [deg/s],ax [g]"), unit="deg/s")
+    assert units(recording) == {"wx": "deg/s", "wy": "deg/s", "ax": "g"}
+    (warning,) = found(recording, "given unit")
+    assert not warning.fatal
+    for word in ("deg/s", "rad/s", "'wx [rad/s]'", "0.0174533", "omit unit='deg/s'"):
+        assert word in str(warning)
+    other = found(read(write("time [s],wx [rad/s],wy,ax [g]"), unit={"wx": "g"}), "given unit")
+    assert "another quantity" in str(other[0])
+    same = read(write("time [s],wx [deg/s],wy,ax [g]"), unit="dps")
+    assert not same.findings
+
+
+def test_a_rate_against_the_stamps_is_a_warning_that_names_both(write):
+    path = write("time [s],wx [deg/s],wy [deg/s],ax [g]")
+    recording = read(path, rate=250)
+    assert recording["wx"].rate == 250
+    (warning,) = found(recording, "given rate")
+    for word in ("250.0 Hz", "100.0 Hz", "'time [s]'", "a factor of 2.5 apart"):
+        assert word in str(warning)
+    (close,) = found(read(path, rate=101), "given rate")
+    assert "1 % apart" in str(close)
+    assert not read(path, rate=100.001).findings
+    result = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes"])
+    assert result.exit_code == 0, result.output
+    said = " ".join(result.output.split())
+    assert "rate 250.0 Hz is used, but column 'time [s]' gives 100.0 Hz" in said
+
+
+def test_both_warnings_are_shown_by_the_report(write, tmp_path):
+    page = tmp_path / "page.html"
+    path = write("time [s],wx [rad/s],wy [rad/s],ax [g]")
+    command = ["analyze", str(path), "--rate", "200", "--unit", "gyro=deg/s", "--report", str(page), "--lang", "ru"]
+    result = CliRunner().invoke(main, [*command, "--method", "slopes"])
+    assert result.exit_code == 0, result.output
+    text = page.read_text()
+    assert "по запросу используется единица deg/s" in text
+    assert "отношение 2" in text
