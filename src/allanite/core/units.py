@@ -222,10 +222,16 @@ class Signal:
         return signal_named, (self.name,)
 
 
-def _plain(name: str, unit: str, quantity: str, *, sheet: str = "", kind: str = "rate") -> Signal:
-    """A signal whose noise has no data-sheet units of its own."""
+def _plain(
+    name: str, unit: str, quantity: str, *, sheet: str = "", units: tuple[str, ...] = (), kind: str = "rate"
+) -> Signal:
+    """A signal whose noise has no data-sheet units of its own, but those of `sheet` times time.
+
+    `units` are the units of the signal times time to the powers 1 to -1, where they are not to be spelled out.
+    """
     sheet = sheet or unit
-    si, shown = ({1: f"{u}*s", 0.5: f"{u}*sqrt(s)", 0: u, -0.5: f"{u}/sqrt(s)", -1: f"{u}/s"} for u in (unit, sheet))
+    named = ((f"{u}*s", f"{u}*sqrt(s)", u, f"{u}/sqrt(s)", f"{u}/s") for u in (unit, sheet))
+    si, shown = (dict(zip((1, 0.5, 0, -0.5, -1), units or own, strict=True)) for own in named)
     integral = say("integrated {quantity}", quantity=quantity)
     return Signal(name, unit, quantity, integral, si, shown, density=(f"{sheet}/sqrt(Hz)",), kind=kind)
 
@@ -257,9 +263,9 @@ SIGNALS = (
     _plain("flux density", "T", say("flux density")),
     _plain("pressure", "Pa", say("pressure")),
     _plain("angle", "rad", say("angle"), sheet="arcsec", kind="value"),
-    _plain("velocity", "m/s", say("velocity"), kind="value"),
-    _plain("time", "s", say("time"), kind="value"),
-    _plain("frequency", "Hz", say("frequency"), kind="value"),
+    _plain("velocity", "m/s", say("velocity"), units=("m", "m/sqrt(s)", "m/s", "m/s^1.5", "m/s^2"), kind="value"),
+    _plain("time", "s", say("time"), units=("s^2", "s^1.5", "s", "sqrt(s)", "1"), kind="value"),
+    _plain("frequency", "Hz", say("frequency"), units=("1", "1/sqrt(s)", "Hz", "Hz/sqrt(s)", "Hz/s"), kind="value"),
 )  # fmt: skip
 
 
