@@ -199,10 +199,10 @@ def _unit(symbol: str, unit: str) -> tuple[float, Signal]:
     """Size in SI of the unit of a limit, and the kind of sensor that it belongs to."""
     if symbol != MINIMUM:
         factor, power = coefficient_factor(symbol, unit), TERMS[symbol].power
-        signal = signal_with(unit_of(unit).dimension, power)
+        signal = signal_with(unit_of(unit).dimension, power, values=True)
         assert signal is not None  # noqa: S101 - coefficient_factor has found it
         return factor, signal
-    signal = signal_with(unit_of(unit).dimension)
+    signal = signal_with(unit_of(unit).dimension, values=True)
     if signal is None:
         usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
         raise UsageError(f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}")

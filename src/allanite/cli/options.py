@@ -53,7 +53,7 @@ OPTIONS: dict[str, Decorator] = {
     "rate": click.option("--rate", "--fs", "rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
     "unit": click.option("--unit", type=Units(), metavar="UNIT",
         help="Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g."),
-    "kind": click.option("--kind", help="What a sample is: rate, increment, angle or count."),
+    "kind": click.option("--kind", help="What a sample is: rate, increment, angle, count or value."),
     "scale": click.option("--scale", type=Scale(), metavar="STEP",
         help="Scale factor per count: 0.01 (in --unit) or 0.01deg/s."),
     "channels": click.option("--channels", type=NAMES, metavar="A,B,...",
@@ -63,6 +63,8 @@ OPTIONS: dict[str, Decorator] = {
         help="The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins."),
     "columns": click.option("--columns", type=int, metavar="N", help="Numbers per row of raw binary."),
     "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
+    "sincos": click.option("--sincos", type=NAMES, metavar="S,C,...",
+        help="Columns of sine and cosine, in pairs: their angle is analyzed."),
     "from": click.option("--from", "start", type=float, metavar="S",
         help="Start of the window, s after the first sample."),
     "until": click.option("--until", type=float, metavar="S", help="End of the window, s after the first sample."),
@@ -177,7 +179,7 @@ OPTIONS: dict[str, Decorator] = {
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip
 
-READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Options that describe the contents of a file."""
 
 SELECTING = ("from", "until", "quiet-window", "outliers")

@@ -11,6 +11,7 @@ from allanite.core.fit import Fit, chance
 from allanite.core.language import join, say
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
+from allanite.core.titles import title_of
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -132,8 +133,9 @@ class Change(Value):
         """Symbol, name, coefficients before and after, unit, change in percent, its limits, p, adjusted p, outcome."""
         unit = self.before.sheet_unit
         values = [None if e.value is None else e.to(unit) for e in (self.before, self.after)]
-        return [self.label, TERMS[self.symbol].title, *values, unit, self.percent, *self.interval(level), self.p,
-                self.adjusted, self.outcome]  # fmt: skip
+        title = title_of(self.symbol, self.signal)
+        return [self.label, title, *values, unit, self.percent, *self.interval(level), self.p, self.adjusted,
+                self.outcome]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""

@@ -148,4 +148,4 @@ def _without_lines(record: Record, fit: Fit) -> Record:
         wave = line.term.sampled(record.rate).waveform
         assert wave is not None  # noqa: S101 - a sinusoid has one
         rates = rates - line.amplitude * wave(record.size)
-    return Record(rates, record.rate, record.signal.unit, name=record.name) if fit.lines else record
+    return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name) if fit.lines else record

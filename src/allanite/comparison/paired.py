@@ -102,4 +102,4 @@ def paired_law(records: tuple[Record, Record], curves: tuple[Curve, Curve]) -> P
 
 
 def _record(like: Record, rates: FloatArray) -> Record:
-    return replace(like, values=rates, unit=like.signal.unit, kind="rate", scale=None)
+    return replace(like, values=rates, unit=like.signal.unit, kind=like.signal.kind, scale=None)

@@ -15,6 +15,7 @@ from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Record
+from allanite.core.titles import title_of
 from allanite.core.units import Signal
 from allanite.terms import TERMS
 
@@ -70,8 +71,9 @@ class PooledTerm(Value):
         """Symbol, name, common coefficient and its limits, unit, scatter in percent, chi-square, dof, p, adjusted p."""
         factor = coefficient_factor(self.symbol, self.sheet_unit, self.signal)
         values = [v / factor for v in (self.value, *self.interval(level))]
-        return [self.symbol, TERMS[self.symbol].title, *values, self.sheet_unit, 100 * self.between, 100 * self.within,
-                self.statistic, self.dof, self.p, self.adjusted]  # fmt: skip
+        title = title_of(self.symbol, self.signal)
+        return [self.symbol, title, *values, self.sheet_unit, 100 * self.between, 100 * self.within, self.statistic,
+                self.dof, self.p, self.adjusted]  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""

@@ -33,7 +33,7 @@ def aligned(along: Recording, record: Record) -> Recording:
 
 
 def _aligned(other: Record, record: Record) -> Record:
-    if other.kind != "rate":
+    if other.integrated:
         plain = say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
         raise DataError(plain)
     when = np.arange(record.size) / record.rate

@@ -168,7 +168,7 @@ def _measured(name: str, record: Record, along: Recording) -> _Channel:
     if name not in along.channels:
         raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
     channel = along[name]
-    unit = channel.unit if channel.kind == "rate" else channel.signal.unit
+    unit = channel.signal.unit if channel.integrated else channel.unit
     x = readings(name, unit, record, along)
     there = x[np.isfinite(x)]
     if not there.size:

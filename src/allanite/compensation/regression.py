@@ -127,7 +127,7 @@ class Regression(Correction):
     def error(self, record: Record, along: Recording | None = None) -> FloatArray:
         """Error of each sample, SI, shape of its values; see `Correction`."""
         rate = self.rate_error(record, along)
-        if record.kind == "rate":
+        if not record.integrated:
             return rate
         if record.kind != "angle":
             return rate / record.rate

@@ -172,11 +172,11 @@ def readings(channel: str, unit: str, record: Record, along: Recording | None) -
         raise UsageError(f"the regressor {channel!r} is missing: {there}")
     found = along[channel]
     demand_clock(record, found)
-    own = found.unit if found.kind == "rate" else found.signal.unit
+    own = found.signal.unit if found.integrated else found.unit
     if unit != own and "degC" in (unit, own):
         raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
-    x = np.asarray(found.values if found.kind == "rate" else found.rate_values, dtype=np.float64)
-    if found.kind == "rate" and found.scale is not None:
+    x = np.asarray(found.rate_values if found.integrated else found.values, dtype=np.float64)
+    if not found.integrated and found.scale is not None:
         x = x * found.scale
     factor = 1.0 if unit == own else convert(1.0, own, unit)
     x = x if factor == 1.0 else x * factor

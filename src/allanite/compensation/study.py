@@ -231,7 +231,7 @@ def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Recor
     edges = stretches(fine & np.isfinite(rates))
     a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
     kept = rates[a:b] if b - a > 2 else np.zeros(2)
-    return Record(kept, record.rate, record.signal.unit, name=record.name)
+    return Record(kept, record.rate, record.signal.unit, record.signal.kind, name=record.name)
 
 
 def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:

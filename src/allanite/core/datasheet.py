@@ -113,10 +113,13 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
     point, unit = readings.minimum, readings.shown_unit(0)
     factor = convert(1.0, readings.unit, unit)
     low, high = point.interval(level)
-    remark = say("minimum of the Allan deviation") if readings.inside else say("upper limit: still falling")
+    lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
+    remark = lowest if readings.inside else say("upper limit: still falling")
+    name = say("in-run bias stability") if inertial else lowest
     yield Entry(
-        say("in-run bias stability"), point.deviation * factor, low * factor, high * factor, unit, point.tau, remark
-    )
+        name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
+        remark if inertial or not readings.inside else "",
+    )  # fmt: skip
 
 
 def _stability(readings: Readings | None) -> Iterator[Entry]:

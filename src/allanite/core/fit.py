@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from allanite.terms import TERMS
-
 from .arrays import FloatArray
 from .averaged import Averaged, averaged
 from .curve import Curve
@@ -16,6 +14,7 @@ from .language import Phrase, join, say
 from .model import Model, Term, coefficient_factor
 from .plain import Value
 from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
+from .titles import title_of
 from .units import Signal
 
 EXPLAINED = 0.01
@@ -214,7 +213,9 @@ class Fit(Value):
         rows = []
         for e in self.estimates:
             si = e.value if e.value is not None else e.upper
-            rows.append([e.symbol, TERMS[e.symbol].title, *e.to_dict(level)["shown"].values(), si, e.unit, e.status])
+            rows.append(
+                [e.symbol, title_of(e.symbol, e.signal), *e.to_dict(level)["shown"].values(), si, e.unit, e.status]
+            )
         return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
 from .language import join, say
 from .plain import Value, demand_type
+from .titles import title_of
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
 
@@ -100,11 +101,12 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
         If `unit` is not a unit of this coefficient; the message names the usual ones.
     """
     found = unit_of(unit)
-    fits = signal_with(found.dimension, TERMS[symbol].power)
+    fits = signal_with(found.dimension, TERMS[symbol].power, values=True)
     if fits is None or (signal is not None and fits is not signal):
         meant = [s for s in SIGNALS if (s.inertial if signal is None else s is signal)]
         usual = ", ".join(s.sheet[TERMS[symbol].power] for s in meant)
-        raise UnitError(f"{unit!r} is not a unit of {symbol} ({TERMS[symbol].title}); usual units: {usual}")
+        title = TERMS[symbol].title if signal is None else title_of(symbol, signal)
+        raise UnitError(f"{unit!r} is not a unit of {symbol} ({title}); usual units: {usual}")
     return found.factor
 
 
@@ -113,7 +115,7 @@ def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) ->
     if symbol not in TERMS:
         raise UsageError(f"unknown noise term {symbol!r}; known terms: {', '.join(TERMS)}")
     factor = coefficient_factor(symbol, unit)
-    signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power)
+    signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power, values=True)
     assert signal is not None  # noqa: S101 - coefficient_factor has found it
     if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
         raise UsageError(f"the coefficient of {symbol} must be finite and not negative, not {given(value)}")

@@ -53,7 +53,7 @@ def _term(words: list[str], text: str) -> Term:
             "e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
         )
     symbol, parameters = words[0], TERMS[words[0]].parameters
-    quantities = split_quantities(words[1:])
+    quantities = _coefficient_first(words[1:])
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')} in {p.unit}" for p in parameters)
         raise UsageError(
@@ -63,6 +63,13 @@ def _term(words: list[str], text: str) -> Term:
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit, p.unit) for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
+
+
+def _coefficient_first(words: list[str]) -> list[tuple[float, str]]:
+    """The quantities of a term; the unit of its coefficient may begin with 1, as 1/s."""
+    if len(words) > 1 and _NUMBER.fullmatch(words[0]) and re.fullmatch(r"1(/.*)?", words[1]):
+        return [(float(words[0]), words[1]), *split_quantities(words[2:])]
+    return split_quantities(words)
 
 
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:

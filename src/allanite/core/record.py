@@ -14,6 +14,7 @@ from .header import Header
 from .language import join, say
 from .plain import Value
 from .units import Signal, signal_with, unit_of
+from .wording import spelled
 
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {
@@ -23,11 +24,22 @@ KINDS: dict[str, tuple[int, int, str]] = {
         0,
         say("the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)"),
     ),
-    "angle": (1, 1, say("the integrated angle at each instant, one point more than there are intervals")),
+    "angle": (
+        1,
+        1,
+        say("the integrated angle at each instant, whose rate is analyzed; one point more than there are intervals"),
+    ),
     "count": (1, 0, say("integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)")),
+    "value": (0, 0, say("the quantity itself, whose own noise is wanted (an angle error, a voltage, a temperature)")),
 }
 
-KIND_WORDS = {"rate": say("rate"), "increment": say("increment"), "angle": say("angle"), "count": say("count")}
+KIND_WORDS = {
+    "rate": say("rate"),
+    "increment": say("increment"),
+    "angle": say("angle"),
+    "count": say("count"),
+    "value": say("value"),
+}
 """What each kind of record is called."""
 
 
@@ -38,6 +50,39 @@ SHORTEST = 200
 def explain_kinds() -> str:
     """One sentence for each kind of record, for error messages."""
     return join("; ", (say("{kind!r} is {meaning}", kind=kind, meaning=row[2]) for kind, row in KINDS.items()))
+
+
+def signal_of_kind(unit: str, kind: str) -> Signal | None:
+    """The signal whose samples of this kind have this unit; None if there is none.
+
+    Examples
+    --------
+    >>> signal_of_kind("arcsec", "increment").name, signal_of_kind("arcsec", "value").name
+    ('gyro', 'angle')
+    >>> signal_of_kind("arcsec", "rate") is None
+    True
+    """
+    return signal_with(unit_of(unit).dimension, KINDS[kind][0], values=kind == "value")
+
+
+def kinds_of(unit: str) -> tuple[str, ...]:
+    """The kinds that samples in this unit may have."""
+    return tuple(kind for kind in KINDS if signal_of_kind(unit, kind))
+
+
+def offered(unit: str, *, integers: bool = True) -> str:
+    """The meanings that samples in this unit may have, each with the choice that states it; none is advised.
+
+    Counts are offered for `integers` only.
+    """
+    kinds = [kind for kind in kinds_of(unit) if integers or kind != "count"]
+    scale = {"count": spelled(" --scale 1", ", scale=1")}
+    named = ((spelled(f"--kind {kind}", f"kind={kind!r}") + scale.get(kind, ""), KINDS[kind][2]) for kind in kinds)
+    choices = [say("{option}: {meaning}", option=option, meaning=meaning) for option, meaning in named]
+    if kinds and "rate" not in kinds and signal_of_kind(f"({unit})/s", "rate"):
+        option = spelled(f"--unit {unit}/s", f"unit={f'{unit}/s'!r}")
+        choices.append(say("{option}: the mean rate, if the unit was written without its time", option=option))
+    return join("; ", choices)
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
@@ -59,8 +104,9 @@ class Record(Value):
         stamp.
     unit : str
         Unit of `values` (of `scale` for counts).
-    kind : {"rate", "increment", "angle", "count"}
-        What a sample represents; "angle" has n + 1 points for n intervals.
+    kind : {"rate", "increment", "angle", "count", "value"}
+        What a sample represents; "angle" has n + 1 points for n intervals. Of a "value" the noise of the quantity
+        itself is wanted: of an angle error in arcsec, a voltage, a temperature.
     scale : float, optional
         Size of one step of `values` in `unit`; needed for counts.
     name, start, history
@@ -106,10 +152,11 @@ class Record(Value):
             raise UsageError(
                 f"counts need the size of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
             )
-        unit = unit_of(self.unit)
-        signal = signal_with(unit.dimension, KINDS[self.kind][0])
+        unit, signal = unit_of(self.unit), signal_of_kind(self.unit, self.kind)
         if signal is None:
-            raise UsageError(f"unit {self.unit!r} does not fit kind {self.kind!r} of {self.name!r}; {explain_kinds()}")
+            known = offered(self.unit)
+            remedy = f"choose what a sample is: {known}" if known else explain_kinds()
+            raise UsageError(f"unit {self.unit!r} does not fit kind {self.kind!r} of {self.name!r}; {remedy}")
         values = _plain(self.values, self.unit)
         _demand_numbers(values, self.kind, self.name)
         integers = self.kind == "count" or values.dtype.kind in "iu"
@@ -145,6 +192,11 @@ class Record(Value):
         return finite[len(finite) // 2].item() if len(finite) else 0
 
     @property
+    def integrated(self) -> bool:
+        """Whether a sample is the signal integrated over time, not the signal itself."""
+        return KINDS[self.kind][0] != 0
+
+    @property
     def steps(self) -> NDArray[Any]:
         """The unscaled output in each interval, shape (size,): the values, or the differences of an angle."""
         return np.diff(self.values) if self.kind == "angle" else self.values
@@ -152,7 +204,7 @@ class Record(Value):
     @property
     def rate_factor(self) -> float:
         """Factor that converts `steps` to rates in SI."""
-        return self.factor * (1.0 if self.kind == "rate" else self.rate)
+        return self.factor * (self.rate if self.integrated else 1.0)
 
     @property
     def rate_values(self) -> FloatArray:

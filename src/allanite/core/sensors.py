@@ -11,4 +11,9 @@ SENSORS = {
     "temperature": say("temperature"),
     "displacement": say("displacement"),
     "flux density": say("flux density"),
+    "pressure": say("pressure"),
+    "angle": say("angle"),
+    "velocity": say("velocity"),
+    "time": say("time"),
+    "frequency": say("frequency"),
 }

@@ -17,8 +17,8 @@ from .spellings import SIGNS, SPELLINGS, latin
 Dimension = tuple[float, ...]
 """Powers of the quantities in `BASES`: halves and quarters, which a float represents exactly."""
 
-BASES = ("angle", "length", "time", "current", "voltage", "temperature", "flux density")
-"""Base quantities of the units. Voltage and flux density are base quantities, because no unit here needs a mass."""
+BASES = ("angle", "length", "time", "current", "voltage", "temperature", "flux density", "pressure")
+"""Base quantities of the units. Voltage, flux density and pressure are among them: no unit here needs a mass."""
 
 
 def _powers(**powers: float) -> Dimension:
@@ -28,7 +28,7 @@ def _powers(**powers: float) -> Dimension:
 _ANGLE, _LENGTH, _TIME = _powers(angle=1), _powers(length=1), _powers(time=1)
 _DEGREE, _GRAVITY = math.pi / 180, 9.80665
 
-_PREFIXES = {"c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+_PREFIXES = {"k": 1e3, "h": 1e2, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
 _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
     ("rad", 1.0, _ANGLE, "mu"),
@@ -45,10 +45,12 @@ _BASIC: tuple[tuple[str, float, Dimension, str], ...] = (
     ("Hz", 1.0, _powers(time=-1), ""),
     ("A", 1.0, _powers(current=1), "mu"),
     ("V", 1.0, _powers(voltage=1), "mu"),
-    ("K", 1.0, _powers(temperature=1), ""),
+    ("K", 1.0, _powers(temperature=1), "m"),
     ("degC", 1.0, _powers(temperature=1), ""),  # of differences: the offset is not part of the unit
     ("T", 1.0, _powers(flux_density=1), "mun"),
     ("gauss", 1e-4, _powers(flux_density=1), ""),
+    ("Pa", 1.0, _powers(pressure=1), "kh"),
+    ("bar", 1e5, _powers(pressure=1), "m"),
 )
 """Name, size in SI, dimension, and the prefixes that it takes."""
 
@@ -186,7 +188,9 @@ class Signal:
     `si` and `sheet` are the SI and data-sheet units of signal x time^p by the power p.
 
     `inertial`: the output of a gyro or accelerometer; the other types are recorded along with them, or converted to a
-    rate. `density` are the units in which data sheets give the amplitude spectral density of white noise.
+    rate. `density` are the units in which data sheets give the amplitude spectral density of white noise. `kind` is
+    the kind of records of its samples: "value" if only that kind says that the signal is meant, because its unit is
+    also that of something else, as an angle's is that of an integrated rate.
     """
 
     name: str
@@ -197,6 +201,7 @@ class Signal:
     sheet: dict[float, str]
     inertial: bool = False
     density: tuple[str, ...] = ()
+    kind: str = "rate"
 
     @property
     def dimension(self) -> Dimension:
@@ -208,18 +213,18 @@ class Signal:
         return signal_named, (self.name,)
 
 
-def _plain(name: str, unit: str, quantity: str) -> Signal:
-    """A signal whose noise has no data-sheet units of its own."""
-    units = {1: f"{unit}*s", 0.5: f"{unit}*sqrt(s)", 0: unit, -0.5: f"{unit}/sqrt(s)", -1: f"{unit}/s"}
-    return Signal(
-        name,
-        unit,
-        quantity,
-        say("integrated {quantity}", quantity=quantity),
-        units,
-        units,
-        density=(f"{unit}/sqrt(Hz)",),
-    )
+def _plain(
+    name: str, unit: str, quantity: str, *, sheet: str = "", units: tuple[str, ...] = (), kind: str = "rate"
+) -> Signal:
+    """A signal whose noise has no data-sheet units of its own, but those of `sheet` times time.
+
+    `units` are the units of the signal times time to the powers 1 to -1, where they are not to be spelled out.
+    """
+    sheet = sheet or unit
+    named = ((f"{u}*s", f"{u}*sqrt(s)", u, f"{u}/sqrt(s)", f"{u}/s") for u in (unit, sheet))
+    si, shown = (dict(zip((1, 0.5, 0, -0.5, -1), units or own, strict=True)) for own in named)
+    integral = say("integrated {quantity}", quantity=quantity)
+    return Signal(name, unit, quantity, integral, si, shown, density=(f"{sheet}/sqrt(Hz)",), kind=kind)
 
 
 SIGNALS = (
@@ -247,6 +252,11 @@ SIGNALS = (
     _plain("temperature", "K", say("temperature")),
     _plain("displacement", "m", say("displacement")),
     _plain("flux density", "T", say("flux density")),
+    _plain("pressure", "Pa", say("pressure")),
+    _plain("angle", "rad", say("angle"), sheet="arcsec", kind="value"),
+    _plain("velocity", "m/s", say("velocity"), units=("m", "m/sqrt(s)", "m/s", "m/s^1.5", "m/s^2"), kind="value"),
+    _plain("time", "s", say("time"), units=("s^2", "s^1.5", "s", "sqrt(s)", "1"), kind="value"),
+    _plain("frequency", "Hz", say("frequency"), units=("1", "1/sqrt(s)", "Hz", "Hz/sqrt(s)", "Hz/s"), kind="value"),
 )  # fmt: skip
 
 
@@ -255,10 +265,14 @@ def signal_named(name: str) -> Signal:
     return next(signal for signal in SIGNALS if signal.name == name)
 
 
-def signal_with(dimension: Dimension, time_power: float = 0) -> Signal | None:
-    """The signal that, multiplied by time to the power `time_power`, has `dimension`; None if there is none."""
+def signal_with(dimension: Dimension, time_power: float = 0, *, values: bool = False) -> Signal | None:
+    """The signal that, multiplied by time to the power `time_power`, has `dimension`; None if there is none.
+
+    With `values` it may be one that only the kind "value" means.
+    """
     wanted = _add(dimension, _powers(time=-time_power))
-    return next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+    found = next((signal for signal in SIGNALS if signal.dimension == wanted), None)
+    return found if found is None or values or found.kind != "value" else None
 
 
 def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
@@ -273,7 +287,7 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
     ('deg/sqrt(h)', 'deg/s/sqrt(Hz)', 'rad/sqrt(s)')
     """
     for unit in wanted:
-        if signal_with(unit_of(unit).dimension, power) is signal:
+        if signal_with(unit_of(unit).dimension, power, values=True) is signal:
             return unit
     for unit in wanted:
         if unit_of(unit).dimension == signal.dimension and unit != signal.sheet[0]:

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, write
 from allanite.core.language import say
 from allanite.core.plain import Value
+from allanite.core.sensors import SENSORS
 from allanite.study.analysis import Study
 
 from .axes import Axis, Source, axes_of
@@ -168,7 +169,7 @@ def prepared(target: str, how: How, suffix: str) -> tuple[Target, str]:
 
 def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
-    inertial = [axis for axis in axes_of(source) if axis.fit.signal.inertial]
+    inertial = _inertial(list(axes_of(source)))
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
     axes = tuple(replace(axis, rate=axis.rate or known) for axis in inertial)
     kept = usable(axes, how, () if how.partial else target.sensors)
@@ -190,6 +191,18 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
         tuple(_alerts(kept, doubts, studies)), tuple(rejected),
         studies[0].choices() if studies else {}, studies[0].provenance if studies else {},
     )  # fmt: skip
+
+
+def _inertial(axes: list[Axis]) -> list[Axis]:
+    """The axes of gyros and accelerometers; DataError if there are others only."""
+    found = [axis for axis in axes if axis.fit.signal.inertial]
+    if axes and not found:
+        names = ", ".join(f"{axis.label!r} ({SENSORS[axis.sensor]})" for axis in axes)
+        raise DataError(
+            f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
+            "coefficients of any quantity with 'allanite analyze FILE --coefficients PATH'"
+        )
+    return found
 
 
 def _picked(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:

@@ -7,6 +7,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import join, say
 from allanite.core.readings import FLICKER, Readings
+from allanite.core.titles import title_of
 from allanite.core.units import convert
 from allanite.core.wording import duration
 from allanite.terms import TERMS, WHITE
@@ -53,7 +54,7 @@ def _title(estimate: Estimate) -> str:
     if estimate.signal.name == "gyro" or estimate.symbol not in "NKR":
         return TERMS[estimate.symbol].title
     if estimate.symbol == "N":
-        return TERMS["N"].titles[estimate.signal.name]
+        return title_of("N", estimate.signal)
     return say("random walk") if estimate.symbol == "K" else say("ramp")
 
 

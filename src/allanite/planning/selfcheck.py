@@ -14,9 +14,9 @@ from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.core.scope import Band
+from allanite.core.titles import title_of
 from allanite.identification.front import identify
 from allanite.simulation.record import simulate
-from allanite.terms import TERMS
 
 from .bound import bound
 from .termcheck import MEASURED, Measured, TermCheck, compared, share, sought, term_checks
@@ -191,7 +191,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
 def _notes(truth: Model, fits: list[Fit]) -> Iterator[str]:
     looked, known = sought(fits), compared(truth)
     for symbol in dict.fromkeys(t.symbol for t in truth):
-        term = TERMS[symbol].title
+        term = title_of(symbol, truth.signal)
         if symbol not in looked:
             yield say(
                 "{term} ({symbol}) is in the model, but was not identified in any record", term=term, symbol=symbol

@@ -111,7 +111,7 @@ def marked(record: Record, found: Outliers) -> Record:
         return record.with_values(values, what, start=record.start)
     values = np.array(record.steps, dtype=np.float64)
     values[found.at] = np.nan
-    kind = "rate" if record.kind == "rate" else "increment"
+    kind = "increment" if record.integrated else record.kind
     return replace(record, values=values, kind=kind, history=(*record.history, what))
 
 

@@ -98,7 +98,9 @@ def quantized(view: View) -> Finding | None:
     return Finding(
         "quantized",
         what,
-        say("rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q"),
+        say("rounding of a rate adds white noise of step/sqrt(12) to N, rounding of an angle is Q")
+        if view.record.signal.inertial
+        else say("rounding adds white noise of step/sqrt(12) to N"),
         say("use a finer output of the sensor if N matters"),
     )
 

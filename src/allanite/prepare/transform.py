@@ -63,7 +63,7 @@ def block_means(record: Record, m: int) -> Record:
     else:
         count = record.size // m
         blocks = record.values[: count * m].reshape(count, m)
-        kept = blocks.mean(axis=1) if record.kind == "rate" else blocks.sum(axis=1)
+        kept = blocks.sum(axis=1) if record.integrated else blocks.mean(axis=1)
     left = record.size - (len(kept) - KINDS[record.kind][1]) * m
     what = say("blocks of {size} samples", size=m)
     if left:
@@ -77,7 +77,7 @@ def decimate(record: Record, factor: int) -> Record:
     Unlike block means, it prevents aliasing of vibration into the band; the transients of the filter
     are cut off. The shortest averaging times of the result show the filter, not the sensor.
     """
-    if record.kind != "rate":
+    if record.integrated:
         raise UsageError(f"decimation needs a rate; for {record.kind}s use block_means, which preserves the angle")
     if not isinstance(factor, (int, np.integer)) or factor < 2 or record.size < 64 * factor:
         raise UsageError(f"the factor must be between 2 and {record.size // 64}, not {given(factor)}")

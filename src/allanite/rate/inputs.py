@@ -27,13 +27,13 @@ def pulse_of(record: Record, options: EstimatorSettings) -> float:
         if not (math.isfinite(options.quantum) and options.quantum > 0):
             raise UsageError(f"a quantum must be a positive number of {record.unit}, not {options.quantum!r}")
         readings = options.quantum / (1.0 if record.scale is None else record.scale)
-        return readings * record.rate if record.kind == "rate" else readings
+        return readings if record.integrated else readings * record.rate
     return 1.0 if record.kind == "count" else math.nan
 
 
 def reading_size(record: Record) -> float:
     """Rate of one sample, SI."""
-    return record.factor if record.kind == "rate" else record.factor * record.rate
+    return record.factor * record.rate if record.integrated else record.factor
 
 
 def demand_whole(record: Record) -> None:

@@ -33,6 +33,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     dtype: str | None = None,
     columns: int | None = None,
     offset: int | None = None,
+    sincos: Sequence[str] | None = None,
 ) -> Recording:
     r"""Read a recording; its ``notes`` list the assumptions.
 
@@ -48,7 +49,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         Unit of the samples, for example ``"deg/s"``; overrides headers, except for columns that belong to the
         other type of sensor according to their header or name and are not selected by `channels`. By sensor or by
         column: ``{"gyro": "deg/s", "accel": "g"}``, ``{"wx": "deg/s", "4": "g"}`` or ``"gyro=deg/s,accel=g"``.
-    kind : {"rate", "increment", "angle", "count"}, optional
+    kind : {"rate", "increment", "angle", "count", "value"}, optional
         What a sample represents, if the unit does not determine it.
     scale : float or str, optional
         Scale factor per count, in `unit`; ``"0.01deg/s"`` gives both.
@@ -64,6 +65,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         ``"u4,6i2"`` for rows of mixed types; or ``"kfgins"``. Raw binary is never guessed.
     columns, offset : int, optional
         Numbers per row of raw binary, and bytes before the first row.
+    sincos : sequence of str, optional
+        Columns of the sine and cosine of an angle, as a resolver gives them, in pairs: their unwrapped angle in rad is
+        the channel, of kind "value", or "angle" if `kind` says so.
 
     Returns
     -------
@@ -98,7 +102,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     names = (channel_names(channels), channel_names(along))
     unit = None if unit is None else stated_unit(unit)
-    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
+    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset, channel_names(sincos))
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
     with landed(path) as (file, member, name):

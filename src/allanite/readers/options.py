@@ -52,6 +52,7 @@ class Options:
     dtype: str | None = None
     columns: int | None = None
     offset: int | None = None
+    sincos: tuple[str, ...] | None = None
     units: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
@@ -79,6 +80,28 @@ class Options:
                 f"columns and offset describe raw binary; give the type of its numbers with "
                 f"{spelled('--dtype i2', 'dtype=...')}"
             )
+
+        if self.sincos is not None:
+            self._demand_sincos(self.sincos)
+
+    def _demand_sincos(self, names: tuple[str, ...]) -> None:
+        """Take the columns of sines and cosines as the channels, which nothing else may describe."""
+        option = spelled("--sincos", "sincos")
+        if len(names) % 2:
+            raise UsageError(
+                f"{option} takes pairs of columns, the sine first, for example "
+                f"{spelled('--sincos sin,cos', 'sincos=[' + repr('sin') + ', ' + repr('cos') + ']')}, not "
+                f"{', '.join(names)}"
+            )
+        for word, value in (("channels", self.channels), ("unit", self.unit), ("scale", self.scale)):
+            if value is not None:
+                raise UsageError(f"{option} gives an angle in rad, so that {spelled('--' + word, word)} has no meaning")
+        if self.kind not in (None, "value", "angle"):
+            raise UsageError(
+                f"{option} gives an angle: its kind is 'value' if the angle itself is analyzed, or 'angle' if its rate "
+                f"is, not {self.kind!r}"
+            )
+        object.__setattr__(self, "channels", names)
 
     @property
     def worth(self) -> float | None:

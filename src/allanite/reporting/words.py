@@ -28,6 +28,11 @@ SENSORS = {
     "temperature": say("thermometer"),
     "displacement": say("displacement sensor"),
     "flux density": say("magnetometer"),
+    "pressure": say("pressure sensor"),
+    "angle": say("measured angle"),
+    "velocity": say("measured velocity"),
+    "time": say("measured time"),
+    "frequency": say("measured frequency"),
 }
 A_SENSOR = {
     "gyro": say("a gyroscope"),
@@ -38,6 +43,11 @@ A_SENSOR = {
     "temperature": say("a thermometer"),
     "displacement": say("a displacement sensor"),
     "flux density": say("a magnetometer"),
+    "pressure": say("a pressure sensor"),
+    "angle": say("a measured angle"),
+    "velocity": say("a measured velocity"),
+    "time": say("a measured time"),
+    "frequency": say("a measured frequency"),
 }
 """The sensor of a signal, alone and with an article."""
 

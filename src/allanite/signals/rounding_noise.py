@@ -259,5 +259,5 @@ def _findings(row: StageNoise, rate: Record) -> list[Finding]:
 
 def _undithered(rate: Record, step: float) -> bool:
     """Whether there is too little fast noise to make rounding errors of a rate on a grid of `step` random."""
-    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit))
+    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit, rate.signal.kind))
     return view.fast < NO_DITHER * step or rounding(view.steps, view.fast).nearby <= 2

@@ -93,7 +93,7 @@ def simulate(
     y -= y.mean()
     if rounded is not None:
         y = _rounded(y, rounded.value * math.sqrt(12) * rate, rng)
-    record = Record(y, rate, unit or model.signal.unit, name=name, history=(_story(model, rounded),))
+    record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(_story(model, rounded),))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
     y /= record.factor

@@ -126,7 +126,9 @@ def _part(record: Record, start: int, samples: int) -> Record:
 
 def _complete(record: Record, samples: int) -> Record:
     """Any window without missing samples: its curve has the grid, the counts and the law of all windows."""
-    return Record(np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, name=record.name)
+    return Record(
+        np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, record.signal.kind, name=record.name
+    )
 
 
 def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> Estimate:

@@ -68,7 +68,7 @@ def integrated(record: Record, order: int) -> Angle:
                 channel=record.name,
             )
         )
-    return Angle(long, record.size, record.factor * (record.interval if record.kind == "rate" else 1.0))
+    return Angle(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:

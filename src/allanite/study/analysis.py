@@ -162,7 +162,7 @@ def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
     signals = {channel.record.signal.name: channel.record.signal for channel in channels}
     for unit in recipe.to or ():
         dimension = unit_of(unit).dimension
-        if not any(signal_with(dimension, power) is signal for signal in signals.values() for power in signal.si):
+        if not any(s is signal_with(dimension, p, values=True) for s in signals.values() for p in s.si):
             units = ", ".join(signal.sheet[0] for signal in signals.values())
             wanted = spelled("--to", "to=")
             raise UsageError(f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}")

@@ -146,12 +146,12 @@ def of_record(record: Record) -> Supposed:
 
 def _unfit(record: Record) -> str:
     """Why the noise of a record is not identified; empty if it can be tried."""
-    if record.signal.name == "dimensionless":
+    if record.signal.name == "dimensionless" and record.kind != "value":
         return say("as these are frequency stability data")
     quality = inspect(record)
     if quality.refusal:
         return quality.refusal
     steps = record.steps
-    if record.kind == "rate" and np.mean(steps[1:] == steps[:-1]) > REPEATED:
+    if not record.integrated and np.mean(steps[1:] == steps[:-1]) > REPEATED:
         return say("as most samples repeat the previous one")
     return next((finding.what for finding in quality.findings if finding.name == "resampled"), "")

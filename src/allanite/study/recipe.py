@@ -15,7 +15,7 @@ from allanite.readers.options import stated_unit
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset")
+READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Keys that describe the contents of the file."""
 
 SELECTING = ("start", "until", "quiet_window", "outliers")
@@ -53,6 +53,7 @@ class Recipe:
     dtype: str | None = None
     columns: int | None = None
     offset: int | None = None
+    sincos: tuple[str, ...] | None = None
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
@@ -131,7 +132,7 @@ class Recipe:
 def _demand_shown(unit: str) -> None:
     """Refuse a unit in which no coefficient can be shown."""
     dimension = unit_of(unit).dimension
-    if not any(signal_with(dimension, power) for power in SIGNALS[0].si):
+    if not any(signal_with(dimension, power, values=True) for power in SIGNALS[0].si):
         raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
                          "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
 

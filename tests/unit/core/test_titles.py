@@ -15,8 +15,11 @@ from allanite.terms import TERMS
         ("N", "accelerometer", "velocity random walk"),
         ("K", "accelerometer", "acceleration random walk"),
         ("R", "dimensionless", "signal ramp"),
-        ("N", "voltage", "integrated voltage random walk"),
+        ("N", "voltage", "white noise of the voltage"),
         ("B", "flux density", "bias instability"),
+        ("N", "angle", "white noise of the angle"),
+        ("K", "angle", "random walk of the angle"),
+        ("R", "temperature", "ramp of the temperature"),
     ],
 )
 def test_a_term_is_called_after_what_the_sensor_measures(symbol, signal, title):

@@ -88,7 +88,7 @@ def test_units_of_a_signal_are_the_signal_times_a_power_of_time(signal):
 
     for table in (signal.si, signal.sheet):
         for power, unit in table.items():
-            assert signal_with(unit_of(unit).dimension, power) is signal
+            assert signal_with(unit_of(unit).dimension, power, values=True) is signal
 
 
 def test_what_is_recorded_beside_a_sensor_has_units():

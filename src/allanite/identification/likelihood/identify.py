@@ -14,6 +14,7 @@ from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.scope import Band
+from allanite.core.titles import title_of
 from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
@@ -120,7 +121,7 @@ def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
         say(
             "{term} ({symbol}) is in the best model, but other terms could take its place: a longer record would "
             "decide",
-            term=TERMS[s].title,
+            term=title_of(s, estimates[s].signal),
             symbol=s,
         )
         for s, there in zip(found.noise, found.chosen.free, strict=True)

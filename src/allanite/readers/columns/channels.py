@@ -10,8 +10,8 @@ import numpy as np
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.language import join, say
-from allanite.core.record import KIND_WORDS, KINDS, explain_kinds
-from allanite.core.units import BASES, signal_with, unit_of
+from allanite.core.record import KIND_WORDS, kinds_of, offered, signal_of_kind
+from allanite.core.units import BASES, unit_of
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
 
@@ -106,9 +106,9 @@ def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, 
     signals, plain = [], []
     for column in columns:
         column.demand_numbers()
-        size = headers.known(column.unit)
-        fits = size is not None and signal_with(size.dimension) is not None
-        signals.append(Signal(column, column.unit if fits else "1", column.kind or "rate", column.scale))
+        fits = headers.known(column.unit) is not None and bool(signal_of_kind(column.unit, "value"))
+        kind = "rate" if not fits or signal_of_kind(column.unit, "rate") else "value"
+        signals.append(Signal(column, column.unit if fits else "1", column.kind or kind, column.scale))
         plain += [] if fits else [column]
     return tuple(signals), tuple(_grouped((NO_UNIT, c) for c in plain))
 
@@ -126,7 +126,8 @@ def _candidate(column: Column, asked: Stated, pool: list[Column]) -> Signal | Le
     # if the file or the user states the meaning of a column, its name does not matter
     options = asked.options
     said = bool(column.kind) or asked.named or _asked_for(column, options)
-    why = "" if said else _no_signal(column, options) or _rises(column, options, pool)
+    refused = _no_value if options.kind == "value" else _no_signal
+    why = "" if said else refused(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
 
 
@@ -146,6 +147,25 @@ def _no_signal(column: Column, options: Options) -> str:
     return ""
 
 
+def _no_value(column: Column, options: Options) -> str:
+    """Why a column is not taken as a quantity of its own, by its header; empty if it is."""
+    if column.text:
+        return say("text instead of numbers")
+    if not _said(column):
+        named = headers.is_other(column.name) or headers.clock_rank(column.name) < 2
+        return say("not an inertial signal by its name") if named else ""
+    if headers.is_time(column.unit):
+        return say("a time by its header")
+    if not _applies(column, options):
+        return say("its unit {unit!r} does not match {wanted}", unit=column.unit, wanted=options.unit)
+    known = headers.known(column.unit) is not None
+    return "" if known and signal_of_kind(column.unit, "value") else _strange(column.unit)
+
+
+def _strange(unit: str) -> str:
+    return say("{unit!r} is not a unit of a quantity that can be analyzed", unit=unit)
+
+
 def _asked_for(column: Column, options: Options) -> bool:
     """Whether the header's unit is that of a signal requested by the user's unit: a current, by unit="A"."""
     signal = headers.signal_of(column.unit)
@@ -155,7 +175,7 @@ def _asked_for(column: Column, options: Options) -> bool:
 
 def _rises(column: Column, options: Options, pool: list[Column]) -> str:
     """Whether an unmarked column increases in every row; an integrated angle may, but not as the first of several."""
-    may_climb = options.kind == "angle" and column.position > 1
+    may_climb = options.kind in ("angle", "value") and column.position > 1
     values = column.values
     if column.unit or len(pool) < 2 or len(values) < 10 or may_climb:
         return ""
@@ -184,31 +204,22 @@ def _applies(column: Column, options: Options) -> bool:
 
 
 def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Left:
-    said = _said(column) if column.kind or headers.signal_of(column.unit) else ""
+    said = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
     unit = (options.unit if applies else None) or said
     if not unit:
         return Left(column, say("the unit is unknown"), _ask_unit())
     kept = unit == column.unit
     kind = (options.kind if applies else None) or (column.kind if kept else "")
-    fits = [name for name, (power, _, _) in KINDS.items() if signal_with(unit_of(unit).dimension, power)]
+    fits = kinds_of(unit)
     if not fits:
-        return Left(column, say("{unit!r} is not a unit of a gyroscope or accelerometer", unit=unit), _ask_unit())
+        return Left(column, _strange(unit), _ask_unit())
+    meanings = offered(unit, integers=column.values.dtype.kind == "i")
     if kind and kind not in fits:
-        return Left(
-            column,
-            say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind),
-            say("pass a kind that is one of {kinds}: {meanings}", kinds=", ".join(fits), meanings=explain_kinds()),
-        )
-    if not kind and len(fits) > 1:
-        option = spelled(f"--kind {fits[0]}", f"kind={fits[0]!r}")
-        return Left(
-            column,
-            say(
-                "{unit!r} does not determine what a sample is (give its kind, or unit {unit}/s if it is a rate)",
-                unit=unit,
-            ),
-            say("pass {option}: {meanings}", option=option, meanings=explain_kinds()),
-        )
+        reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind)
+        return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
+    if not kind and "rate" not in fits:
+        reason = say("{unit!r} does not determine what a sample is", unit=unit)
+        return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
     scale = options.worth if applies and options.scale is not None else column.scale if kept else None
     return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
@@ -262,6 +273,6 @@ def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
 def _ask_unit() -> str:
     return say(
         "pass the unit of the samples with {unit}, or write it in the header as in 'gx [deg/s]'; a unit of angle or "
-        "velocity (arcsec, m/s) also needs {kind}: rate, increment, angle or count",
+        "velocity (arcsec, m/s) also needs {kind}: increment, angle, count or value",
         unit=spelled("--unit deg/s", "unit=..."), kind=spelled("--kind", "kind=..."),
     )  # fmt: skip

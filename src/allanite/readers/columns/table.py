@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.language import join, say
-from allanite.core.record import KINDS, Record, Recording
-from allanite.core.units import signal_with, unit_of
+from allanite.core.record import Record, Recording, signal_of_kind
 from allanite.core.wording import spelled
 from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels, conventions, pairs
+from . import channels, conventions, pairs, resolver
 from .arrays import RATE_NAMES
 from .column import Column, unique
 
@@ -47,6 +46,10 @@ class Table:
 
     def recording(self, options: Options) -> Recording:
         """The channels as records with common sample times."""
+        if options.sincos:
+            plain = replace(options, sincos=None, unit="1", kind="value")
+            pairs = len(options.sincos) // 2
+            return resolver.with_angles(self._unmarked(plain).recording(plain), pairs, options.kind or "value")
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
@@ -78,6 +81,12 @@ class Table:
         others = tuple(_record(signal, beat, table.start) for signal in drivers)
         notes = (*table.notes, *beat.notes, *choice.notes, *choice.left, *said)
         return Recording(records, notes=notes, findings=(*beat.findings, *choice.findings), others=others)
+
+    def _unmarked(self, options: Options) -> "Table":
+        """The table whose selected columns have no unit and kind: sine and cosine in any unit have the same angle."""
+        wanted = channels.named(self.columns, options.channels) or ()
+        columns = (replace(c, unit="", kind="", scale=None) if c in wanted else c for c in self.columns)
+        return replace(self, columns=tuple(columns))
 
 
 def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
@@ -178,7 +187,7 @@ def _restored(table: Table, said: dict[str, Any]) -> Table:
 
 def _told(column: Column, said: dict[str, Any]) -> Column:
     kind, unit, scale = str(said["kind"]), str(said["unit"]), said["scale"]
-    if signal_with(unit_of(unit).dimension, KINDS[kind][0]) is None or column.text:
+    if signal_of_kind(unit, kind) is None or column.text:
         raise ValueError(unit)
     return replace(
         column,

@@ -11,6 +11,7 @@ from allanite.core.fit import Fit, chance
 from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
+from allanite.core.titles import meaning_of
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS
@@ -100,7 +101,7 @@ def definitions(fits: Iterable[Fit]) -> Table:
         Column(say("meaning"), "text"), Column(say("source"), "text"),
     )  # fmt: skip
     rows = [
-        [s, words.title(s, signals[s]), row.formula, row.meaning, row.reference]
+        [s, words.title(s, signals[s]), row.formula, meaning_of(s, signals[s]), row.reference]
         for s, row in TERMS.items()
         if s in signals
     ]

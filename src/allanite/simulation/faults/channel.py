@@ -157,10 +157,10 @@ def in_readings(record: Record, value: float, unit: str) -> float:
     UnitError if the unit is neither of this sensor's rate nor of these samples.
     """
     found, signal = unit_of(unit), record.signal
-    if signal_with(found.dimension) is signal:
-        interval = 1.0 if record.kind == "rate" else record.interval
+    if signal_with(found.dimension, values=True) is signal:
+        interval = record.interval if record.integrated else 1.0
         return value * found.factor * interval / record.factor
-    if signal_with(found.dimension, KINDS[record.kind][0]) is signal:
+    if signal_with(found.dimension, KINDS[record.kind][0], values=True) is signal:
         return value * found.factor / record.factor
     raise UnitError(f"{unit!r} is neither a unit of a rate nor of samples in {record.unit!r}")
 

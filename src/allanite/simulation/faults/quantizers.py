@@ -79,10 +79,10 @@ def quantize_rate(
     >>> quantize_rate(Record([0.26, -0.13, 0.4], rate=10.0, unit="deg/s"), 0.25, "deg/s").values.tolist()
     [0.25, -0.25, 0.5]
     """
-    if record.kind != "rate":
+    if record.integrated:
         raise UsageError(f"only a rate can be rounded by its converter; for {record.kind}s round the angle")
     found = unit_of(unit)
-    if signal_with(found.dimension) is not record.signal:
+    if signal_with(found.dimension, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of {record.signal.unit} samples")
     step = _step(lsb, unit) * found.factor / record.factor
     values = _rounded(np.asarray(record.values / step), record.rate, dither, rng)
@@ -131,7 +131,7 @@ def quantize_angle(
     if record.kind in ("angle", "count"):
         raise UsageError(f"the angle of rates and increments can be rounded, not of kind {record.kind!r}")
     found = unit_of(unit)
-    if signal_with(found.dimension, 1) is not record.signal:
+    if signal_with(found.dimension, 1, values=True) is not record.signal:
         raise UnitError(f"{unit!r} is not a unit of the integral of {record.signal.unit}: for a gyro use arcsec")
     angle = record.angle / (_step(lsb, unit) * found.factor)
     steps = _rounded(angle, record.rate, dither, rng)

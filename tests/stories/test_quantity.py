@@ -1,0 +1,130 @@
+"""The noise of an angle error and of a voltage, from the first command to every form of a result."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+MODEL = "N 0.5 arcsec*sqrt(s), R 0.3 arcsec/s"
+VOLTS = "N 1e-3 V*sqrt(s), K 2e-4 V/sqrt(s)"
+
+
+def run(*args, code=0):
+    result = CliRunner().invoke(main, [str(arg) for arg in args])
+    assert result.exit_code == code, result.stderr
+    return result
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two runs of an angle in arcmin and one of a voltage, as text with headers."""
+    where = tmp_path_factory.mktemp("quantity")
+    for name, model, unit, seed in (
+        ("run1", MODEL, "arcmin", 1),
+        ("run2", MODEL, "arcmin", 2),
+        ("volts", VOLTS, "mV", 3),
+    ):
+        rng = np.random.default_rng(seed)
+        record = al.simulate(al.parse_model(model), 6000, 10.0, rng=rng, unit=unit)
+        rows = np.column_stack([np.arange(6000) / 10, record.values])
+        np.savetxt(where / f"{name}.csv", rows, "%.10g", ",", header=f"t [s],az [{unit}]", comments="")
+    return where
+
+
+@pytest.fixture(scope="module")
+def study(folder):
+    run("analyze", folder / "run1.csv", "--kind", "value", "--json", folder / "a.json", "--report", folder / "a.html",
+        "--csv", folder / "a.csv", "--coefficients", folder / "c.csv", "--plot", folder / "a.svg",
+        "--quiet")  # fmt: skip
+    return json.loads((folder / "a.json").read_text())
+
+
+def test_the_coefficients_are_those_of_the_angle(study):
+    terms = {term["symbol"]: term for term in study["channels"][0]["fit"]["terms"]}
+    assert terms["N"]["shown"]["unit"] == "arcsec*sqrt(s)"
+    assert terms["N"]["shown"]["value"] == pytest.approx(0.5, rel=0.1)
+    assert terms["R"]["shown"]["unit"] == "arcsec/s"
+    assert terms["R"]["shown"]["value"] == pytest.approx(0.3, rel=0.05)
+    assert (terms["N"]["unit"], study["channels"][0]["validity"]) == ("rad*sqrt(s)", "explained")
+
+
+def test_page_tables_and_figure_name_the_angle(study, folder):
+    page, figure = (folder / "a.html").read_text(), (folder / "a.svg").read_text()
+    for text in (page, (folder / "c.csv").read_text()):
+        assert "white noise of the angle" in text
+        assert "angle random walk" not in text
+        assert "rate random walk" not in text
+    assert "arcsec" in figure
+    rows = list(csv.DictReader(io.StringIO((folder / "a.csv").read_text())))
+    assert {row["unit"] for row in rows} <= {"arcsec", "rad"}
+
+
+def test_a_study_of_values_is_read_again(study):
+    again = al.study.analysis.Study.from_dict(study)
+    assert again.to_dict()["channels"] == study["channels"]
+
+
+def test_a_voltage_has_no_angle(folder):
+    said = run("analyze", folder / "volts.csv", "--kind", "value").stdout
+    assert "white noise of the voltage" in said
+    assert "random walk of the voltage" in said
+    assert "angle" not in said
+    assert "V*sqrt(s)" in said
+
+
+@pytest.mark.parametrize(
+    ("verb", "more", "unit"),
+    [
+        ("deviation", ("--no-intervals", "--statistic", "oadev,mdev,ohdev"), "arcsec"),
+        ("dynamic", (), "arcsec"),
+        ("spectrum", (), "(arcsec)^2/Hz"),
+    ],
+)
+def test_curves_are_in_the_unit_of_the_angle(folder, verb, more, unit):
+    out = folder / f"{verb}.csv"
+    run(verb, folder / "run1.csv", "--kind", "value", *more, "--csv", out, "--plot", folder / f"{verb}.svg", "--quiet")
+    rows = list(csv.DictReader(io.StringIO(out.read_text())))
+    assert {row["unit"] for row in rows} == {unit}
+
+
+def test_two_runs_are_compared(folder):
+    said = run("compare", folder / "run1.csv", folder / "run2.csv", "--kind", "value").stdout
+    assert "white noise of the angle" in said
+    assert "angle random walk" not in said
+
+
+def test_three_runs_are_pooled():
+    model = al.parse_model(VOLTS)
+    fits = [al.identify(al.simulate(model, 3000, 10.0, rng=np.random.default_rng(i))) for i in range(3)]
+    assert {fit.signal.name for fit in fits} == {"voltage"}
+    assert fits[0].rows()[1][1][1] == "white noise of the voltage"
+
+
+def test_other_programs_take_no_angle(folder):
+    said = run("export", folder / "run1.csv", "--kind", "value", "--to", "kalibr", code=3).stderr
+    assert "gyroscopes and accelerometers, not of 'az' (angle)" in said
+    assert "'allanite analyze FILE --coefficients PATH'" in said
+
+
+def test_simulate_writes_values_that_are_read_again(tmp_path):
+    run(
+        "simulate",
+        tmp_path / "a.npz",
+        "--model",
+        MODEL,
+        "--rate",
+        10,
+        "--samples",
+        500,
+        "--quantize",
+        "rate 0.1 arcsec",
+    )
+    record = al.read(tmp_path / "a.npz")[0]
+    assert (record.kind, record.unit, record.signal.name) == ("value", "arcsec", "angle")
+    assert np.allclose(record.values * 10, np.round(record.values * 10), atol=1e-9)

@@ -1,0 +1,93 @@
+"""Columns whose samples are the quantity itself."""
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+
+@pytest.fixture(scope="module")
+def angles(tmp_path_factory):
+    path = tmp_path_factory.mktemp("angles") / "run.csv"
+    rng = np.random.default_rng(1)
+    rows = np.column_stack([np.arange(3000) / 10, rng.integers(-90, 90, (3000, 2)), 20 + rng.standard_normal(3000)])
+    np.savetxt(path, rows, "%.9g", ",", header="t [s],az [arcmin],tilt [arcmin],temp [degC]", comments="")
+    return path
+
+
+def test_the_refusal_lists_every_meaning_and_each_option_works(angles):
+    run = CliRunner().invoke(main, ["info", str(angles)])
+    assert run.exit_code == 2
+    options = re.findall(r"(--\w+ \S+(?: --scale 1)?): ", run.stderr)
+    assert options[0] == "--kind increment"
+    assert {"--kind increment", "--kind angle", "--kind value", "--unit arcmin/s"} <= set(options)
+    for option in options:
+        run = CliRunner().invoke(main, ["info", str(angles), "--channels", "az,tilt", *shlex.split(option)])
+        assert run.exit_code == 0, (option, run.stderr)
+
+
+def test_the_refusal_in_python_names_arguments(angles):
+    with pytest.raises(al.UsageError, match=r"kind='angle': .*kind='value': .*unit='arcmin/s': "):
+        al.read(angles)
+
+
+def test_pulses_are_offered_for_integers_only(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("a [arcsec]\n" + "\n".join(f"{v}" for v in np.random.default_rng(1).standard_normal(500)))
+    with pytest.raises(al.UsageError) as refused:
+        al.read(path, rate=10.0)
+    assert "count" not in str(refused.value)
+
+
+def test_values_are_all_columns_with_a_unit(angles):
+    recording = al.read(angles, kind="value")
+    assert [(r.name, r.signal.name, r.unit) for r in recording] == [
+        ("az", "angle", "arcmin"), ("tilt", "angle", "arcmin"), ("temp", "temperature", "degC")
+    ]  # fmt: skip
+    assert {r.kind for r in recording} == {"value"}
+
+
+def test_a_unit_selects_its_columns(angles):
+    recording = al.read(angles, kind="value", unit="deg")
+    assert recording.channels == ("az", "tilt")
+    assert any("its unit 'degC' does not match deg" in note for note in recording.notes)
+    assert any("overriding the header" in note for note in recording.notes)
+
+
+def test_columns_without_a_unit_are_asked_for(tmp_path):
+    path = tmp_path / "plain.csv"
+    np.savetxt(path, np.random.default_rng(1).standard_normal((500, 2)), "%.6g", ",", header="a,seq", comments="")
+    with pytest.raises(al.UsageError, match="the unit is unknown"):
+        al.read(path, kind="value", rate=10.0)
+    recording = al.read(path, kind="value", rate=10.0, unit="mV")
+    assert [(r.name, r.signal.name) for r in recording] == [("a", "voltage")]
+
+
+def test_an_unknown_quantity_is_refused_by_its_unit(tmp_path):
+    path = tmp_path / "odd.csv"
+    np.savetxt(path, np.random.default_rng(1).standard_normal((500, 1)), "%.6g", ",", header="a [V/s]", comments="")
+    with pytest.raises(al.UsageError, match="'V/s' is not a unit of a quantity that can be analyzed"):
+        al.read(path, kind="value", rate=10.0, channels=["a"])
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
+def test_a_value_is_read_as_it_was_written(tmp_path, suffix):
+    record = al.Record(np.random.default_rng(1).standard_normal(500), 10.0, "arcsec", "value", name="az")
+    al.readers.write(record, tmp_path / f"a{suffix}")
+    again = al.read(tmp_path / f"a{suffix}")["az"]
+    assert (again.kind, again.unit, again.signal.name) == ("value", "arcsec", "angle")
+    assert np.array_equal(again.values, record.values)
+
+
+def test_an_angle_may_explain_a_gyro(tmp_path):
+    path = tmp_path / "table.csv"
+    rng = np.random.default_rng(1)
+    rows = rng.standard_normal((500, 2))
+    np.savetxt(path, rows, "%.9g", ",", header="gx [deg/s],table [deg]", comments="")
+    table = al.read(path, rate=10.0, channels=["gx"], along=["table"])["table"]
+    assert (table.kind, table.unit) == ("value", "deg")
