@@ -23,7 +23,7 @@ FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/s
 FITS = [("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("gls", "oadev"), ("gls", "theo1"),
         ("whittle", None)]  # fmt: skip
 PROFILES = {
-    "constant": lambda t: np.ones_like(t),
+    "constant": np.ones_like,
     "three times in the second half": lambda t: np.where(t < 0.5, 1.0, 3.0),
     "three times in the middle": lambda t: 1 + 2 * np.exp(-(((t - 0.5) / 0.15) ** 2)),
 }
@@ -49,7 +49,14 @@ def joint() -> list[tuple[str, ...]]:
         allan = float(al.expected(FOG, "oadev", [float(tau)], rate=1.0)[0])
         theo = float(al.expected(FOG, "theoh", [float(tau)], rate=1.0, size=SIZE)[0])
         unit = convert(1.0, "rad/s", "deg/h")
-        rows.append((str(tau), f"{unit * math.sqrt(allan):.3f}", f"{unit * math.sqrt(theo):.3f}", f"{math.sqrt(theo / allan):.3f}"))
+        rows.append(
+            (
+                str(tau),
+                f"{unit * math.sqrt(allan):.3f}",
+                f"{unit * math.sqrt(theo):.3f}",
+                f"{math.sqrt(theo / allan):.3f}",
+            )
+        )
     return rows
 
 
@@ -85,7 +92,10 @@ def main() -> None:
         errors = np.array(pool.map(fitted, range(1, asked.records + 1), chunksize=4)) - 1
     rmse = np.sqrt((errors**2).mean(axis=0))
     symbols = [t.symbol for t in FOG]
-    fits = [(method, statistic or "-", *(f"{x:.2f}" for x in row)) for (method, statistic), row in zip(FITS, rmse, strict=True)]
+    fits = [
+        (method, statistic or "-", *(f"{x:.2f}" for x in row))
+        for (method, statistic), row in zip(FITS, rmse, strict=True)
+    ]
     k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
     k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
     notes = [

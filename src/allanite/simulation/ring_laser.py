@@ -105,8 +105,8 @@ True rate 12.4392 deg/h, sampled at 400 Hz.
 GL1_SMOOTH = RingLaser(pulse=0.0819875, lock_in=0.0, bias=-0.0948, swing=parse_model("GMA 0.29 arcsec 15 s"))
 """The same gyro as its means over 1 to 30 s (Table 1 of the paper) and over two minutes (Table 3) have it scatter.
 
-Quarter pulses, and an angle noise that keeps within bounds; whole pulses would scatter more at 1 s. Under it averaging is
-as good as Hamming's window: no single noise fits all tables.
+Quarter pulses, and an angle noise that keeps within bounds; whole pulses would scatter more at 1 s. Under it averaging
+is as good as Hamming's window: no single noise fits all tables.
 """
 
 RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}

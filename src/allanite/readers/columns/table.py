@@ -18,7 +18,7 @@ from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels, conventions, pairs, resolver
+from . import channels, conventions, resolver
 from .arrays import RATE_NAMES
 from .column import Column, unique
 
@@ -48,8 +48,9 @@ class Table:
         """The channels as records with common sample times."""
         if options.sincos:
             plain = replace(options, sincos=None, unit="1", kind="value")
-            pairs = len(options.sincos) // 2
-            return resolver.with_angles(self._unmarked(plain).recording(plain), pairs, options.kind or "value")
+            return resolver.with_angles(
+                self._unmarked(plain).recording(plain), len(options.sincos) // 2, options.kind or "value"
+            )
         if max((len(column.values) for column in self.columns), default=0) < 2:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
