@@ -11,7 +11,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import Duration
 
 if TYPE_CHECKING:
-    from allanite.attitude.scenarios import VerticalDesign
+    from allanite.attitude.trials import VerticalDesign
 
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
@@ -78,7 +78,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     """The best filter for the given noise."""
     from allanite.attitude import optimal_time_constant
     from allanite.attitude.prediction import biases
-    from allanite.attitude.scenarios import design
+    from allanite.attitude.trials import design
     from allanite.core.notation import parse_model
 
     if choices["gyro"] is None or choices["accelerometer"] is None:

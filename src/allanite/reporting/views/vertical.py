@@ -12,7 +12,7 @@ from allanite.attitude.loop import Loop
 from allanite.attitude.optimum import Optimum
 from allanite.attitude.prediction import Prediction, texts
 from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
-from allanite.attitude.scenarios import ScenarioErrors, VerticalDesign
+from allanite.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.reporting import figures, words
@@ -159,9 +159,9 @@ def _design_face(found: VerticalDesign, _: float) -> Face:
     first = found.optimum.first
     sheets = [_optimum_sheet(found.optimum)]
     if found.scenarios is not None:
-        s = found.scenarios
-        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=s.duration, rate=s.rate)
-        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(s))))
+        trial = found.scenarios.trial
+        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=trial.duration, rate=trial.rate)
+        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(found.scenarios))))
     noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
     header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
     return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[_filters()], provenance=provenance_of())
