@@ -259,8 +259,9 @@ def main() -> None:
         f"{s} {how}" for s in ("fixed base", "acceleration", "oscillation") for how in ("mean", "instant", "expected")
     ]
     body += markdown(("filter", *heads), scenario_rows())
-    body += ["## Oscillation in closed form", "", "RMS of roll and pitch, deg: lever arm and lead of the sampled rates in "
-             "closed form, with the error at rest; simulated; and of the prototype.", ""]  # fmt: skip
+    body += ["## Oscillation in closed form", "",
+             "RMS of roll and pitch, deg: lever arm and lead of the sampled rates in closed form, with the error at rest; "
+             "simulated; and of the prototype.", ""]  # fmt: skip
     heads = ["mean derived", "mean simulated", "instant derived", "instant simulated", "expected"]
     body += markdown(("filter", *heads), oscillation_rows())
     found = coning()

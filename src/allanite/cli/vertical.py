@@ -39,6 +39,9 @@ USUAL_DURATION = 3600.0
                  help="Ignore the accelerometers where their tilt differs from the angle by more than this."),
     click.option("--coning", "samples", type=click.IntRange(1, 4), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
+    click.option("--axes", metavar="AXES",
+                 help="Axes of the file that are forward, sideways and vertical, right-handed, e.g. y,-x,z.  "
+                 "[default: x,y,z]"),
     click.option("--keep-bias", is_flag=True, help="Do not subtract the mean rates of a static recording."),
     "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),

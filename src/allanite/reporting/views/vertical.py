@@ -216,10 +216,11 @@ def _angle_sheet(study: VerticalStudy, angle: Angle) -> Sheet:
         parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                               error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
         parts += _doubt(angle, p)
-    elif angle.optimum is None:
+    elif angle.optimum is None and not angle.doubts:
         parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
     else:
         parts.append(Note(say("no prediction: the filter is not linear")))
+    parts += [Note(doubt, "alert") for doubt in angle.doubts]
     if angle.optimum is not None:
         parts.append(Note(say("the best filters for this angle alone:")))
         parts += _optimum_parts(angle.optimum, angle.name)
@@ -241,8 +242,7 @@ BEYOND = 1.5
 
 
 def _channel_sheet(channel: VerticalChannel) -> Sheet:
-    fit = channel.fit
-    parts = [] if fit is None else [Note(say("noise: {model}", model=texts(fit.valid or fit.model)))]
+    parts = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
     parts += [Note(text) for text in channel.left_out]
     return channel_sheet(channel, parts)
 
