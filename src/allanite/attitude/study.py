@@ -29,6 +29,9 @@ ANGLES = (say("roll"), say("pitch"))
 PAIRS = ((0, 1), (1, 0))
 """The gyro and the accelerometer, among x, y, z, that an angle is found from."""
 
+TURNING = 10.0
+"""Mean rate, deg/s, that is no bias of a gyro."""
+
 SLOWER = 5.0
 """Time of the bias estimate over the time constant, where only the latter is given."""
 
@@ -199,13 +202,21 @@ def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> I
 
 
 def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
-    """Sensors whose noise is not known at the corner frequency of the filter."""
+    """A time constant longer than the recording, and sensors whose noise is not known at the filter's corner."""
     corner = loop.k1 / (2 * math.pi)
-    bands = [(c.record.name, c.fit.scope.band[1]) for c in channels if c.fit and c.fit.scope and c.fit.scope.limited]
-    return [
+    length = max((channel.record.size / channel.record.rate for channel in channels), default=math.inf)
+    notes = []
+    if loop.time_constant > length:
+        notes.append(say("the time constant is {tau:.3g} s, but the recording lasts {length:.3g} s only: the angles are "
+                         "in effect those of the gyros alone", tau=loop.time_constant, length=length))  # fmt: skip
+    bands: dict[float, list[str]] = {}
+    for c in channels:
+        if c.fit and c.fit.scope and c.fit.scope.limited and c.fit.scope.band[1] < corner:
+            bands.setdefault(c.fit.scope.band[1], []).append(c.record.name)
+    return notes + [
         say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to "
-            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
-        for name, highest in bands if highest < corner
+            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=", ".join(names), highest=highest)
+        for highest, names in bands.items()
     ]  # fmt: skip
 
 
@@ -218,4 +229,9 @@ def _remarks(data: Inertial, bias: FloatArray, settings: VerticalSettings, *, st
     if static:
         rates = ", ".join(f"{b:.4g}" for b in np.degrees(bias) * 3600)
         found.append(say("the mean rates of the gyros were subtracted: {rates} deg/h", rates=rates))
+    fastest = float(np.abs(np.degrees(bias)).max())
+    if fastest > TURNING:
+        kept = spelled("--keep-bias", "keep_bias=True")
+        found.append(say("a mean rate of {rate:.3g} deg/s is no bias: the body turned; choose a static part, or keep "
+                         "the mean rates ({option})", rate=fastest, option=kept))  # fmt: skip
     return tuple(found)
