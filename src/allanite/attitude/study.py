@@ -205,10 +205,12 @@ def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
     """A time constant longer than the recording, and sensors whose noise is not known at the filter's corner."""
     corner = loop.k1 / (2 * math.pi)
     length = max((channel.record.size / channel.record.rate for channel in channels), default=math.inf)
-    notes = []
+    notes: list[str] = []
     if loop.time_constant > length:
-        notes.append(say("the time constant is {tau:.3g} s, but the recording lasts {length:.3g} s only: the angles are "
-                         "in effect those of the gyros alone", tau=loop.time_constant, length=length))  # fmt: skip
+        notes.append(
+            say("the time constant is {tau:.3g} s, but the recording lasts {length:.3g} s only: the angles are in "
+                "effect those of the gyros alone", tau=loop.time_constant, length=length)
+        )  # fmt: skip
     bands: dict[float, list[str]] = {}
     for c in channels:
         if c.fit and c.fit.scope and c.fit.scope.limited and c.fit.scope.band[1] < corner:
