@@ -12,7 +12,7 @@ import pytest
 
 import allanite as al
 from allanite.angle import Solution
-from allanite.attitude.scenarios import VerticalDesign
+from allanite.attitude.trials import VerticalDesign
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings
@@ -199,10 +199,14 @@ def level():
     return al.attitude.vertical(al.Recording((*records[:5], up)))
 
 
+def trial():
+    noise = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
+    return al.attitude.Trial(*noise, bias=(1e-5, 0.0, -1e-5), rate=10.0, duration=60.0)
+
+
 @cache
 def scenario_errors():
-    noise = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
-    return al.attitude.compare_filters(*noise, rng=np.random.default_rng(1), rate=10.0, duration=60.0)
+    return al.attitude.compare_filters(trial(), rng=np.random.default_rng(1))
 
 
 MAKERS = {
@@ -253,6 +257,7 @@ MAKERS = {
     "Prediction": lambda: level().angles[0].prediction,
     "ScenarioErrors": scenario_errors,
     "Source": lambda: level().angles[0].prediction.sources[0],
+    "Trial": trial,
     "VerticalChannel": lambda: level().channels[2],
     "VerticalDesign": lambda: VerticalDesign(level().angles[0].optimum, scenario_errors()),
     "VerticalSettings": lambda: al.attitude.VerticalSettings("mahony", 2.0, gate=1.0),

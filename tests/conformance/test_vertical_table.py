@@ -30,5 +30,14 @@ def test_scenarios_and_coning_are_those_of_the_prototype():
         assert float(row["here"]) == pytest.approx(float(row["expected"]), rel=0.2)
 
 
+def test_the_oscillation_is_that_of_the_closed_form():
+    rows = PAGE.rows("Oscillation in closed form")
+    assert len(rows) == 3
+    for row in rows:
+        for how in ("mean", "instant"):
+            assert float(row[f"{how} simulated"]) == pytest.approx(float(row[f"{how} derived"]), rel=0.05)
+        assert float(row["instant derived"]) == pytest.approx(float(row["expected"]), rel=0.2)
+
+
 def test_a_million_samples_take_less_than_three_seconds():
     assert max(float(row["s for 1e6 samples"]) for row in PAGE.rows("Speed")) < 3

@@ -45,7 +45,7 @@ WITH_COMMANDS = (
 )  # fmt: skip
 WITH_PYTHON = (
     "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
-    "command.md", "reference_data.md", "languages.md", "log_to_filter.md",
+    "command.md", "reference_data.md", "languages.md", "log_to_filter.md", "vertical.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 
@@ -234,6 +234,29 @@ def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
         assert re.search(
             r"^[\w.]*(noise_density|gyr_n|NoiseGyro): [\d.]+(e-\d+)?$", (desk / name).read_text(), re.MULTILINE
         )
+
+
+ADIS = "adis_16405_imu1.rda"
+
+
+def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
+    monkeypatch.chdir(desk)
+    script = "".join(blocks("vertical.md", "python"))
+    subprocess.run([sys.executable, "-c", script], cwd=desk, check=True)
+    every = commands((DOCS / "vertical.md").read_text("utf-8"))
+    assert [ADIS in command for command in every] == [False, False, False, True]
+    printed = []
+    for command in every:
+        if ADIS in command:
+            (desk / ADIS).symlink_to(request.getfixturevalue("recordings").resolve() / ADIS)
+        done = CliRunner().invoke(main, [*shlex.split(command)[1:], "--force"])
+        assert done.exit_code == 0, (command, done.output)
+        printed.append(" ".join(done.output.split()))
+    assert (desk / "page.html").stat().st_size > 100_000
+    assert (desk / "angles.csv").stat().st_size > 100_000
+    for said in ("time constant 0.4185 s", "predicted: 110 arcsec", "standard deviation 200 arcsec",
+                 "predicted: 353 arcsec", "standard deviation 366 arcsec", "it would be 281 arcsec"):  # fmt: skip
+        assert said in printed[-1]
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON)

@@ -10,6 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Record, Recording
 from allanite.core.wording import between, plural, spelled
 
+from .axes import Axes, demand_upright
 from .density import GRAVITY, SENSORS
 
 FASTEST = 50.0
@@ -28,12 +29,13 @@ class Inertial:
     Attributes
     ----------
     gyro, force : arrays, shape (n, 3)
-        Mean rates over each interval, rad/s, and specific forces, m/s^2, about and along the axes x, y, z. The specific
-        force points up at rest: where z points down it has been turned around.
+        Mean rates over each interval, rad/s, and specific forces, m/s^2, about and along the axes that are forward,
+        sideways and vertical. The specific force points up at rest: where the vertical axis points down it has been
+        turned around.
     rate : float
         Sampling rate, Hz.
     downward : bool
-        Whether z points down.
+        Whether the vertical axis points down.
     aligned : (roll, pitch) or None
         Where the filters start, rad; by default at the mean specific force of the first second.
     """
@@ -90,19 +92,24 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
     return found[0], found[1]
 
 
-def inertial(recording: Recording) -> Inertial:
-    """The six channels as arrays, checked.
+def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
+    """The six channels as arrays along `axes`, checked; by default x, y, z, of which z must be vertical.
 
     Raises
     ------
     DataError
-        Samples are missing, the units are implausible, or the specific force is zero throughout.
+        Samples are missing, the units are implausible, the specific force is zero throughout, or gravity is not along
+        z although no axes are given.
     """
     gyros, accelerometers = six_channels(recording)
     for record in (*gyros, *accelerometers):
         demand_whole(record)
     gyro, force = (np.stack([r.rate_values for r in records], axis=1) for records in (gyros, accelerometers))
     _demand_plausible(gyro, force)
+    if axes is None:
+        demand_upright(force.mean(axis=0))
+    else:
+        gyro, force = axes.turned(gyro), axes.turned(force)
     downward = bool(force[:, 2].mean() < 0)
     return Inertial(gyro, -force if downward else force, gyros[0].rate, downward)
 

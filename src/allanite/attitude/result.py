@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError, given
+from allanite.core.estimate import Estimate
 from allanite.core.header import Header
 from allanite.core.language import say
 from allanite.core.model import Model
@@ -19,6 +20,7 @@ from allanite.study.channels import Job
 from allanite.study.noise import ChannelResult
 from allanite.study.recipe import chosen
 
+from .axes import Axes
 from .filters import FILTERS, AttitudeFilter, filter_named
 from .loop import Loop
 from .optimum import Optimum
@@ -45,6 +47,9 @@ class VerticalSettings(Value):
         Samples of the coning correction, 1 to 4.
     keep_bias : bool
         Whether the mean rates are kept; those of a static recording are subtracted otherwise.
+    axes : str, optional
+        Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
+        with gravity along another axis than z is refused.
     """
 
     method: str = "complementary"
@@ -55,9 +60,12 @@ class VerticalSettings(Value):
     gate: float | None = None
     samples: int = 2
     keep_bias: bool = False
+    axes: str | None = None
 
     def __post_init__(self) -> None:
         filter_named(self.method)
+        if self.axes is not None:
+            Axes.of(self.axes)
         for name in ("time_constant", "bias_time", "gate"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
@@ -68,6 +76,11 @@ class VerticalSettings(Value):
     def row(self) -> AttitudeFilter:
         """The filter."""
         return FILTERS[self.method]
+
+    @property
+    def turned(self) -> Axes | None:
+        """The given axes."""
+        return None if self.axes is None else Axes.of(self.axes)
 
     @property
     def models(self) -> tuple[Model | None, Model | None]:
@@ -84,14 +97,31 @@ class VerticalChannel(ChannelResult):
     alerts: tuple[str, ...] = ()
 
     @property
-    def left_out(self) -> tuple[str, ...]:
+    def model(self) -> Model | None:
+        """The noise of the prediction: the valid terms, or the best model where none explains the record."""
+        return None if self.fit is None else self.fit.valid or self.fit.model
+
+    @property
+    def wrong(self) -> tuple[Estimate, ...]:
         """Terms that the prediction lacks because their coefficients are not valid."""
         if self.noise is None or not self.noise.explained:
             return ()
-        wrong = [e for e in self.noise.fit if e.status == "not valid"]
+        return tuple(e for e in self.noise.fit if e.status == "not valid")
+
+    @property
+    def fitted(self) -> Model | None:
+        """`model` and the terms that it lacks, as they were fitted."""
+        if self.model is None or self.fit is None:
+            return None
+        symbols = {e.symbol for e in self.wrong}
+        return Model((*self.model, *(t for t in self.fit.model if t.symbol in symbols)))
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """`wrong` in sentences."""
         return tuple(
             say("{symbol} is left out of the prediction because its coefficient is not valid: {reason}",
-                symbol=e.symbol, reason=e.reason) for e in wrong
+                symbol=e.symbol, reason=e.reason) for e in self.wrong
         )  # fmt: skip
 
 
@@ -112,6 +142,8 @@ class Angle(Value):
         The best filters for this angle.
     gyro, accelerometer : str
         Names of its sensors.
+    doubts : tuple of str
+        Warnings about the prediction: no model explains the noise of a sensor, or terms of it are left out.
     """
 
     name: str
@@ -122,6 +154,7 @@ class Angle(Value):
     optimum: Optimum | None
     gyro: str
     accelerometer: str
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,7 +175,7 @@ class VerticalStudy(Job[VerticalChannel]):
     falling : int
         Of these, samples in free fall.
     downward : bool
-        Whether z points down.
+        Whether the vertical axis points down.
     remarks : tuple of str
     """
 

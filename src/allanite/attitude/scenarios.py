@@ -1,25 +1,19 @@
-"""Motions that a gyro-vertical meets, simulated with any noise, and the errors of all filters in them."""
+"""Motions that a gyro-vertical meets, and what its sensors read in them, with any noise."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.language import say
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.simulation.record import simulate
 
 from .density import GRAVITY, Densities
-from .filters import FILTERS, Setting
 from .inertial import Inertial
-from .loop import Loop
-from .optimum import Optimum
-
-DROPPED = 0.2
-"""Share of the run, from its start, that is not counted: filters settle."""
 
 Motion = tuple[FloatArray, FloatArray]
 
@@ -70,33 +64,43 @@ SCENARIOS: dict[str, Scenario] = {
 }  # fmt: skip
 
 
-def simulate_motion(
-    scenario: Scenario,
-    gyro: ModelLike,
-    accelerometer: ModelLike,
-    *,
-    rng: np.random.Generator,
-    rate: float = 100.0,
-    duration: float = 600.0,
-    bias: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    instant: bool = False,
-) -> tuple[Inertial, FloatArray]:
-    """Simulate what gyros and accelerometers read in a scenario; the filters start aligned.
+@dataclass(frozen=True, repr=False)
+class Trial(Value):
+    """The sensors that are taken through a scenario, and for how long.
 
-    Parameters
+    Attributes
     ----------
-    scenario : Scenario
     gyro, accelerometer : Model, Term or Fit
         The noise of every axis.
-    rng : numpy.random.Generator
-        The source of randomness.
-    rate, duration : float
-        Sampling rate, Hz, and length, s.
     bias : (x, y, z)
         Constant biases of the gyros, rad/s.
+    rate, duration : float
+        Sampling rate, Hz, and length, s.
     instant : bool
         Whether the gyros read the rate at the end of each interval, as without a filter before the sampling, instead of
         its mean: the integrated angle then leads by half an interval.
+
+    Raises
+    ------
+    UsageError, UnitError
+        As for `predicted_error`.
+    """
+
+    gyro: Model
+    accelerometer: Model
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rate: float = 100.0
+    duration: float = 600.0
+    instant: bool = False
+
+    def __post_init__(self) -> None:
+        noise = Densities.of(self.gyro, self.accelerometer, self.duration, self.rate)
+        object.__setattr__(self, "gyro", noise.gyro)
+        object.__setattr__(self, "accelerometer", noise.accelerometer)
+
+
+def simulate_motion(scenario: Scenario, trial: Trial, *, rng: np.random.Generator) -> tuple[Inertial, FloatArray]:
+    """Simulate what gyros and accelerometers read in a scenario; the filters start aligned.
 
     Returns
     -------
@@ -107,23 +111,23 @@ def simulate_motion(
     Examples
     --------
     >>> from allanite.core.model import N
-    >>> noise = N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)")
-    >>> found, truth = simulate_motion(SCENARIOS["oscillation"], *noise, rng=np.random.default_rng(1), duration=60)
+    >>> trial = Trial(N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)"), duration=60)
+    >>> found, truth = simulate_motion(SCENARIOS["oscillation"], trial, rng=np.random.default_rng(1))
     >>> found.gyro.shape, float(np.degrees(truth.max(axis=0))[0].round(1))
     ((6000, 3), 8.0)
     """
-    n = round(duration * rate)
+    n, rate = round(trial.duration * trial.rate), trial.rate
     t = (np.arange(n) + 1) / rate
     # mean rates over each interval by Simpson's rule
-    nodes = ((1.0, 0.0),) if instant else ((1 / 6, 1.0), (4 / 6, 0.5), (1 / 6, 0.0))
-    gyros = sum(w * _rates(scenario, t - back / rate) for w, back in nodes)
-    force = _force(scenario, t)
-    noises = []
-    for model in (model_of(gyro), model_of(accelerometer)):
-        noises.append(np.stack([simulate(model, n, rate, rng=rng).rate_values for _ in range(3)], axis=1))
-    start = float(scenario.angles(np.zeros(1))[0][0]), float(scenario.angles(np.zeros(1))[1][0])
-    found = Inertial(np.asarray(gyros) + noises[0] + np.array(bias), force + noises[1], rate, aligned=start)
-    return found, np.stack(scenario.angles(t), axis=1)
+    nodes = ((1.0, 0.0),) if trial.instant else ((1 / 6, 1.0), (4 / 6, 0.5), (1 / 6, 0.0))
+    rates = sum(w * _rates(scenario, t - back / rate) for w, back in nodes)
+    noise = [
+        np.stack([simulate(model, n, rate, rng=rng).rate_values for _ in range(3)], axis=1)
+        for model in (trial.gyro, trial.accelerometer)
+    ]
+    roll, pitch = (float(angle[0]) for angle in scenario.angles(np.zeros(1)))
+    gyro, force = np.asarray(rates) + noise[0] + np.array(trial.bias), _force(scenario, t) + noise[1]
+    return Inertial(gyro, force, rate, aligned=(roll, pitch)), np.stack(scenario.angles(t), axis=1)
 
 
 def _rates(scenario: Scenario, t: FloatArray) -> FloatArray:
@@ -146,146 +150,3 @@ def _force(scenario: Scenario, t: FloatArray) -> FloatArray:
     omega, turning = _rates(scenario, t), (_rates(scenario, t + h) - _rates(scenario, t - h)) / (2 * h)
     arm = np.broadcast_to(np.array([0.0, 0.0, scenario.lever]), omega.shape)
     return np.asarray(force + np.cross(turning, arm) + np.cross(omega, np.cross(omega, arm)))
-
-
-def compared() -> dict[str, tuple[str, Setting]]:
-    """The filters that are compared: label, name in `FILTERS` and settings."""
-    slow = Setting(Loop.of(100.0))
-    return {
-        say("accelerometer"): ("accelerometer", slow),
-        "bortz": ("bortz", slow),
-        say("first order, {time:g} s", time=1): ("complementary", Setting(Loop.of(1.0))),
-        say("first order, {time:g} s", time=10): ("complementary", Setting(Loop.of(10.0))),
-        say("first order, {time:g} s", time=100): ("complementary", slow),
-        say("{time:g} s, norm gate {gate:g} g", time=100, gate=0.02): ("complementary", replace(slow, norm_gate=0.02)),
-        say("{time:g} s, angle gate {gate:g} deg", time=10, gate=1): (
-            "complementary",
-            Setting(Loop.of(10.0), gate=math.radians(1.0)),
-        ),
-        say("second order, {time:g} s, {slow:g} s", time=100, slow=500): (
-            "second-order",
-            Setting(Loop(0.01, 1 / 500**2)),
-        ),
-        "mahony, 50 s": ("mahony", Setting(Loop.of(50.0))),
-        "madgwick, beta 0.033": ("madgwick", Setting(Loop.of(1.0), beta=0.033)),
-        "madgwick, beta 0.001": ("madgwick", Setting(Loop.of(1.0), beta=0.001)),
-    }
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ScenarioErrors(Value):
-    """Errors of filters in the scenarios.
-
-    Attributes
-    ----------
-    gyro, accelerometer : Model
-    filters, scenarios : tuple of str
-    rms : array, shape (filters, scenarios)
-        RMS over roll and pitch after the first fifth of the run, rad.
-    worst : array, shape (filters, scenarios)
-        Largest error there, rad.
-    bias : tuple of float
-        Biases of the gyros, rad/s.
-    rate, duration : float
-    """
-
-    gyro: Model
-    accelerometer: Model
-    filters: tuple[str, ...]
-    scenarios: tuple[str, ...]
-    rms: FloatArray
-    worst: FloatArray
-    bias: tuple[float, ...]
-    rate: float
-    duration: float
-
-    @property
-    def winners(self) -> tuple[str, ...]:
-        """The best filter of each scenario."""
-        return tuple(self.filters[i] for i in self.rms.argmin(axis=0))
-
-    def _summary(self) -> str:
-        return ", ".join(f"{s}: {w}" for s, w in zip(self.scenarios, self.winners, strict=True))
-
-
-def compare_filters(
-    gyro: ModelLike,
-    accelerometer: ModelLike,
-    *,
-    rng: np.random.Generator,
-    rate: float = 100.0,
-    duration: float = 600.0,
-    bias: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    instant: bool = False,
-    filters: Mapping[str, tuple[str, Setting]] | None = None,
-) -> ScenarioErrors:
-    """Run filters through every scenario.
-
-    Parameters
-    ----------
-    gyro, accelerometer, rng, rate, duration, bias, instant
-        As for `simulate_motion`.
-    filters : mapping of label to (name, Setting), optional
-        By default those of `compared`.
-
-    Returns
-    -------
-    ScenarioErrors
-    """
-    chosen = compared() if filters is None else dict(filters)
-    noise = Densities.of(gyro, accelerometer, duration, rate)
-    columns = []
-    for scenario in SCENARIOS.values():
-        data, truth = simulate_motion(
-            scenario, noise.gyro, noise.accelerometer, rng=rng, rate=rate, duration=duration, bias=bias,
-            instant=instant,
-        )  # fmt: skip
-        first = round(DROPPED * len(truth))
-        errors = [FILTERS[name].run(data, setting)[0] - truth for name, setting in chosen.values()]
-        columns.append([(math.sqrt((e[first:] ** 2).mean()), np.abs(e[first:]).max()) for e in errors])
-    table = np.array(columns).transpose(2, 1, 0)
-    return ScenarioErrors(
-        noise.gyro, noise.accelerometer, tuple(chosen), tuple(SCENARIOS), table[0], table[1], bias, rate, duration
-    )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class VerticalDesign(Value):
-    """The best filters for given noise, and the errors of all filters in the scenarios if they were asked for."""
-
-    optimum: Optimum
-    scenarios: ScenarioErrors | None = None
-
-    def _summary(self) -> str:
-        return self.optimum._summary()
-
-
-AXES = (1.0, -0.7, 0.5)
-"""Biases of the gyros x, y and z, relative to the given one."""
-
-
-def design(
-    found: Optimum, *, bias: float = 0.0, scenarios: bool = False, rate: float | None = None, seed: int = 1
-) -> VerticalDesign:
-    """The best filters, with the errors of `compared` filters and of the best one in every scenario.
-
-    Parameters
-    ----------
-    found : Optimum
-    bias : float
-        Bias of the gyro x, rad/s; those of y and z are -0.7 and 0.5 of it.
-    scenarios : bool
-        Whether to simulate them.
-    rate : float, optional
-        Sampling rate of the simulation, Hz; 100 by default.
-    seed : int
-        Of the random number generator.
-    """
-    if not scenarios:
-        return VerticalDesign(found)
-    chosen = {say("best, first order"): ("complementary", Setting(found.first.loop)), **compared()}
-    errors = compare_filters(
-        found.first.gyro, found.first.accelerometer, rng=np.random.default_rng(seed), rate=rate or 100.0,
-        bias=(bias * AXES[0], bias * AXES[1], bias * AXES[2]), filters=chosen,
-    )  # fmt: skip
-    return VerticalDesign(found, errors)

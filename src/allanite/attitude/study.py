@@ -1,14 +1,14 @@
 """Roll and pitch of a recording, with a filter that follows from the identified noise."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.errors import DataError
-from allanite.core.language import say
+from allanite.core.errors import DataError, UsageError
+from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
@@ -16,17 +16,21 @@ from allanite.study.channels import Inspected, Progress, Source, each_channel, o
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
 
+from .axes import Axes
 from .density import Densities
 from .filters import Setting
-from .inertial import Inertial, demand_whole, inertial, six_channels
+from .inertial import Inertial, inertial, six_channels
 from .loop import Loop
-from .optimum import optimum
-from .prediction import predict
+from .optimum import Optimum, optimum
+from .prediction import Prediction, predict
 from .result import Angle, VerticalChannel, VerticalSettings, VerticalStudy
 
 ANGLES = (say("roll"), say("pitch"))
 PAIRS = ((0, 1), (1, 0))
 """The gyro and the accelerometer, among x, y, z, that an angle is found from."""
+
+TURNING = 10.0
+"""Mean rate, deg/s, that is no bias of a gyro."""
 
 SLOWER = 5.0
 """Time of the bias estimate over the time constant, where only the latter is given."""
@@ -69,12 +73,11 @@ def vertical(
     settings = settings or VerticalSettings(method, time_constant)
     recipe = recipe or Recipe()
     recording = open_recording(source, recipe)
-    gyros, accelerometers = six_channels(recording)
-    for record in (*gyros, *accelerometers):
-        demand_whole(record)
+    axes = settings.turned or Axes()
+    data = inertial(recording, settings.turned)
+    gyros, accelerometers = map(axes.ordered, six_channels(recording))
     used = [*gyros[:2], *accelerometers[:2]]
     channels = _identified(recording, used, recipe, (settings, progress))
-    data = inertial(recording)
     models = [_model(channel, settings) for channel in channels]
     static = not any(channel.refusal for channel in channels[:2]) and not settings.keep_bias
     bias = data.gyro.mean(axis=0) if static else np.zeros(3)
@@ -87,10 +90,12 @@ def vertical(
     found, held = settings.row.run(moved, Setting(loop, gate=gate, samples=settings.samples))
     falling = int((np.linalg.norm(data.force, axis=1) <= 0.1 * data.gravity).sum())
     angles = tuple(_angle(i, found[:, i], (settings, loop, noises), channels) for i in range(2))
-    channels = tuple(replace(c, bias=float(b)) for c, b in zip(channels, (*bias[:2], 0.0, 0.0), strict=True))
+    biases = (*(bias * np.array(axes.sign))[:2].tolist(), 0.0, 0.0)
+    channels = tuple(replace(c, bias=b) for c, b in zip(channels, biases, strict=True))
     return VerticalStudy(
         channels, recipe, recording.findings, recording.notes, provenance_of(recording), settings, angles, loop,
-        data.rate, held, falling, data.downward, (*_remarks(data, bias, static=static), *_beyond(channels, loop)),
+        data.rate, held, falling, data.downward,
+        (*_remarks(data, bias, settings, static=static), *_beyond(channels, loop)),
     )  # fmt: skip
 
 
@@ -116,9 +121,7 @@ def _identified(
 def _model(channel: VerticalChannel, settings: VerticalSettings) -> Model | None:
     gyro, accelerometer = settings.models
     known = gyro if channel.record.signal.name == "gyro" else accelerometer
-    if known is not None or channel.fit is None:
-        return known
-    return channel.fit.valid or channel.fit.model
+    return channel.model if known is None else known
 
 
 def _noises(models: Sequence[Model | None], data: Inertial) -> list[Densities]:
@@ -148,31 +151,75 @@ def _angle(
     i: int, values: FloatArray, how: tuple[VerticalSettings, Loop, list[Densities]], channels: Sequence[VerticalChannel]
 ) -> Angle:
     settings, loop, noises = how
-    gyro, accelerometer = (channels[PAIRS[i][0]].record, channels[2 + PAIRS[i][1]].record)
+    pair = channels[PAIRS[i][0]], channels[2 + PAIRS[i][1]]
+    gyro, accelerometer = (channel.record for channel in pair)
     record = Record(np.degrees(values), gyro.rate, "deg", "angle", name=ANGLES[i], cut=getattr(gyro, "cut", 0.0))
     prediction = predict(noises[i], loop) if noises and settings.row.looped else None
+    best, doubts = _best(noises[i]) if noises else (None, [])
     return Angle(
-        ANGLES[i], record, float(values.mean()), float(values.std()), prediction,
-        optimum(noises[i]) if noises else None, gyro.name, accelerometer.name,
+        ANGLES[i], record, float(values.mean()), float(values.std()), prediction, best, gyro.name, accelerometer.name,
+        (*_doubts(pair, prediction), *doubts),
     )  # fmt: skip
 
 
+def _best(noise: Densities) -> tuple[Optimum | None, list[str]]:
+    """The best filters for an angle, or why there are none: a given time constant does not need them."""
+    try:
+        return optimum(noise), []
+    except UsageError as error:
+        return None, [say("there is no best filter for this angle: {reason}", reason=str(error))]
+
+
+def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> Iterator[str]:
+    """What the noise that was identified leaves open."""
+    for channel in pair:
+        if channel.noise is not None and not channel.noise.explained:
+            yield say("no model explains the noise of {name}: the error and the time constant that follow from the "
+                      "best one may be far off", name=channel.record.name)  # fmt: skip
+    lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
+    if lacking and prediction is not None:
+        gyro, tilt = (channel.fitted for channel in pair)
+        noise = Densities.of(
+            gyro or prediction.gyro, tilt or prediction.accelerometer, prediction.duration, prediction.rate
+        )
+        yield say("the prediction is a lower bound: it lacks terms whose coefficients are not valid ({terms}); with "
+                  "these as they were fitted it would be {error:.3g} arcsec", terms=join("; ", lacking),
+                  error=predict(noise, prediction.loop).to("arcsec"))  # fmt: skip
+
+
 def _beyond(channels: Sequence[VerticalChannel], loop: Loop) -> list[str]:
-    """Sensors whose noise is not known at the corner frequency of the filter."""
+    """A time constant longer than the recording, and sensors whose noise is not known at the filter's corner."""
     corner = loop.k1 / (2 * math.pi)
-    bands = [(c.record.name, c.fit.scope.band[1]) for c in channels if c.fit and c.fit.scope and c.fit.scope.limited]
-    return [
+    length = max((channel.record.size / channel.record.rate for channel in channels), default=math.inf)
+    notes: list[str] = []
+    if loop.time_constant > length:
+        notes.append(
+            say("the time constant is {tau:.3g} s, but the recording lasts {length:.3g} s only: the angles are in "
+                "effect those of the gyros alone", tau=loop.time_constant, length=length)
+        )  # fmt: skip
+    bands: dict[float, list[str]] = {}
+    for c in channels:
+        if c.fit and c.fit.scope and c.fit.scope.limited and c.fit.scope.band[1] < corner:
+            bands.setdefault(c.fit.scope.band[1], []).append(c.record.name)
+    return notes + [
         say("the corner of the filter is at {corner:.3g} Hz, but the noise of {name} was identified up to "
-            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=name, highest=highest)
-        for name, highest in bands if highest < corner
+            "{highest:.3g} Hz only: above, it is extrapolated", corner=corner, name=", ".join(names), highest=highest)
+        for highest, names in bands.items()
     ]  # fmt: skip
 
 
-def _remarks(data: Inertial, bias: FloatArray, *, static: bool) -> tuple[str, ...]:
+def _remarks(data: Inertial, bias: FloatArray, settings: VerticalSettings, *, static: bool) -> tuple[str, ...]:
     found = []
+    if settings.turned is not None:
+        found.append(say("forward, sideways and vertical are the axes {axes} of the file", axes=settings.turned))
     if data.downward:
-        found.append(say("the z axis points down: specific forces are turned around"))
+        found.append(say("the vertical axis points down: specific forces are turned around"))
     if static:
         rates = ", ".join(f"{b:.4g}" for b in np.degrees(bias) * 3600)
         found.append(say("the mean rates of the gyros were subtracted: {rates} deg/h", rates=rates))
+    fastest = float(np.abs(np.degrees(bias)).max())
+    if fastest > TURNING:
+        kept = spelled("--keep-bias", "keep_bias=True")
+        found.append(say("a mean rate of {rate:.3g} deg/s is no bias: the body turned; choose a static part, or keep "
+                         "the mean rates ({option})", rate=fastest, option=kept))  # fmt: skip
     return tuple(found)

@@ -11,7 +11,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import Duration
 
 if TYPE_CHECKING:
-    from allanite.attitude.scenarios import VerticalDesign
+    from allanite.attitude.trials import VerticalDesign
 
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
@@ -37,6 +37,9 @@ USUAL_DURATION = 3600.0
                  help="Ignore the accelerometers where their tilt differs from the angle by more than this."),
     click.option("--coning", "samples", type=click.IntRange(1, 4), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
+    click.option("--axes", metavar="AXES",
+                 help="Axes of the file that are forward, sideways and vertical, right-handed, e.g. y,-x,z.  "
+                 "[default: x,y,z]"),
     click.option("--keep-bias", is_flag=True, help="Do not subtract the mean rates of a static recording."),
     "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),
@@ -76,7 +79,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     """The best filter for the given noise."""
     from allanite.attitude import optimal_time_constant
     from allanite.attitude.prediction import biases
-    from allanite.attitude.scenarios import design
+    from allanite.attitude.trials import design
     from allanite.core.notation import parse_model
 
     if choices["gyro"] is None or choices["accelerometer"] is None:

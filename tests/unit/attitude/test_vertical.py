@@ -3,13 +3,24 @@
 import json
 import math
 from dataclasses import replace
+from itertools import permutations, product
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import allanite as al
-from allanite.attitude import VerticalSettings, optimal_time_constant, vertical
+from allanite.attitude import (
+    SCENARIOS,
+    Trial,
+    VerticalSettings,
+    optimal_time_constant,
+    predicted_error,
+    simulate_motion,
+    vertical,
+)
+from allanite.attitude.axes import Axes
+from allanite.attitude.study import _doubts
 from allanite.cli import main
 from allanite.reporting import table
 
@@ -76,11 +87,153 @@ def test_z_may_point_down(still):
     assert down.pitch == pytest.approx(-up.pitch, abs=1e-9)
 
 
+@pytest.fixture(scope="module")
+def swaying():
+    trial = Trial(GYRO, TILT, (1e-5, -2e-5, 3e-5), duration=20.0)
+    data, _ = simulate_motion(SCENARIOS["oscillation"], trial, rng=np.random.default_rng(1))
+    return np.hstack((data.gyro, data.force))
+
+
+KNOWN = VerticalSettings(time_constant=2.0, gyro="N 0.3 deg/sqrt(h)", accelerometer="N 100 ug/sqrt(Hz)", keep_bias=True)
+"""Nothing is identified."""
+
+
+def recorded(values):
+    units = 3 * ["rad/s"] + 3 * ["m/s^2"]
+    each = zip(values.T, units, NAMES, strict=True)
+    return al.Recording(tuple(al.Record(column, 100.0, unit, name=name) for column, unit, name in each))
+
+
+def mounted(values, axes):
+    """What sensors read whose axes are forward, sideways and vertical in this way."""
+    return recorded(np.hstack((values[:, :3] @ axes.matrix, values[:, 3:] @ axes.matrix)))
+
+
+EVERY = [",".join(s + a for s, a in zip(signs, names, strict=True))
+         for names in permutations("xyz") for signs in product(("", "-"), repeat=3)]  # fmt: skip
+"""All orders and signs of three axes; half of them are right-handed."""
+
+
+def handed(text):
+    rows = [(-1 if part[0] == "-" else 1) * np.eye(3)["xyz".index(part[-1])] for part in text.split(",")]
+    return np.linalg.det(rows)
+
+
+@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) > 0])
+def test_right_handed_axes(text):
+    assert str(Axes.of(text)) == text
+    assert Axes.of(text).turned(np.array([[1.0, 2.0, 3.0]]))[0] == pytest.approx(Axes.of(text).matrix @ [1, 2, 3])
+
+
+@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) < 0])
+def test_left_handed_axes_are_refused_with_others(text):
+    with pytest.raises(al.UsageError, match=f"the axes {text} are left-handed") as refused:
+        Axes.of(text)
+    suggested = str(refused.value).split("axes='")[1].split("'")[0]
+    assert handed(suggested) == pytest.approx(1)
+    assert suggested.replace("-", "") == text.replace("-", "")
+
+
+@pytest.mark.parametrize("text", ["y,-x,z", "x,-z,y", "-z,y,x", "y,z,x", "-x,-z,-y"])
+def test_a_recording_turned_about(swaying, text):
+    plain = vertical(recorded(swaying), settings=KNOWN)
+    turned = vertical(mounted(swaying, Axes.of(text)), settings=replace(KNOWN, axes=text))
+    assert turned.roll == pytest.approx(plain.roll, abs=1e-12)
+    assert turned.pitch == pytest.approx(plain.pitch, abs=1e-12)
+    names = {angle.name: (angle.gyro, angle.accelerometer) for angle in turned.angles}
+    forward, side, _ = (part[-1] for part in text.split(","))
+    assert names == {"roll": ("g" + forward, "a" + side), "pitch": ("g" + side, "a" + forward)}
+    assert text in table(turned)
+
+
+@pytest.mark.parametrize(
+    ("text", "gravity", "suggested"),
+    [
+        ("y,z,x", "x", "y,z,x"),
+        ("-z,y,x", "x", "y,z,x"),
+        ("y,-z,-x", "-x", "y,-z,-x"),
+        ("x,-z,y", "y", "x,-z,y"),
+        ("x,z,-y", "-y", "x,z,-y"),
+    ],
+)
+def test_gravity_along_another_axis_is_refused_with_axes_that_hold(swaying, text, gravity, suggested):
+    recording = mounted(swaying, Axes.of(text))
+    said = rf"gravity is along {gravity}, not z: \d+% of the mean specific force; give axes='{suggested}'"
+    with pytest.raises(al.DataError, match=said):
+        vertical(recording, time_constant=2.0)
+    found = vertical(recording, settings=replace(KNOWN, axes=suggested))
+    assert not found.downward
+    assert np.abs(np.degrees([angle.mean for angle in found.angles])).max() < 5
+    lying = vertical(recording, settings=replace(KNOWN, method="mahony", axes="x,y,z"))
+    assert np.hypot(*(angle.mean for angle in lying.angles)) > 1.3
+
+
+@pytest.mark.parametrize("wrong", ["x,y", "x,y,y", "x,y,w", "x,y,--z", "", "x,,z", "1,2,3"])
+def test_wrong_axes(wrong):
+    with pytest.raises(al.UsageError, match=r"are x, y and z in some order.*such as axes='y,-x,z', not"):
+        VerticalSettings(axes=wrong)
+
+
 def test_mean_rates_are_subtracted_or_kept(still):
     biased = changed(still, "gx", lambda v: v + 1e-4)
     free, kept = (vertical(biased, settings=VerticalSettings(time_constant=2.0, keep_bias=k)) for k in (False, True))
     assert free[0].bias == pytest.approx(1e-4, rel=1e-3)
     assert kept.angles[0].mean - free.angles[0].mean == pytest.approx(2e-4, rel=0.05)
+
+
+def test_mean_rates_of_turned_axes_are_those_of_the_file(still):
+    biased = changed(changed(still, "gx", lambda v: v + 1e-4), "gy", lambda v: v - 2e-4)
+    turned = replace(KNOWN, axes="y,-x,z", keep_bias=False)
+    assert vertical(biased, settings=turned)["gx"].bias == pytest.approx(1e-4, rel=1e-2)
+    assert vertical(biased, settings=turned)["gy"].bias == pytest.approx(-2e-4, rel=1e-2)
+
+
+def test_a_turning_body_and_a_time_constant_beyond_the_recording_are_said(still):
+    settings = replace(KNOWN, keep_bias=False)
+    turning = changed(still, "gz", lambda v: v + math.radians(20))
+    shown = " ".join(table(vertical(turning, settings=replace(settings, time_constant=500.0))).split())
+    assert "a mean rate of 20 deg/s is no bias" in shown
+    assert "the time constant is 500 s, but the recording lasts 400 s only" in shown
+    plain = table(vertical(still, settings=settings))
+    assert "is no bias" not in plain
+    assert "the recording lasts" not in plain
+
+
+def test_a_given_time_constant_needs_no_best_one(swaying):
+    silent = replace(KNOWN, accelerometer="N 1e-6 ug/sqrt(Hz)")
+    for angle in vertical(recorded(swaying), settings=silent).angles:
+        assert angle.optimum is None
+        assert angle.prediction.loop.time_constant == 2.0
+        assert "no best filter for this angle: no time constant is best" in angle.doubts[0]
+    with pytest.raises(al.UsageError, match="no time constant is best"):
+        vertical(recorded(swaying), settings=replace(silent, time_constant=None))
+
+
+def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
+    stepped = changed(still, "ay", lambda v: np.resize(1e-3 * np.array([0, 1, 2, 3, 4, 3, 2, 1]), v.size))
+    study = vertical(stepped, settings=replace(KNOWN, accelerometer=None))
+    roll, pitch = study.angles
+    assert not study["ay"].noise.explained
+    assert roll.doubts[0].startswith("no model explains the noise of ay")
+    assert pitch.doubts == ()
+    for shown in (table(study), al.reporting.page(study), json.dumps(study.to_dict())):
+        assert "no model explains the noise of ay" in shown
+
+
+def test_terms_that_are_not_valid_are_left_out_and_what_they_would_do_is_said(still):
+    slow = al.simulate(TILT + al.B(300, "ug"), 20_000, 50.0, rng=np.random.default_rng(5))
+    plain = vertical(changed(still, "ay", lambda _: slow.values))
+    channel = plain["ay"]
+    noise = replace(channel.noise, fit=channel.fit.invalid("it falls like none of the terms", ("B",)))
+    wrong = replace(channel, noise=noise)
+    assert [t.symbol for t in channel.model] == ["N", "B"]
+    assert [t.symbol for t in wrong.model] == ["N"]
+    assert [t.symbol for t in wrong.fitted] == ["N", "B"]
+    p = plain.angles[0].prediction
+    (doubt,) = _doubts((plain["gx"], wrong), predicted_error(p.gyro, wrong.model, p.loop, duration=400.0, rate=50.0))
+    assert doubt.startswith("the prediction is a lower bound: it lacks terms whose coefficients are not valid (B ay)")
+    stated = float(doubt.split("would be ")[1].split(" arcsec")[0])
+    assert stated == pytest.approx(p.to("arcsec"), rel=0.05)
 
 
 def test_free_fall_is_counted(still):
@@ -204,6 +357,9 @@ def test_scenarios_are_shown():
         (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
         (["six.csv", "--channels", "gx,gy,gz"], 3, "three gyros and three accelerometers"),
         (["none.csv"], 3, "none.csv"),
+        (["six.csv", "--axes", "x,z,y"], 2, "--axes x,-z,y"),
+        ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
+        (["six.csv", "--channels", "gx,gy,gz,az,ax,ay"], 3, "gravity is along x, not z"),
     ],
 )
 def test_wrong_commands(desk, words, code, said):

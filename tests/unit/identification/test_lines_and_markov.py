@@ -156,3 +156,13 @@ def test_false_lines_are_rare():
     """In 100 records of noise: more than 5 at 1 % each have a probability of 5e-4."""
     fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 101)]
     assert sum(bool(fit.lines) for fit in fits) <= 5
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("n", [1000, 1024, 16384])
+@pytest.mark.parametrize("pattern", [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]])
+def test_a_periodic_record_without_noise(n, pattern):
+    # most coefficients of its transform are exactly zero
+    record = al.Record(np.resize(1e-3 * np.array(pattern), n), RATE, "rad/s", name="z")
+    assert spectrum(record, detrend=True).power.min() > 0
+    assert al.identify(record).validity == "unexplained"

@@ -14,6 +14,9 @@ from allanite.identification.likelihood.whittle import CELLS, Spectrum, surround
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
 
+LEAST = 1e-12
+"""Power over the model's that a sentence states at least: of a model far from the record it may come out negative."""
+
 
 def goodness(
     spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used: BoolArray, taken: tuple[Line, ...] = ()
@@ -131,7 +134,7 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
         left -= 1
     while right < z.size - 1 and strong[right + 1]:
         right += 1
-    mean = math.exp(float(np.log(ratio[left : right + 1]).mean()))
+    mean = math.exp(float(np.log(np.maximum(ratio[left : right + 1], LEAST)).mean()))
     what = (
         say("motion, sway, vibration or a missing term")
         if mean > 1

@@ -36,6 +36,8 @@ LOWEST = 8
 FEWEST = 24
 """Bins that a fit needs."""
 
+ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
+"""Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
 
 CELLS = 24
 """Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
@@ -165,6 +167,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     if how is not None and above:
         for values, better in zip((power, peak), above, strict=True):
             values[how.low :] = better[how.low :]
+    np.maximum(power, ROUNDING * float(power.mean()), out=power)
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
     return Spectrum(n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how)
 

@@ -18,7 +18,7 @@ from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels, conventions, resolver
+from . import channels, conventions, pairs, resolver
 from .arrays import RATE_NAMES
 from .column import Column, unique
 

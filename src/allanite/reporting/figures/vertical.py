@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from allanite.attitude.optimum import Optimum
 from allanite.attitude.prediction import error_density
 from allanite.attitude.result import Angle
-from allanite.attitude.scenarios import ScenarioErrors
+from allanite.attitude.trials import ScenarioErrors
 from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.reporting import style

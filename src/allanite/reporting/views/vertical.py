@@ -12,7 +12,7 @@ from allanite.attitude.loop import Loop
 from allanite.attitude.optimum import Optimum
 from allanite.attitude.prediction import Prediction, texts
 from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
-from allanite.attitude.scenarios import ScenarioErrors, VerticalDesign
+from allanite.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.reporting import figures, words
@@ -159,9 +159,9 @@ def _design_face(found: VerticalDesign, _: float) -> Face:
     first = found.optimum.first
     sheets = [_optimum_sheet(found.optimum)]
     if found.scenarios is not None:
-        s = found.scenarios
-        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=s.duration, rate=s.rate)
-        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(s))))
+        trial = found.scenarios.trial
+        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=trial.duration, rate=trial.rate)
+        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(found.scenarios))))
     noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
     header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
     return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[_filters()], provenance=provenance_of())
@@ -216,10 +216,11 @@ def _angle_sheet(study: VerticalStudy, angle: Angle) -> Sheet:
         parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                               error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
         parts += _doubt(angle, p)
-    elif angle.optimum is None:
+    elif angle.optimum is None and not angle.doubts:
         parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
     else:
         parts.append(Note(say("no prediction: the filter is not linear")))
+    parts += [Note(doubt, "alert") for doubt in angle.doubts]
     if angle.optimum is not None:
         parts.append(Note(say("the best filters for this angle alone:")))
         parts += _optimum_parts(angle.optimum, angle.name)
@@ -241,8 +242,7 @@ BEYOND = 1.5
 
 
 def _channel_sheet(channel: VerticalChannel) -> Sheet:
-    fit = channel.fit
-    parts = [] if fit is None else [Note(say("noise: {model}", model=texts(fit.valid or fit.model)))]
+    parts = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
     parts += [Note(text) for text in channel.left_out]
     return channel_sheet(channel, parts)
 
