@@ -1,15 +1,17 @@
 """Bags of a million messages: time and memory of reading one, next to decoding with rosbags message by message.
 
-    python benchmarks/bags.py [--messages 1000000] [--forms bag db3 ...] [--write PATH]
+    python benchmarks/bags.py [--messages 1000000] [--forms bag db3 ...] [--keep FOLDER] [--write PATH]
 
-The bags hold one topic of sensor_msgs/Imu at 200 Hz and are written here. Each is read in a new process of its own;
-time is that of the processor, of that process and of those that it starts, without their imports. Memory is the
-largest resident size of that process less its size before, and that of the process which opens the file less the same
-of a small bag; it is known on Linux only. Both give the same samples, which is checked.
+The bags hold one topic of sensor_msgs/Imu at 200 Hz and are written here, or with --keep taken from a folder where an
+earlier run has left them. Each is read in a new process of its own; time is that of the processor, of that process and
+of those that it starts, without their imports. Memory is the largest resident size of that process less its size
+before, and that of the process which opens the file less the same of a small bag; it is known on Linux only. Both give
+the same samples, which is checked.
 """
 
 from table import begin, markdown
 
+import argparse
 import json
 import os
 import struct
@@ -134,11 +136,20 @@ def _serve(reader: str, path: str) -> None:
     print(json.dumps(about))
 
 
-def row(form: str, compression: str, count: int) -> tuple[str, ...]:
+def bag(folder: Path, how: tuple[str, str], count: int) -> Path:
+    """A bag in a folder; one that is there already is taken, which saves minutes."""
+    there = [path for path in folder.glob("*") if path.name.startswith("run")]
+    topic = bag_files.Topic("/imu/data", bag_files.IMU, messages(how[0], count))
+    return there[0] if there else bag_files.write(folder, how[0], [topic], compression=how[1])
+
+
+def row(form: str, compression: str, asked: argparse.Namespace) -> tuple[str, ...]:
     """The line of a bag."""
-    with tempfile.TemporaryDirectory() as folder:
-        topic = bag_files.Topic("/imu/data", bag_files.IMU, messages(form, count))
-        path = bag_files.write(Path(folder), form, [topic], compression=compression)
+    with tempfile.TemporaryDirectory() as temporary:
+        kept = f"{form} {compression} {asked.messages}".replace(" ", "_")
+        folder = Path(asked.keep, kept) if asked.keep else Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        path = bag(folder, (form, compression), asked.messages)
         size = bag_files.file_of(path).stat().st_size / 1e6
         a, b = measured("theirs", path), measured("ours", path)
     np.testing.assert_allclose(a["sums"], b["sums"], rtol=1e-12)
@@ -149,8 +160,8 @@ def row(form: str, compression: str, count: int) -> tuple[str, ...]:
 
 
 def main() -> None:
-    run = begin(__doc__, messages=1_000_000, forms=list(FORMS))
-    rows = [row(*FORMS[form], run.asked.messages) for form in run.asked.forms]
+    run = begin(__doc__, messages=1_000_000, forms=list(FORMS), keep="")
+    rows = [row(*FORMS[form], run.asked) for form in run.asked.forms]
     notes = [
         f"{run.asked.messages} messages with seeds 1",
         "seconds do not count imports: bags of 20 messages are read before",

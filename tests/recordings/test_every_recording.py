@@ -1,4 +1,4 @@
-"""File by file: how ``analyze`` ends, topic, rate and clock, what must be said, and the deviations that others computed.
+"""File by file: how ``analyze`` ends, topic, rate and clock, a finding, and the deviations that others computed.
 
 Options are those without which a file is refused: what it does not say, or how far its sensor is at rest.
 """
@@ -21,9 +21,9 @@ from allanite.prepare import trim
 class File:
     """A file of the folder, and the options that it needs.
 
-    `code` is the exit code. Patterns: `clock`, where the `rate` (of the first channel; 0: there is none) is from, `found`,
-    a finding, and `topic` of a log. `compared` has the channels of the table of references by unit, each with that of ours;
-    `reference` is its name there, and `given` the rate that it used, where that is rounded.
+    `code` is the exit code. Patterns: `clock`, where the `rate` (of all channels; 0: there is none) is from, `found`, a
+    finding, and `topic` of a log. `compared` has the channels of the table of references by unit, each with that of
+    ours; `reference` is its name there, and `given` the rate that it used, where that is rounded.
     """
 
     name: str
@@ -139,7 +139,7 @@ def read(recordings, file, unit, channels):
 
 
 def as_theirs(record, file, unit):
-    """A record as the reference took it: gaps closed, and of PSINS the row of scale factors before the first reading."""
+    """A record as the reference took it: gaps closed, and of PSINS the row of scale factors as the first reading."""
     if file.name.endswith(".imu"):
         first = 0.1 if unit == "deg/h" else 125.0
         values = np.concatenate(([first], record.values)) * record.scale

@@ -129,9 +129,8 @@ def _table(topic: _Topic, process: Process) -> Table:
     for i, name in enumerate((*others, first), 1):
         unit = topic.units[name]
         kind = "rate" if headers.inertial(unit) else ""
-        columns.append(
-            Column(numbers(values.pop(name), name), i, topic.called.get(name, name), unit, kind, header=name)
-        )
+        called, samples = topic.called.get(name, name), numbers(values.pop(name), name)
+        columns.append(Column(samples, i, called, unit, kind, header=name))
     return Table(tuple(columns), notes=tuple(_notes(topic)))
 
 

@@ -4,6 +4,7 @@ import csv
 import datetime
 import json
 import os
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -60,7 +61,8 @@ def _lines(sheet: Any, place: tuple[int, int]) -> list[str]:
 def _tell(number: int, claimed: int, place: tuple[int, int]) -> None:
     """Tell the share of all sheets that has been read, as far as the workbook says how many rows there are."""
     share = (place[0] + min(1.0, number / max(claimed, number, 1))) / place[1] if claimed else 0.0
-    print(json.dumps({"share": share}), flush=True)
+    sys.stdout.write(json.dumps({"share": share}) + "\n")
+    sys.stdout.flush()
 
 
 def _word(cell: Any) -> str:
