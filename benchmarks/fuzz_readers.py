@@ -195,6 +195,22 @@ def _dataflash() -> bytes:
     return data + b"".join(mark + bytes([130]) + struct.pack("<QB3f", 5000 * i, 0, *v) for i, v in enumerate(NUMBERS))
 
 
+def _dataflash_text() -> bytes:
+    lines = [
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+        "FMT, 130, 24, IMU, QBfff, TimeUS,I,GyrX,GyrY,GyrZ",
+        "FMT, 135, 76, UNIT, QbZ, TimeUS,Id,Label",
+        "FMT, 136, 20, MULT, Qbd, TimeUS,Id,Mult",
+        "FMT, 137, 44, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds",
+        "UNIT, 0, 115, s",
+        "UNIT, 0, 107, deg/s",
+        "MULT, 0, 70, 0.000001",
+        "FMTU, 0, 130, s#kkk, F----",
+    ]
+    lines += [f"IMU, {5000 * i}, 0, {x:.6f}, {y:.6f}, {z:.6f}" for i, (x, y, z) in enumerate(NUMBERS)]
+    return "\r\n".join((*lines, "")).encode()
+
+
 def _workbook() -> bytes:
     import openpyxl
 
@@ -315,6 +331,7 @@ SEEDS = {
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
     "flight.ulg": Seed(_ulog, {}, 1_000),
     "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}, 3_000),
+    "flight.log": Seed(_dataflash_text, {}, 3_000),
     "sheet.xlsx": Seed(_workbook, {}, 1_000),
     "run.tdms": Seed(_tdms, {}, 1_000),
     "run.lvm": Seed(_labview, {}, 3_000),
