@@ -195,22 +195,6 @@ def _dataflash() -> bytes:
     return data + b"".join(mark + bytes([130]) + struct.pack("<QB3f", 5000 * i, 0, *v) for i, v in enumerate(NUMBERS))
 
 
-def _dataflash_text() -> bytes:
-    lines = [
-        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
-        "FMT, 130, 24, IMU, QBfff, TimeUS,I,GyrX,GyrY,GyrZ",
-        "FMT, 135, 76, UNIT, QbZ, TimeUS,Id,Label",
-        "FMT, 136, 20, MULT, Qbd, TimeUS,Id,Mult",
-        "FMT, 137, 44, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds",
-        "UNIT, 0, 115, s",
-        "UNIT, 0, 107, deg/s",
-        "MULT, 0, 70, 0.000001",
-        "FMTU, 0, 130, s#kkk, F----",
-    ]
-    lines += [f"IMU, {5000 * i}, 0, {x:.6f}, {y:.6f}, {z:.6f}" for i, (x, y, z) in enumerate(NUMBERS)]
-    return "\r\n".join((*lines, "")).encode()
-
-
 def _workbook() -> bytes:
     import openpyxl
 
@@ -329,20 +313,19 @@ SEEDS = {
     "squeezed.mat": Seed(lambda: _matlab(do_compression=True)),
     "matrix.rda": Seed(lambda: _r(".rda"), ASKED, 50_000),
     "frame.rds": Seed(lambda: _r(".rds"), ASKED, 50_000),
-    "flight.ulg": Seed(_ulog, {}, 1_000),
+    "flight.ulg": Seed(_ulog, {}, 300),
     "flight.bin": Seed(_dataflash, {"channels": "IMU/0"}, 3_000),
-    "flight.log": Seed(_dataflash_text, {}, 3_000),
-    "sheet.xlsx": Seed(_workbook, {}, 1_000),
-    "run.tdms": Seed(_tdms, {}, 1_000),
+    "sheet.xlsx": Seed(_workbook, {}, 300),
+    "run.tdms": Seed(_tdms, {}, 500),
     "run.lvm": Seed(_labview, {}, 3_000),
     "vn100.txt": Seed(_sentences, ASKED, 3_000),
-    "run.mf4": Seed(_mdf, {}, 1_000),
+    "run.mf4": Seed(_mdf, {}, 100),
     "kfgins.bin": Seed(_kfgins, {"dtype": "kfgins"}, 3_000),
-    "plain.bag": Seed(lambda: _bag("bag"), {}, 1_000),
-    "squeezed.bag": Seed(lambda: _bag("bag", "lz4"), {}, 1_000),
-    "plain.db3": Seed(lambda: _bag("db3"), {}, 1_000),
-    "plain.mcap": Seed(lambda: _bag("mcap"), {}, 1_000),
-    "squeezed.mcap": Seed(lambda: _bag("mcap", "storage"), {}, 1_000),
+    "plain.bag": Seed(lambda: _bag("bag"), {}, 300),
+    "squeezed.bag": Seed(lambda: _bag("bag", "lz4"), {}, 300),
+    "plain.db3": Seed(lambda: _bag("db3"), {}, 300),
+    "plain.mcap": Seed(lambda: _bag("mcap"), {}, 300),
+    "squeezed.mcap": Seed(lambda: _bag("mcap", "storage"), {}, 300),
     "stored.zip": Seed(lambda: _zip(zipfile.ZIP_STORED), ASKED, 10_000),
     "squeezed.zip": Seed(lambda: _zip(zipfile.ZIP_DEFLATED), ASKED, 10_000),
     "gyro.csv.gz": Seed(lambda: gzip.compress(_text(","), mtime=0), ASKED, 8_000),

@@ -73,7 +73,7 @@ FILES = [
          r"column 'timestamp \[us\]'", r"sensor_combined/0 \(1298 rows at 199\.7 Hz\)",
          compared={"rad/s": {f"g{axis}": f"gyro_rad[{i}]" for i, axis in enumerate("xyz")}}),
     File("format_only_vn100_moving.mcap", 0, r"2 samples \(0\.067 %\) missing in 1 gap", 40.000206,
-         "column 'header.stamp'", r"/imu of type custom_interfaces/Vectornav \(2983 rows at 39\.96 Hz\)"),
+         "column 'header.stamp'", r"/imu of type custom_interfaces/Vectornav \(2983 rows at 39\.97 Hz\)"),
     File("format_only_vn100_moving_0.db3", 2, r"IMUmsg is missing: put it beside the bag as IMUmsg\.msg",
          topic=r"/imu of type imu_msg/IMUmsg \(2617 rows at 40 Hz\)"),
     File("imu_tk_xsens_gyro.mat", 0, r"the record is only 50 s long", 100.0,

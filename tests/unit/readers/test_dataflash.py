@@ -9,6 +9,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
+from fuzz_readers import generator, mutated, outcome
 
 RNG = np.random.default_rng(7)
 KINDS = {
@@ -199,6 +200,15 @@ def test_damaged_lines_of_a_log_as_text(tmp_path):
     path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
     with pytest.raises(DataError, match="no rows of numbers"):
         al.read(path)
+
+
+def test_mutations_of_a_log_as_text_are_read_or_refused(tmp_path):
+    path, (imu, rate) = tmp_path / "flight.log", flown(40)
+    data, found = as_text(*UNITS, *imu, *rate).encode(), set()
+    for k in range(200):
+        path.write_bytes(mutated(generator(path.name, k), data))
+        found.add(outcome(path, {"channels": "IMU/0"}))
+    assert found == {"read", "refused"}
 
 
 def test_damaged_logs(flight, tmp_path):
