@@ -201,9 +201,7 @@ def measure_rates(
         An option is wrong, or a required one is missing.
     """
     recipe, settings = recipe or Recipe(), settings or RateSettings()
-    if progress is not None:
-        progress("reading", 0.0)
-    recordings = [open_recording(s, recipe) for s in (source, second) if s is not None]
+    recordings = [open_recording(s, recipe, progress=progress) for s in (source, second) if s is not None]
     first = recordings[0]
     groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
     findings = tuple(finding for recording in recordings for finding in recording.findings)

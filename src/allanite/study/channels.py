@@ -21,6 +21,7 @@ from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
+from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
@@ -29,6 +30,9 @@ from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
+
+_FIRST = 0.04
+"""Fraction of a job that is reading its file: that which is completed when the first channel begins, or less."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,7 +132,9 @@ class Job(Value, Generic[Result]):
         return f"{source!r}: {', '.join(name or 'channel' for name in self._names)}"
 
 
-def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:
+def open_recording(
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
+) -> Recording:
     """The part of a recording selected by the recipe.
 
     Parameters
@@ -137,6 +143,8 @@ def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ())
         A path is read with the recipe's options.
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
+    progress : callable, optional
+        Called with what is read and the fraction of the whole job that is completed.
 
     Raises
     ------
@@ -145,12 +153,21 @@ def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ())
     UsageError
         An option is wrong, or a required one is missing.
     """
-    whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
+    with told(_reading(progress)):
+        whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":
         return part
     own = part.records[: len(part.records) - len(along)]
     return replace(part, records=(*map(mark_outliers, own), *part.records[len(own) :]))
+
+
+def _reading(progress: Progress | None) -> Callable[[float], None] | None:
+    """What is told while a file is read, which is the first part of a job."""
+    if progress is None:
+        return None
+    progress("reading", 0.0)
+    return lambda share: progress(f"reading, {100 * share:.0f} %", _FIRST * share)
 
 
 def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
@@ -254,9 +271,7 @@ def run(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    if progress is not None:
-        progress("reading", 0.0)
-    recording = open_recording(source, recipe)
+    recording = open_recording(source, recipe, progress=progress)
     channels = [(record.name, (record,)) for record in recording]
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
     if demand:

@@ -17,6 +17,7 @@ from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 from allanite.readers.sandbox import guard
 from allanite.readers.sandbox.bag_messages import Definition
+from allanite.study.channels import open_recording
 from bag_files import FORMS, IMU, Topic, file_of, imu, imu_topic, packed, types, write
 
 RNG = np.random.default_rng(8)
@@ -391,6 +392,14 @@ def test_the_missing_library_is_named_with_its_extra(tmp_path, monkeypatch):
     code, said = run("info", path)
     assert code == 2
     assert "this format needs rosbags, which is not installed: pip install 'allanite[ros]'" in said
+
+
+def test_progress_is_told_while_a_bag_is_read(tmp_path):
+    told = []
+    path = write(tmp_path, "bag", [imu_topic("bag", VALUES)])
+    open_recording(path, al.Recipe(), progress=lambda what, fraction: told.append((what, fraction)))
+    assert told[0] == ("reading", 0.0)
+    assert told[-1] == ("reading, 100 %", pytest.approx(0.04))
 
 
 # damaged

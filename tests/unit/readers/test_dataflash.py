@@ -9,6 +9,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
+from fuzz_readers import generator, mutated, outcome
 
 RNG = np.random.default_rng(7)
 KINDS = {
@@ -18,6 +19,10 @@ KINDS = {
     "BARO": (132, "Qfc", "TimeUS,Alt,Temp"),
     "ISBH": (133, "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate"),
     "ISBD": (134, "QHHaaa", "TimeUS,N,seqno,x,y,z"),
+    "UNIT": (135, "QbZ", "TimeUS,Id,Label"),
+    "MULT": (136, "Qbd", "TimeUS,Id,Mult"),
+    "FMTU": (137, "QBNN", "TimeUS,FmtType,UnitIds,MultIds"),
+    "RATE": (138, "Qcf", "TimeUS,R,ROut"),
 }
 CODES = {"n": "4s", "N": "16s", "Z": "64s", "a": "32h", "c": "h"}
 
@@ -117,6 +122,93 @@ def test_batches_are_unrolled_with_gaps_between_them(tmp_path):
     assert np.isnan(values[1024:1500]).all()
     assert np.isnan(values[1660:1692]).all()
     assert not np.isnan(values[1692:2524]).any()
+
+
+UNITS = [
+    *(("UNIT", 0, ord(letter), label.encode()) for letter, label in
+      {"s": "s", "k": "deg/s", "E": "rad/s", "o": "m/s/s", "#": "instance", "-": ""}.items()),
+    *(("MULT", 0, ord(letter), factor) for letter, factor in {"-": 0.0, "F": 1e-6, "B": 1e-2, "C": 1e-3}.items()),
+    ("FMTU", 0, 130, b"s#kkkooo", b"F-CCC---"),
+    ("FMTU", 0, 131, b"s#sEEE", b"F-F---"),
+    ("FMTU", 0, 138, b"sk-", b"FB-"),
+]  # fmt: skip
+
+
+def as_text(*messages):
+    """Messages as Mission Planner writes them: hundredths as what they mean."""
+    kinds = [("FMT", number, 3 + struct.calcsize(code(letters)), name, letters, columns)
+             for name, (number, letters, columns) in KINDS.items()]  # fmt: skip
+    lines = []
+    for kind, *values in (*kinds, *messages):
+        letters = KINDS[kind][1]
+        words = [value.decode() if isinstance(value, bytes) else str(value / 100) if letter == "c" else str(value)
+                 for value, letter in zip(values, letters, strict=True)]  # fmt: skip
+        lines.append(", ".join((kind, *words)))
+    return "\n".join(lines) + "\n"
+
+
+def flown(count=300):
+    values = RNG.normal(size=(count, 6)).round(6).tolist()
+    imu = [("IMU", 10**9 + i * 20_000, i % 2, *row) for i, row in enumerate(values)]
+    rate = [("RATE", 10**9 + i * 20_000, int(RNG.integers(-9000, 9000)), 0.5) for i in range(count)]
+    return imu, rate
+
+
+@pytest.mark.parametrize("form", ["binary", "text"])
+def test_units_and_factors_that_the_log_says(tmp_path, form):
+    imu, rate = flown()
+    every, path = (*UNITS, *imu, *rate), tmp_path / "flight.log"
+    if form == "binary":
+        log(path, *(message(*one) for one in every))
+    else:
+        path.write_text(as_text(*every))
+    recording = al.read(path, channels=["IMU/0"])
+    assert [record.unit for record in recording] == ["deg/s"] * 3 + ["m/s^2"] * 3
+    assert "units by the definitions in the log" in recording.notes
+    values = np.array([row[3:] for row in imu[::2]])
+    for k, (record, factor) in enumerate(zip(recording, (1e-3,) * 3 + (1,) * 3, strict=True)):
+        np.testing.assert_allclose(record.values, values[:, k] * factor, rtol=1e-6, atol=1e-9)
+    assert recording[0].rate == pytest.approx(25.0)
+    (roll,) = al.read(path, channels=["RATE/R"])
+    assert (roll.unit, roll.rate) == ("deg/s", pytest.approx(50.0))
+    np.testing.assert_allclose(roll.values, [row[2] / 100 for row in rate], rtol=1e-12)
+
+
+def test_a_log_as_text_is_read_as_pymavlink_reads_it(tmp_path):
+    reader = pytest.importorskip("pymavlink.DFReader").DFReader_text
+    path, (imu, rate) = tmp_path / "flight.log", flown()
+    path.write_text(as_text(*imu, *rate))
+    found, expected = reader(str(path)), []
+    while (one := found.recv_match(type="IMU")) is not None:
+        expected.append([getattr(one, name) for name in ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ")])
+    found.data_map.close()
+    found.filehandle.close()
+    for instance in (0, 1):
+        recording = al.read(path, channels=[f"IMU/{instance}"])
+        assert [record.unit for record in recording] == ["rad/s"] * 3 + ["m/s^2"] * 3
+        assert np.array_equal(np.array([record.values for record in recording]).T, expected[instance::2])
+
+
+def test_damaged_lines_of_a_log_as_text(tmp_path):
+    path, (imu, _) = tmp_path / "flight.log", flown()
+    lines = ["ArduCopter V3.1", "", *as_text(*imu).splitlines()]
+    lines[40], lines[60] = lines[40][:30], lines[60].replace(".", "x")
+    path.write_text("\r\n".join(lines))
+    recording = al.read(path, channels=["IMU/0"])
+    assert any("2 lines of IMU cannot be read" in note for note in recording.notes)
+    assert recording[0].size == 150
+    path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
+    with pytest.raises(DataError, match="no rows of numbers"):
+        al.read(path)
+
+
+def test_mutations_of_a_log_as_text_are_read_or_refused(tmp_path):
+    path, (imu, rate) = tmp_path / "flight.log", flown(40)
+    data, found = as_text(*UNITS, *imu, *rate).encode(), set()
+    for k in range(200):
+        path.write_bytes(mutated(generator(path.name, k), data))
+        found.add(outcome(path, {"channels": "IMU/0"}))
+    assert found == {"read", "refused"}
 
 
 def test_damaged_logs(flight, tmp_path):

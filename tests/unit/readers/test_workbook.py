@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
+from allanite.readers.sandbox.progress import told
 
 openpyxl = pytest.importorskip("openpyxl")
 GYRO = np.random.default_rng(9).normal(size=(300, 2))
@@ -75,6 +76,13 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
     with pytest.raises(UsageError, match=r"sampling rate.*unit is unknown"):
         al.read(path)
     assert al.read(path, rate=100, unit="deg/s")[0].size == 300
+
+
+def test_progress_is_told_while_sheets_are_read(tmp_path):
+    shares = []
+    with told(shares.append):
+        al.read(workbook(tmp_path / "a.xlsx", Run=timed(0) + [[k * 0.01, 1.0, 2.0, 3.0] for k in range(2500)]))
+    assert [share for share in shares if 0 < share < 1] == pytest.approx([1000 / 2501, 2000 / 2501])
 
 
 def test_workbooks_without_numbers_and_damaged_ones(tmp_path):

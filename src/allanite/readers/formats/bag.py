@@ -118,17 +118,19 @@ def _stream(topic: _Topic, names: Sequence[str], process: Process) -> streams.St
 def _table(topic: _Topic, process: Process) -> Table:
     """The numbers of the messages in the order in which they were received."""
     demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
-    rows = process.load(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype)
+    values = process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)
     first, *others = topic.units
-    received = rows[first]
+    received = values[first]
     if np.any(received[1:] < received[:-1]):
-        rows = rows[np.argsort(received, kind="stable")]
+        order = np.argsort(received, kind="stable")
+        values = {name: one[order] for name, one in values.items()}
     columns = []
     # the receive time comes last: of two clocks that are equally steady, the stamp of the header is the better one
     for i, name in enumerate((*others, first), 1):
         unit = topic.units[name]
         kind = "rate" if headers.inertial(unit) else ""
-        columns.append(Column(numbers(rows[name], name), i, topic.called.get(name, name), unit, kind, header=name))
+        called, samples = topic.called.get(name, name), numbers(values.pop(name), name)
+        columns.append(Column(samples, i, called, unit, kind, header=name))
     return Table(tuple(columns), notes=tuple(_notes(topic)))
 
 

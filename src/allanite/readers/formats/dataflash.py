@@ -1,17 +1,17 @@
 """ArduPilot dataflash logs: the gyroscopes and accelerometers of IMU, GYR and ACC messages and of batches.
 
-Source of the format: ArduPilot, libraries/AP_Logger/LogStructure.h and README.md (ArduPilot team, version 4.5).
+Binary logs, and logs that Mission Planner has written as text.
 """
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from itertools import product
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.core.language import Phrase, say
+from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
@@ -19,122 +19,57 @@ from allanite.readers.columns.column import Column, some
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
+from allanite.readers.sandbox.source import head_of
 
-TITLE = "ArduPilot dataflash log .bin"
+from .dataflash_log import BinaryLog, Kind, Log, Rows, TextLog, Units, named, units
+
+TITLE = "ArduPilot dataflash log .bin, or .log as text"
 
 _MAGIC = b"\xa3\x95\x80"
-_DEFINITION = 128
-_FIELDS = {
-    "b": "i1", "B": "u1", "M": "u1", "h": "<i2", "H": "<u2", "c": "<i2", "C": "<u2", "i": "<i4", "I": "<u4",
-    "e": "<i4", "E": "<u4", "L": "<i4", "g": "<f2", "f": "<f4", "d": "<f8", "q": "<i8", "Q": "<u8",
-    "n": "S4", "N": "S16", "Z": "S64", "a": "32<i2",
-}  # fmt: skip
-"""Letters of the format of a message: the type of the field."""
-
-_DEFINED = np.dtype([("type", "u1"), ("length", "u1"), ("name", "S4"), ("format", "S16"), ("columns", "S64")])
+_TEXT = re.compile(rb"^FMT, *128, *\d+, *FMT,", re.MULTILINE)
 _UNITS = {"TimeUS": "us", "SampleUS": "us", "TimeMS": "ms", "T": "degC"}
 _UNITS |= {f"{sensor}{axis}": unit for sensor, unit in (("Gyr", "rad/s"), ("Acc", "m/s^2")) for axis in "XYZ"}
+"""Units of fields of which the log does not say any."""
+
 _BATCH = (("accel", "m/s^2"), ("gyro", "rad/s"))
 """Names and units of the sensors of batches, by their number there."""
 
-Rows = NDArray[np.void]
-
 
 def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the file begins with the definition of a message."""
-    return head.startswith(_MAGIC)
+    """Whether the file begins with the definition of a message, or has one among its first lines."""
+    return head.startswith(_MAGIC) or bool(_TEXT.search(head[:4096]))
 
 
 def read(path: str, options: Options) -> Recording:
     """The channels of one kind of message; of several instances each is ``IMU/0``, ``IMU/1``."""
-    log = Log(np.asarray(np.memmap(path, np.uint8, mode="r")))
+    binary = head_of(path).startswith(_MAGIC)
+    log: Log = (
+        BinaryLog(np.asarray(np.memmap(path, np.uint8, mode="r"))) if binary else TextLog(path, Path(path).read_bytes())
+    )
     with worded():
-        found = [stream for kind in log.kinds for stream in _streams(log, kind)]
+        said = units(log)
+        found = [stream for kind in log.kinds for stream in _streams(log, kind, said.get(kind.number, {}))]
     return streams.recording([*_batches(log), *found], options, log.notes)
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of message: its number, name, the type of its contents, and how many there are."""
-
-    number: int
-    name: str
-    dtype: np.dtype[np.void]
-    count: int
-
-
-@dataclass(frozen=True, eq=False)
-class Log:
-    """The messages of a log, of which `data`, shape (n,), are the bytes."""
-
-    data: NDArray[np.uint8]
-
-    @cached_property
-    def _walked(self) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
-        """Lengths and numbers of messages of all kinds, and the bytes of none."""
-        from allanite.kernels.messages import counted
-
-        lengths = np.zeros(256, np.int64)
-        lengths[_DEFINITION] = 3 + _DEFINED.itemsize
-        counts, lost = counted(self.data, lengths)
-        return lengths, counts, int(lost)
-
-    @cached_property
-    def kinds(self) -> list[Kind]:
-        """The kinds of messages in the log whose fields can be read."""
-        lengths, counts, _ = self._walked
-        made = dict[int, Kind]()
-        for row in self.rows(Kind(_DEFINITION, "FMT", _DEFINED, int(counts[_DEFINITION]))):
-            number, dtype = int(row["type"]), _contents(row)
-            if number not in made and counts[number] and dtype.itemsize + 3 == lengths[number]:
-                made[number] = Kind(number, _word(row["name"]), dtype, int(counts[number]))
-        return [kind for kind in made.values() if kind.number != _DEFINITION]
-
-    @property
-    def notes(self) -> tuple[Phrase, ...]:
-        """What is damaged."""
-        lost = self._walked[2]
-        return (say("the log is damaged: {bytes} bytes belong to no message", bytes=lost),) if lost else ()
-
-    def rows(self, kind: Kind) -> Rows:
-        """The contents of all messages of a kind."""
-        from allanite.kernels.messages import taken
-
-        rows = np.zeros((kind.count, kind.dtype.itemsize), np.uint8)
-        taken(self.data, self._walked[0].copy(), kind.number, rows)
-        return rows.view(kind.dtype)[:, 0]
-
-    def named(self, name: str) -> Kind | None:
-        """The kind of this name."""
-        return next((kind for kind in self.kinds if kind.name == name), None)
-
-
-def _word(raw: bytes) -> str:
-    return raw.split(b"\0")[0].decode("latin-1")
-
-
-def _contents(row: np.void) -> np.dtype[np.void]:
-    """The type of the contents of a defined message; empty if it has fields of unknown types or names."""
-    letters, names = _word(row["format"]), _word(row["columns"]).split(",")
-    known = len(letters) == len(names) == len(set(names)) and all(letter in _FIELDS for letter in letters)
-    fields = zip(names, letters, strict=True) if known and all(names) else ()
-    return np.dtype([(name, _FIELDS[letter]) for name, letter in fields])
-
-
-def _streams(log: Log, kind: Kind) -> Iterator[streams.Stream]:
+def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
     """A stream for each instance of a kind of message."""
     names = tuple(kind.dtype.names or ())
-    fits = any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
-    if not fits:
+    if not _inertial(names):
         if not kind.name.startswith("ISB") and names:
-            yield streams.Stream(kind.name, kind.count, names, lambda: _table(log.rows(kind)), None, fits=False)
+            yield streams.Stream(kind.name, kind.count, names, lambda: _table(kind, log.rows(kind), said), fits=False)
         return
     rows = log.rows(kind)
     instances = np.unique(rows["I"]) if "I" in names else [None]
+    lost = kind.count - rows.size
     for instance in instances:
         own = rows if instance is None else rows[rows["I"] == instance]
         name = kind.name if instance is None else f"{kind.name}/{instance}"
-        yield streams.Stream(name, own.size, names, partial(_table, own), _rate(own))
+        yield streams.Stream(name, own.size, names, partial(_table, kind, own, said, lost), _rate(own))
+
+
+def _inertial(names: tuple[str, ...]) -> bool:
+    return any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
 
 
 def _rate(rows: Rows) -> float | None:
@@ -144,20 +79,30 @@ def _rate(rows: Rows) -> float | None:
     return streams.mean_rate(rows.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
 
 
-def _table(rows: Rows) -> Table:
+def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> Table:
     """The numbers of messages; of those with inertial sensors only these, time stamps and temperature."""
     names = tuple(rows.dtype.names or ())
-    known = any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
+    known = _inertial(names)
     kept = [name for name in names if rows.dtype[name].kind in "iuf" and (name in _UNITS or not known)]
     left = [name for name in names if name not in kept]
-    note = (say("left out, not used of the table: {fields}", fields=some(left)),) if left else ()
-    made = (column(name, rows[name], names.index(name) + 1, unit=_UNITS.get(name, "")) for name in kept)
-    return Table(tuple(made), notes=note)
+    notes = []
+    if lost:
+        notes.append(say("the log is damaged: {count} lines of {name} cannot be read", count=lost, name=kind.name))
+    if said.keys() & kept:
+        notes.append(say("units by the definitions in the log"))
+    if left:
+        notes.append(say("left out, not used of the table: {fields}", fields=some(left)))
+    made = []
+    for name in kept:
+        unit, factor = said.get(name, (_UNITS.get(name, ""), 1.0))
+        values = rows[name] if factor == 1 else rows[name].astype(np.float64) * factor
+        made.append(column(name, values, names.index(name) + 1, unit=unit))
+    return Table(tuple(made), notes=tuple(notes))
 
 
 def _batches(log: Log) -> Iterator[streams.Stream]:
     """A stream for each sensor that was sampled in batches."""
-    heads, parts = log.named("ISBH"), log.named("ISBD")
+    heads, parts = named(log, "ISBH"), named(log, "ISBD")
     needed = {"N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate"}
     if heads is None or parts is None or not needed <= set(heads.dtype.names or ()):
         return

@@ -1,7 +1,6 @@
 """The process that opens a file of a fragile format, and how it may end."""
 
 import json
-import math
 import subprocess
 import sys
 import tempfile
@@ -17,10 +16,18 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from .guard import demand_library, most
+from .progress import tell
 from .source import size_of
 
 WAIT, SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
+
+
+BLOCK = 1 << 20
+"""Bytes of a dataset that are received at a time."""
+
+SHARE = "share"
+"""Key of a line in which a worker only tells which share of the structure it has read; see `worker.main`."""
 
 
 class Library(NamedTuple):
@@ -93,16 +100,41 @@ class Process:
 
     def load(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
         """A dataset, or those of its fields that are in `dtype`."""
-        size = math.prod(shape) * dtype.itemsize
-        array = np.empty(size, np.uint8)
+        array = np.empty(shape, dtype)
+        data = array.reshape(-1).view(np.uint8)
+        with self._sending(path, dtype, data.size):
+            for begin in range(0, data.size, BLOCK):
+                self._fill(data[begin : begin + BLOCK], path)
+                tell((begin + BLOCK) / data.size)
+        return array
+
+    def fields(self, path: str, count: int, dtype: np.dtype[Any]) -> dict[str, NDArray[Any]]:
+        """Each field of a dataset of `count` rows; only a block of whole rows is in memory at a time."""
+        columns = {name: np.empty(count, dtype[name]) for name in dtype.names or ()}
+        rows = np.empty(min(count, max(1, BLOCK // dtype.itemsize)), dtype)
+        with self._sending(path, dtype, count * dtype.itemsize):
+            for begin in range(0, count, max(1, rows.size)):
+                part = rows[: count - begin]
+                self._fill(part.view(np.uint8), path)
+                for name, values in columns.items():
+                    values[begin : begin + part.size] = part[name]
+                tell((begin + part.size) / count)
+        return columns
+
+    @contextmanager
+    def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:
+        """Ask for a dataset of `size` bytes, which must be here in time."""
         with self._deadline(self._wait + size / SPEED):
             self._ask({"path": path, "fields": list(dtype.names or ())})
-            filled, view = 0, array.data
-            while filled < size and (count := self._stdout.readinto(view[filled:])):
-                filled += count
-        if filled < size:
+            yield
+
+    def _fill(self, array: NDArray[np.uint8], path: str) -> None:
+        """Fill an array with the next bytes of a dataset."""
+        filled = 0
+        while filled < array.size and (count := self._stdout.readinto(array.data[filled:])):
+            filled += count
+        if filled < array.size:
             raise self._broken(f"while reading {path!r}")
-        return array.view(dtype).reshape(shape)
 
     def _ask(self, request: dict[str, Any]) -> None:
         stdin: Any = self._process.stdin
@@ -117,11 +149,15 @@ class Process:
         return self._process.stdout
 
     def _listing(self) -> dict[str, Any]:
+        said: dict[str, Any] = {SHARE: 0.0}
         with self._deadline(self._wait):
-            line = self._stdout.readline(1 << 24)
-        if not line.endswith(b"\n"):
-            raise self._broken("while reading its structure")
-        return dict(json.loads(line))
+            while SHARE in said:
+                tell(said[SHARE])
+                line = self._stdout.readline(1 << 24)
+                if not line.endswith(b"\n"):
+                    raise self._broken("while reading its structure")
+                said = dict(json.loads(line))
+        return said
 
     @contextmanager
     def _deadline(self, seconds: float) -> Iterator[None]:

@@ -1,8 +1,9 @@
 """Program that opens one file in a process of its own: on damaged files the libraries crash, hang or exhaust memory.
 
-It prints a line of JSON with the contents of the file; then, for each line with the JSON of a request, the bytes of a
-dataset. Memory and processor time are limited, and nothing in a file is executed or unpickled. The process is
-independent: it is started by its path and imports nothing of this package.
+It prints a line of JSON with the contents of the file, before it perhaps lines with the `share` that has been read;
+then, for each line with the JSON of a request, the bytes of a dataset. Memory and processor time are limited, and
+nothing in a file is executed or unpickled. The process is independent: it is started by its path and imports nothing
+of this package.
 """
 
 import json

@@ -2,8 +2,9 @@
 
 import csv
 import datetime
-import io
+import json
 import os
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -13,11 +14,15 @@ from openpyxl import load_workbook
 HEAD = 200
 """Number of lines of a sheet that are listed."""
 
+OFTEN = 1000
+"""Number of rows after which the share that has been read is told."""
+
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The sheets with their first lines, and a function that sends the text of one; see `worker.main`."""
     book = load_workbook(path, read_only=True, data_only=True, keep_links=False)
-    sheets = {sheet.title: _lines(sheet) for sheet in book.worksheets}
+    count = len(book.worksheets)
+    sheets = {sheet.title: _lines(sheet, (i, count)) for i, sheet in enumerate(book.worksheets)}
     texts = {title: "\n".join((*lines, "")).encode() for title, lines in sheets.items()}
     said = [
         {"path": title, "size": len(texts[title]), "rows": len(lines), "head": "\n".join(lines[:HEAD])[:20_000]}
@@ -27,22 +32,37 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     return {"datasets": said}, lambda where, fields: (len(texts[where]), [texts[where]])
 
 
-def _lines(sheet: Any) -> list[str]:
+class _Lines(list[str]):
+    """Lines that a `csv.writer` writes."""
+
+    write = list.append
+
+
+def _lines(sheet: Any, place: tuple[int, int]) -> list[str]:
     """The rows as lines of CSV; rows with numbers have the same number of cells."""
+    claimed = sheet.max_row or 0
     sheet.reset_dimensions()  # a claim of the file, to which rows would be filled
-    lines, widths = list[str](), list[int]()
-    for row in sheet.iter_rows(values_only=True):
+    lines, widths = _Lines(), list[int]()
+    writer = csv.writer(lines, lineterminator="")
+    for number, row in enumerate(sheet.iter_rows(values_only=True)):
+        if number % OFTEN == 0:
+            _tell(number, claimed, place)
         cells = list(row)
         while cells and cells[-1] in (None, ""):
             cells.pop()
         if cells:
-            line = io.StringIO()
-            csv.writer(line, lineterminator="").writerow([_word(cell) for cell in cells])
-            lines.append(line.getvalue())
+            writer.writerow([repr(cell) if type(cell) is float else _word(cell) for cell in cells])
             # a title or a remark above the table has a width of its own
             widths.append(len(cells) if any(isinstance(cell, (int, float)) for cell in cells) else 0)
     wide = max(widths, default=0)
     return [line + "," * (wide - width if width else 0) for line, width in zip(lines, widths, strict=True)]
+
+
+def _tell(number: int, claimed: int, place: tuple[int, int]) -> None:
+    """Tell the share of all sheets that has been read, as far as the workbook says how many rows there are."""
+    share = (place[0] + min(1.0, number / max(claimed, number, 1))) / place[1] if claimed else 0.0
+    sys.stdout.write(json.dumps({"share": share}) + "\n")
+    sys.stdout.flush()
 
 
 def _word(cell: Any) -> str:

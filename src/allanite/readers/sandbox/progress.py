@@ -1,0 +1,24 @@
+"""How much of a file has been read, for whoever waits for it."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+_told: ContextVar[Callable[[float], None] | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def told(tell: Callable[[float], None] | None) -> Iterator[None]:
+    """While a file is read inside, `tell` is called with the share, 0 to 1, that has been read; None: nobody is."""
+    token = _told.set(tell)
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+def tell(share: float) -> None:
+    """Report the share that has been read."""
+    call = _told.get()
+    if call is not None:
+        call(min(1.0, share))
