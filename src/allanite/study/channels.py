@@ -139,8 +139,7 @@ def open_recording(
     source : Recording, Record or path, which is read with the recipe's options
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
-    progress : callable, optional
-        As for `each_channel`.
+    progress : callable, optional, as for `each_channel`
 
     Raises
     ------
