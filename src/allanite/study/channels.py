@@ -31,9 +31,6 @@ Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
 
-_FIRST = 0.04
-"""Fraction of a job that is reading its file: that which is completed when the first channel begins, or less."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Job(Value, Generic[Result]):
@@ -139,12 +136,10 @@ def open_recording(
 
     Parameters
     ----------
-    source : Recording, Record or path
-        A path is read with the recipe's options.
+    source : Recording, Record or path, which is read with the recipe's options
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
-    progress : callable, optional
-        Called with what is read and the fraction of the whole job that is completed.
+    progress : callable, optional, as for `each_channel`
 
     Raises
     ------
@@ -163,11 +158,10 @@ def open_recording(
 
 
 def _reading(progress: Progress | None) -> Callable[[float], None] | None:
-    """What is told while a file is read, which is the first part of a job."""
-    if progress is None:
-        return None
-    progress("reading", 0.0)
-    return lambda share: progress(f"reading, {100 * share:.0f} %", _FIRST * share)
+    """What is told while a file is read: less of a job than is completed when its first channel begins."""
+    if progress is not None:
+        progress("reading", 0.0)
+    return progress and (lambda share: progress(f"reading, {100 * share:.0f} %", 0.04 * share))
 
 
 def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
@@ -272,7 +266,7 @@ def run(
         An option is wrong, or a required one is missing.
     """
     recording = open_recording(source, recipe, progress=progress)
-    channels = [(record.name, (record,)) for record in recording]
+    channels = [(one.name, (one,)) for one in recording]
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
     if demand:
         demand_result(recording.channels, results)

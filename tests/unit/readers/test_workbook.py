@@ -81,7 +81,11 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
 def test_progress_is_told_while_sheets_are_read(tmp_path):
     shares = []
     with told(shares.append):
-        al.read(workbook(tmp_path / "a.xlsx", Run=timed(0) + [[k * 0.01, 1.0, 2.0, 3.0] for k in range(2500)]))
+        al.read(
+            workbook(
+                tmp_path / "a.xlsx", Run=timed(0) + [[k * 0.01, *GYRO[k % 300].tolist(), 25.5] for k in range(2500)]
+            )
+        )
     assert [share for share in shares if 0 < share < 1] == pytest.approx([1000 / 2501, 2000 / 2501])
 
 
