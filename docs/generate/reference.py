@@ -25,9 +25,9 @@ def units_page() -> list[str]:
     ]  # fmt: skip
     return [
         "# Units", "",
-        "Internally everything is SI: rad, rad/s, m/s, m/s², s, A, V, K, T. A unit is a string made of the names below "
-        "with `*`, `/`, `^`, `sqrt()` and brackets: `deg/s`, `deg/h/sqrt(Hz)`, `rad s^-1`, `°/√h`, `µg/√Hz`. Results "
-        'are converted with `.to("deg/h")`.', "",
+        "Internally everything is SI: rad, rad/s, m/s, m/s², s, A, V, K, T, Pa. A unit is a string made of the names "
+        "below with `*`, `/`, `^`, `sqrt()` and brackets: `deg/s`, `deg/h/sqrt(Hz)`, `rad s^-1`, `°/√h`, `µg/√Hz`. "
+        'Results are converted with `.to("deg/h")`.', "",
         "## Units of the coefficients", "", *table(("", "sensor", "data sheet", "SI", "1 in SI"), sheets),
         "## Frequent conversions", "",
         *table(("1", "is", ""), [(f"`{a}`", shown(convert(1.0, a, b)), f"`{b}`") for a, b in same]),
@@ -39,7 +39,7 @@ def units_page() -> list[str]:
 
 
 def _dimension(powers: tuple[float, ...]) -> str:
-    names = ("rad", "m", "s", "A", "V", "K", "T")
+    names = ("rad", "m", "s", "A", "V", "K", "T", "Pa")
     return " ".join(f"{n}^{p:g}" if p != 1 else n for n, p in zip(names, powers, strict=True) if p) or "1"
 
 

@@ -10,6 +10,7 @@ from allanite.core.files import PathLike, write
 from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.sensors import SENSORS
+from allanite.core.wording import spelled
 from allanite.study.analysis import Study
 
 from .axes import Axis, Source, axes_of
@@ -200,9 +201,13 @@ def _inertial(axes: list[Axis]) -> list[Axis]:
         names = ", ".join(f"{axis.label!r} ({SENSORS[axis.sensor]})" for axis in axes)
         raise DataError(
             f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
-            "coefficients of any quantity with 'allanite analyze FILE --coefficients PATH'"
+            f"coefficients of any quantity with {_writing()}"
         )
     return found
+
+
+def _writing() -> str:
+    return spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")
 
 
 def _picked(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:

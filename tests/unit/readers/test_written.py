@@ -22,6 +22,7 @@ UNITS = {
     "increment": ["arcsec", "rad", "m/s", "s"],
     "angle": ["arcsec", "deg", "rad", "m/s", "s"],
     "count": ["arcsec", "urad", "ug*s"],
+    "value": ["arcsec", "m/s", "V", "mbar", "Hz", "s", "1"],
 }
 NAMES = st.text(st.characters(exclude_categories=("Cs",)), max_size=12) | st.sampled_from(
     [

@@ -181,12 +181,12 @@ def is_driver(name: str, unit: str = "") -> bool:
 
     Examples
     --------
-    >>> is_driver("Temp1"), is_driver("T board", "degC"), is_driver("seq"), is_driver("yaw", "deg")
+    >>> is_driver("Temp1"), is_driver("baro", "hPa"), is_driver("seq"), is_driver("yaw", "deg")
     (True, True, False, False)
     """
     signal = signal_of(unit)
     if signal is not None:
-        return signal.name in ("temperature", "voltage", "current")
+        return signal.name in ("temperature", "voltage", "current", "pressure")
     bare = _bare(name)
     return is_other(name, unit) and bool(_DRIVER.search(bare) or name.strip() == "T")
 
