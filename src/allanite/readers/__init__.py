@@ -33,6 +33,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     dtype: str | None = None,
     columns: int | None = None,
     offset: int | None = None,
+    otherwise: Sequence[str] = (),
 ) -> Recording:
     r"""Read a recording; its ``notes`` list the assumptions.
 
@@ -63,6 +64,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         ``"u4,6i2"`` for rows of mixed types; or ``"kfgins"``. Raw binary is never guessed.
     columns, offset : int, optional
         Numbers per row of raw binary, and bytes before the first row.
+    otherwise : sequence of str, optional
+        Names of signals, such as "current": where no column is that of an inertial sensor, those with a unit of these
+        signals are read.
 
     Returns
     -------
@@ -96,7 +100,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     from .options import Options, channel_names
 
     names = (channel_names(channels), channel_names(along))
-    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset)
+    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset, tuple(otherwise))
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
     with landed(path) as (file, member, name):

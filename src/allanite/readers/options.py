@@ -42,6 +42,7 @@ class Options:
     dtype: str | None = None
     columns: int | None = None
     offset: int | None = None
+    otherwise: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.scale, str):

@@ -109,4 +109,4 @@ def budget_file(
         return BudgetChannel(seen.record, refusal=why)
 
     return run(partial(BudgetStudy, settings=settings), source, recipe, work, refused, doing="measuring",
-               progress=progress)  # fmt: skip
+               otherwise=("current", "voltage"), progress=progress)  # fmt: skip
