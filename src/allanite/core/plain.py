@@ -77,6 +77,7 @@ _MODULES: dict[str, str] = {
     "signals.torque": "TorqueScale",
     "simulation.recording": "Simulation",
     "statespace.space": "StateSpace",
+    "statistics.expectation": "Expectation",
     "study.analysis": "Channel Study",
     "study.modelled": "RecordingPlans SelfChecks StateSpaces",
     "study.modelling": "PlanSettings SelfCheckSettings StateSpaceSettings",

@@ -6,9 +6,10 @@ from typing import Any
 
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
+from allanite.readers import read
 from allanite.study.channels import Inspected, Job, Progress, Source, run
 from allanite.study.noise import Noise, RecordResult
-from allanite.study.recipe import Recipe
+from allanite.study.recipe import READING, Recipe
 
 from .rounding_noise import Budget, budget
 from .stage import Stage
@@ -97,7 +98,9 @@ def budget_file(
     UsageError
         A constant is missing or not positive.
     """
-    recipe = recipe or Recipe()
+    recipe, whole = recipe or Recipe(), source
+    if not isinstance(source, Recording | Record):
+        whole = read(source, **recipe.to_dict(READING), otherwise=("current", "voltage"))
 
     def work(seen: Inspected) -> BudgetChannel:
         found = budget(seen.record, settings.stages, scale=settings.torquer, sense=settings.sense, recipe=recipe)
@@ -108,5 +111,5 @@ def budget_file(
     def refused(seen: Inspected, why: str) -> BudgetChannel:
         return BudgetChannel(seen.record, refusal=why)
 
-    return run(partial(BudgetStudy, settings=settings), source, recipe, work, refused, doing="measuring",
-               otherwise=("current", "voltage"), progress=progress)  # fmt: skip
+    return run(partial(BudgetStudy, settings=settings), whole, recipe, work, refused, doing="measuring",
+               progress=progress)  # fmt: skip

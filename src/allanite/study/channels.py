@@ -128,9 +128,7 @@ class Job(Value, Generic[Result]):
         return f"{source!r}: {', '.join(name or 'channel' for name in self._names)}"
 
 
-def open_recording(
-    source: Source, recipe: Recipe, *, along: Sequence[str] = (), otherwise: Sequence[str] = ()
-) -> Recording:
+def open_recording(source: Source, recipe: Recipe, *, along: Sequence[str] = ()) -> Recording:
     """The part of a recording selected by the recipe.
 
     Parameters
@@ -139,8 +137,6 @@ def open_recording(
         A path is read with the recipe's options.
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
-    otherwise : sequence of str
-        Signals to read where the file has none of an inertial sensor.
 
     Raises
     ------
@@ -149,7 +145,7 @@ def open_recording(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    whole = trim(_whole(source, recipe, along, otherwise), recipe.start, recipe.until)
+    whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":
         return part
@@ -157,12 +153,13 @@ def open_recording(
     return replace(part, records=(*map(mark_outliers, own), *part.records[len(own) :]))
 
 
-def _whole(source: Source, recipe: Recipe, along: Sequence[str], otherwise: Sequence[str]) -> Recording:
+def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
     if isinstance(source, Recording):
         return source
     if isinstance(source, Record):
         return Recording((source,))
-    return read(source, **recipe.to_dict(READING), along=tuple(along) or None, otherwise=otherwise)
+    options = recipe.to_dict(READING)
+    return read(source, **options, along=tuple(along)) if along else read(source, **options)
 
 
 def each_channel(
@@ -235,7 +232,6 @@ def run(
     *,
     doing: str = "analyzing",
     demand: bool = True,
-    otherwise: Sequence[str] = (),
     progress: Progress | None = None,
 ) -> Result:
     """Open a source and process each of its channels.
@@ -244,7 +240,7 @@ def run(
     ----------
     kind : callable
         Makes the result of the job from the fields of `Job`.
-    source, recipe, otherwise
+    source, recipe
         As for `open_recording`.
     work, refused, doing, progress
         As for `each_channel`.
@@ -260,7 +256,7 @@ def run(
     """
     if progress is not None:
         progress("reading", 0.0)
-    recording = open_recording(source, recipe, otherwise=otherwise)
+    recording = open_recording(source, recipe)
     channels = [(record.name, (record,)) for record in recording]
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
     if demand:

@@ -27,7 +27,9 @@ def test_every_limit_is_a_number(model, statistic):
         curve = al.deviation(record, statistic, m=m.tolist(), noise=al.parse_model(model))
         low, high = curve.interval(0.95)
     assert np.isfinite(curve.edf).all()
-    assert np.isfinite(low).all() and np.isfinite(high).all() and (low <= high).all()
+    assert np.isfinite(low).all()
+    assert np.isfinite(high).all()
+    assert (low <= high).all()
 
 
 def test_a_third_difference_removes_a_ramp():

@@ -74,7 +74,7 @@ NAMES = ["GM 0.3", "GM 7", "GM 300", "Sine 0.31", "Sine 0.02", "Sine 0.001"]
 
 @pytest.mark.parametrize("row", ROWS, ids=NAMES)
 def test_second_sum(row):
-    """E(l+1) - 2 E(l) + E(l-1) = D(l) but for a constant; for even polynomials of a sinusoid, which does not scatter."""
+    """E(l+1) - 2 E(l) + E(l-1) = D(l) but for a constant, and for even polynomials of a sinusoid."""
     length = np.arange(40.0)
     E = row.summed(np.abs(np.arange(-1, 41.0)))
     second = E[2:] - 2 * E[1:-1] + E[:-2] - row.structure(length)

@@ -9,6 +9,7 @@ from .curves import plot_panels as plot_panels
 from .goodness import plot_goodness as plot_goodness
 from .overlay import plot_overlay as plot_overlay
 from .panels import Panel as Panel
+from .panels import facts_of as facts_of
 from .panels import panels_of as panels_of
 from .planning import plot_plans as plot_plans
 from .rate import plot_rates as plot_rates

@@ -7,7 +7,6 @@ eigenvalues, one gamma for the rest, one for white angle noise, and the contribu
 method.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
