@@ -63,6 +63,7 @@ _MODULES: dict[str, str] = {
     "planning.plan": "RecordingPlan",
     "planning.selfcheck": "SelfCheck",
     "planning.termcheck": "TermCheck",
+    "rate.closeup": "Closeup",
     "rate.earth": "North",
     "rate.estimates": "RateEstimate",
     "rate.experiments": "Experiment",
