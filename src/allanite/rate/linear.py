@@ -88,7 +88,13 @@ def regression_lines(interval: Interval, setting: Setting) -> tuple[FloatArray, 
     away = np.abs(slopes - float(np.median(slopes)))
     allowed = setting.options.allowed
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
-    return slopes, away <= reach
+    kept = away <= reach
+    if not kept.any():
+        raise UsageError(
+            f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
+            f"{float(away.min()) * interval.size:.3g}"
+        )
+    return slopes, kept
 
 
 def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:

@@ -78,3 +78,4 @@ def _draw_misfit(ax: Axes, found: Closeup) -> None:
     kept = np.linspace(0, found.misfit.size - 1, min(found.misfit.size, MOST)).astype(np.int64)
     ax.plot(kept / found.rate, found.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
     ax.set(xlabel=say("time in the interval (s)"), ylabel=say("counts less staircase"))
+    ax.margins(y=0.12)

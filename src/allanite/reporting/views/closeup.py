@@ -25,7 +25,7 @@ def parts(found: Closeup, where: Where = "") -> Iterator[Part]:
     rates = found.slopes / unit_of(unit).factor
     yield Note(
         say(
-            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.6g} to {high:.6g} "
+            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
             "{unit}",
             lines=rates.size,
             start=words.duration(found.start),
