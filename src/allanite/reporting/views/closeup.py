@@ -20,7 +20,7 @@ CAPTION = say(
 
 
 def parts(found: Closeup, where: Where = "") -> Iterator[Part]:
-    """What one interval is said to be, and its figure."""
+    """Notes on one interval, and its figure."""
     unit = found.signal.sheet[0]
     rates = found.slopes / unit_of(unit).factor
     yield Note(
