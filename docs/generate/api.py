@@ -49,7 +49,7 @@ TOPICS: dict[str, tuple[str, str]] = {
 }
 """A page: its title, and the names that it describes. A package means all its public names."""
 
-INNER = {"statistics": ("edf", "covariance", "integrated")}
+INNER = {"statistics": ("edf", "expectation", "Expectation", "covariance", "integrated")}
 """Packages of which only these names are for users; of the others, whatever is not a module."""
 
 WITHOUT = {"identification", "readers", "study", "batch", "meaning"}

@@ -231,12 +231,14 @@ def plan(**choices: Any) -> None:
         help="Standard deviation of a step of a random walk.",
     ),
     "seed",
+    "plot",
+    "lang",
     "force",
 )
 def simulate(out: str, **choices: Any) -> None:
     """Simulate a system with known errors.
 
-    Writes a CSV file OUT.
+    Writes a CSV file OUT; --plot draws the errors against time.
     """
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
@@ -253,8 +255,22 @@ def simulate(out: str, **choices: Any) -> None:
     table |= {f"{name} [rad]": getattr(seen, name) for name in ("h", "q", "h_polar", "q_polar")}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, _csv(table), force=where.force)
+    if "plot" in where.paths:
+        put(where.paths["plot"], _drawn(true, list(known.values()), where), force=where.force)
     if out != STDOUT:
-        click.echo(f"csv: {out}")
+        click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
+
+
+def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> bytes:
+    """The errors against time, as the figure that was asked for."""
+    from allanite.reporting import figures
+    from allanite.reporting.fonts import drawn_in
+    from allanite.reporting.language import speaking
+    from allanite.reporting.style import demand_figure_path, encode
+
+    path = where.paths["plot"]
+    with speaking(where.lang), speaking(drawn_in(where.lang)):
+        return encode(figures.plot_error_in_time(gimbals, known), demand_figure_path(path, force=where.force))
 
 
 def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":

@@ -6,6 +6,7 @@ import click
 
 from .deliver import Extra, carry_out, demand_recording, outputs, recipe_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .types import NUMBERS
 
 
 @click.command()
@@ -14,7 +15,8 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
     *RECORDING,
     click.option(
         "--stage", "stages", multiple=True, metavar="'NAME BITS SCALE'",
-        help="A quantizer in the signal path, e.g. 'ADC 12 5V' or 'output 16 100deg/s'; repeatable.",
+        help="A quantizer in the signal path, e.g. 'ADC 12 5V', 'ADC 12 5V gain=10' or "
+        "'output 16 100deg/s'; repeatable.",
     ),
     click.option(
         "--torquer", metavar="A=X,...",
@@ -23,6 +25,9 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
     ),
     click.option("--scale-factor", type=float, metavar="K", help="Or the scale factor of the torquer, rad/s per A."),
     click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
+    click.option("--axes", type=NUMBERS, metavar="XX,XY,YX,YY",
+        help="Two channels are the currents of the x and y torquers: rates about x and y over the scale factor, "
+        "e.g. 0,-1,1,0 with cross-coupling in XX and YY."),
     *IDENTIFYING,
     click.option("--rates", metavar="PATH", type=click.Path(), help="Write the rates as a recording: .csv, .npz, ..."),
     *RESULTS,
@@ -43,6 +48,7 @@ def budget(file: str, **choices: Any) -> None:
     if torquer is not None and factor is not None:
         raise UsageError("the scale factor is given twice: use either --torquer or --scale-factor")
     scale = factor if torquer is None else TorqueScale.parse(torquer)
-    settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"])
+    settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"],
+                            choices["axes"])  # fmt: skip
     extra = Extra(recordings={"rates": lambda study: study.rates})
     carry_out(lambda tell: budget_file(file, recipe_of(choices), settings, progress=tell), out, extra)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .deliver import carry_out, outputs, recipe_of, settings_of
+from .deliver import carry_out, deliver, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
@@ -13,7 +13,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @options(
-    "file",
+    "optional file",
+    "model",
+    "sensor",
+    "duration",
+    "samples",
     *RECORDING,
     "several statistics",
     "taus",
@@ -24,14 +28,26 @@ if TYPE_CHECKING:
     *IDENTIFYING,
     *RESULTS,
 )
-def deviation(file: str, **choices: Any) -> None:
+def deviation(file: str | None, **choices: Any) -> None:
     """Compute Allan and related deviations.
 
-    Tabulates statistics of FILE over averaging time.
+    Tabulates statistics of FILE over averaging time; or without data, what is expected of them and of each term under
+    the noise of --model or --sensor, for a record of --duration or --samples at --rate.
     """
     from allanite.study.survey import Deviations
+    from allanite.study.theory import TheorySettings, expected_curves
 
-    _survey(file, Deviations, choices)
+    out = outputs(choices, [file, choices["recipe"]])
+    theory = settings_of(TheorySettings, choices)
+    settings = settings_of(Deviations, choices)
+    recipe = recipe_of(choices)
+    if file is None or theory.asked:
+        found = expected_curves(file, theory, settings, recipe)
+        deliver(found, out)
+        return
+    from allanite.study.survey import survey
+
+    carry_out(lambda tell: survey(file, settings, recipe, progress=tell), out)
 
 
 @click.command()

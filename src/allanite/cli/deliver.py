@@ -17,7 +17,7 @@ from allanite.core.files import demand_writable, write
 from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue, speaking
 
-from .front import DATA, LINE
+from .front import DATA, LINE, while_read
 from .options import FLAGS
 
 if TYPE_CHECKING:
@@ -170,10 +170,14 @@ class Extra:
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
-    """Print a result, unless --quiet is given or standard output is taken, and write the requested files."""
+    """Print a result, unless --quiet is given or standard output is taken, and write the requested files.
+
+    The files are written even if nobody reads standard output to its end.
+    """
     extra = extra or Extra()
     if not (out.quiet or out.piped):
-        print_result(value, out.lang)
+        with while_read():
+            print_result(value, out.lang)
     for name, path in out.paths.items():
         if name in extra.recordings:
             from allanite.readers import write as write_recording
@@ -184,7 +188,8 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
                 data = extra.data[name](value) if name in extra.data else encoded(value, name, path, out.lang)
             put(path, data, force=out.force)
         if path != STDOUT and not out.quiet:
-            click.echo(f"{name}: {path}", err=out.piped)
+            with while_read():
+                click.echo(f"{name}: {path}", err=out.piped)
 
 
 def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
@@ -210,7 +215,8 @@ def put(path: str, data: str | bytes, *, force: bool) -> None:
     """Write `data` to a file or to standard output."""
     raw = data.encode() if isinstance(data, str) else data
     if path == STDOUT:
-        click.echo(raw, nl=False)
+        with while_read():
+            click.echo(raw, nl=False)
     else:
         write(path, raw, force=force)
 

@@ -5,7 +5,8 @@ import os
 import shlex
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -63,14 +64,11 @@ class Front(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; any exception becomes a `Failure`."""
         try:
-            super().invoke(ctx)
-            sys.stdout.flush()
+            with while_read():
+                super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as error:
-            if isinstance(error, OSError) and error.errno == errno.EPIPE:
-                _close_stdout()
-                return
             raise _failure(error, debug=ctx.params["debug"]) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
@@ -111,6 +109,13 @@ def _failure(error: Exception, *, debug: bool) -> Failure:
     return Failure(report, DEFECT, "".join(traceback.format_exception(error)) if debug else "")
 
 
-def _close_stdout() -> None:
-    """Nothing more can be written, not even at exit: the reading end of the pipe is closed."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+@contextmanager
+def while_read() -> Iterator[None]:
+    """Write to standard output; if its reader has left (``allanite ... | head``), the rest goes nowhere."""
+    try:
+        yield
+        sys.stdout.flush()
+    except OSError as error:
+        if error.errno != errno.EPIPE:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -5,14 +5,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UnitError, UsageError
+from allanite.core.record import Record
+from allanite.reporting import to_csv
+from allanite.reporting.style import demand_figure_path
 
-from .deliver import carry_out, given, outputs, recipe_of, settings_of
+from .deliver import Extra, Outputs, carry_out, encoded, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.core.units import Signal
-    from allanite.rate.study import RateSettings
+    from allanite.rate.study import RateSettings, RateStudy
 
 
 @click.command()
@@ -59,20 +62,50 @@ if TYPE_CHECKING:
     "measuring durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
+    click.option(
+        "--intervals", metavar="PATH", type=click.Path(),
+        help="Write the rate of every interval by every estimator as CSV.",
+    ),
+    click.option(
+        "--closeup", metavar="PATH", type=click.Path(),
+        help="Draw the first interval: slopes of the regression lines by their start, the staircase over the counts.",
+    ),
     *RESULTS,
-)
+)  # fmt: skip
 def rate(file: str, second: str | None, **choices: Any) -> None:
     """Estimate the constant rate of a gyro.
 
     Measures the rate of every channel of FILE in short intervals with every estimator. Prints the scatter of each
     estimator, the standard error predicted by the noise model, and the recommended estimator.
     """
-    out = outputs(choices, [file, second, choices["recipe"]])
+    out = outputs(choices, [file, second, choices["recipe"]], also=("intervals", "closeup"))
+    if "closeup" in out.paths:
+        demand_figure_path(out.paths["closeup"], force=out.force)
     from allanite.rate.study import measure_rates
 
     recipe = recipe_of(choices)
     settings = _settings(given(choices))
-    carry_out(lambda tell: measure_rates(file, recipe, settings, second=second, progress=tell), out)
+    extra = Extra(
+        {
+            "intervals": lambda study: to_csv(study, coefficients=True),
+            "closeup": lambda study: _closeups(study, out),
+        }
+    )
+    carry_out(lambda tell: measure_rates(file, recipe, settings, second=second, progress=tell), out, extra)
+
+
+def _closeups(study: "RateStudy", out: Outputs) -> bytes:
+    """The figure of the first interval of every channel."""
+    from allanite.reporting.views.rate import first_of
+
+    found = [
+        first_of(channel.record, channel.experiment, study.settings)
+        for channel in study
+        if channel.experiment is not None and isinstance(channel.record, Record)
+    ]
+    drawn = encoded(found, "plot", out.paths["closeup"], out.lang)
+    assert isinstance(drawn, bytes)  # noqa: S101 - a figure
+    return drawn
 
 
 def _settings(given: dict[str, Any]) -> "RateSettings":

@@ -1,5 +1,7 @@
 """A constant rate measured in a short time: estimators, their accuracy, the experiment that compares them, north."""
 
+from .closeup import Closeup as Closeup
+from .closeup import closeup as closeup
 from .earth import North as North
 from .earth import earth_rate as earth_rate
 from .earth import north as north

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.language import say
 
@@ -82,13 +82,23 @@ def _slopes(interval: Interval, setting: Setting) -> FloatArray:
     return np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
 
 
-def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
+def regression_lines(interval: Interval, setting: Setting) -> tuple[FloatArray, BoolArray]:
+    """Slopes of the regression lines in samples, and which are near enough to their median, shape (lines,)."""
     slopes = _slopes(interval, setting)
-    middle = float(np.median(slopes))
-    away = np.abs(slopes - middle)
+    away = np.abs(slopes - float(np.median(slopes)))
     allowed = setting.options.allowed
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
+    if not kept.any():
+        raise UsageError(
+            f"no regression line is within {allowed:.3g} (SI) of their median; allow at least "
+            f"{float(away.min()) * interval.size:.3g}"
+        )
+    return slopes, kept
+
+
+def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
+    slopes, kept = regression_lines(interval, setting)
     return RateMeasurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
 
 

@@ -103,8 +103,8 @@ def experiment(
     settings = settings or ExperimentSettings()
     size = min(max(3, round(settings.interval * record.rate)), record.size)
     starts, notes = _starts(record, size, settings)
-    piece = _piece(record, int(starts[0]), size)
-    setting = setting_of(piece, model, settings.target, dither=settings.dither, options=settings.options)
+    first = piece(record, int(starts[0]), size)
+    setting = setting_of(first, model, settings.target, dither=settings.dither, options=settings.options)
     left_out = dict(_unusable(settings, setting))
     methods = tuple(method for method in settings.methods if method not in left_out)
     if not methods:
@@ -133,7 +133,7 @@ def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], set
     """The rate of every interval by every method, SI, shape (methods, intervals)."""
     rates = np.empty((len(weights), starts.size))
     for i, start in enumerate(starts):
-        interval = interval_of(_piece(record, int(start), setting.size), setting)
+        interval = interval_of(piece(record, int(start), setting.size), setting)
         for j, (method, own) in enumerate(weights.items()):
             rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
     return rates
@@ -200,7 +200,8 @@ def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
     return np.array(starts), (join("; ", (what, missing)) if lost.size else what,)
 
 
-def _piece(record: Record, start: int, size: int) -> Record:
+def piece(record: Record, start: int, size: int) -> Record:
+    """So many sample intervals of a record, from one on."""
     return replace(record, values=record.values[start : start + size + KINDS[record.kind][1]])
 
 

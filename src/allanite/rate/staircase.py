@@ -47,6 +47,13 @@ def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasu
     return RateMeasurement((low + high) / 2, details, (low, high))
 
 
+def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArray, FloatArray]:
+    """The angle in quanta, and the line whose floor is the staircase nearest to it."""
+    y, line = _steps_and_line(interval)
+    p, q, _, _ = _search(y, line, math.inf if certified else WORK)
+    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
+
+
 def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float, float, float]:
     """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, and the least possible one.
 

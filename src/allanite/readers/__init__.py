@@ -34,6 +34,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     columns: int | None = None,
     offset: int | None = None,
     sincos: Sequence[str] | None = None,
+    otherwise: Sequence[str] = (),
 ) -> Recording:
     r"""Read a recording; its ``notes`` list the assumptions.
 
@@ -68,6 +69,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     sincos : sequence of str, optional
         Columns of the sine and cosine of an angle, as a resolver gives them, in pairs: their unwrapped angle in rad is
         the channel, of kind "value", or "angle" if `kind` says so.
+    otherwise : sequence of str, optional
+        Names of signals, such as "current": where no column is that of an inertial sensor, those with a unit of these
+        signals are read.
 
     Returns
     -------
@@ -102,7 +106,9 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
 
     names = (channel_names(channels), channel_names(along))
     unit = None if unit is None else stated_unit(unit)
-    options = Options(rate, unit, kind, scale, *names, time, dtype, columns, offset, channel_names(sincos))
+    options = Options(
+        rate, unit, kind, scale, *names, time, dtype, columns, offset, channel_names(sincos), otherwise=tuple(otherwise)
+    )
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)
     with landed(path) as (file, member, name):

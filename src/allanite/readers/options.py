@@ -53,6 +53,7 @@ class Options:
     columns: int | None = None
     offset: int | None = None
     sincos: tuple[str, ...] | None = None
+    otherwise: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:

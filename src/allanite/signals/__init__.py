@@ -1,5 +1,6 @@
 """From raw signals to a rate, and the noise that quantization adds to it."""
 
+from .axes import mixed as mixed
 from .codes import Codes as Codes
 from .rounding_noise import Budget as Budget
 from .rounding_noise import StageNoise as StageNoise

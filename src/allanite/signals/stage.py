@@ -39,6 +39,11 @@ class Stage(Value):
     0.00244140625
     >>> str(Stage.parse("ADC 12 5V"))
     'ADC, 12 bits over +-5 V'
+
+    A gain before it makes its steps smaller, referred to the signal.
+
+    >>> Stage.parse("ADC 12 5V gain=10").step
+    0.000244140625
     """
 
     _also = ("step",)
@@ -47,12 +52,15 @@ class Stage(Value):
     bits: int
     full_scale: float
     unit: str
+    gain: float = 1.0
 
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, (int, np.integer)) or not 1 <= self.bits <= 64:
             raise UsageError(f"the bits of {self.name!r} must be a whole number from 1 to 64, not {self.bits!r}")
         if not (math.isfinite(self.full_scale) and self.full_scale > 0):
             raise UsageError(f"the full scale of {self.name!r} must be a positive number, not {self.full_scale!r}")
+        if not (math.isfinite(self.gain) and self.gain > 0):
+            raise UsageError(f"the gain before {self.name!r} must be a positive number, not {self.gain!r}")
         dimension = unit_of(self.unit).dimension
         signals = signal_with(dimension), signal_with(dimension, 1)
         if not (signals[0] or (signals[1] and signals[1].inertial)):
@@ -63,30 +71,37 @@ class Stage(Value):
 
     @classmethod
     def parse(cls, text: str) -> "Stage":
-        """A stage as it is written on the command line: name, bits, full scale with its unit."""
-        name, bits, scale = ([*text.split(maxsplit=2), "", "", ""])[:3]
+        """A stage as it is written on the command line: name, bits, full scale with its unit, gain before it."""
+        whole, _, gain = text.partition("gain=")
+        name, bits, scale = ([*whole.split(maxsplit=2), "", "", ""])[:3]
         number = scale.lstrip("+-±").strip()
         at = next((i for i, c in enumerate(number) if not (c.isdigit() or c in ".eE-+")), len(number))
         at -= number[:at][-1:] in ("e", "E")
         try:
-            return cls(name, int(bits), float(number[:at]), number[at:].strip() or "1")
+            return cls(name, int(bits), float(number[:at]), number[at:].strip() or "1", float(gain or 1))
         except (UsageError, UnitError):
             raise
         except ValueError:
             raise UsageError(
                 "a stage is a name, its bits and its full scale with a unit, e.g. 'ADC 12 5V' or 'output 16 "
-                f"100deg/s', not {text!r}"
+                f"100deg/s', and the gain before it, e.g. 'ADC 12 5V gain=10', not {text!r}"
             ) from None
 
     @property
     def text(self) -> str:
         """As `parse` reads it; blanks in the name become underscores."""
-        return f"{'_'.join(self.name.split())} {self.bits} {self.full_scale!r} {self.unit}"
+        gain = "" if self.gain == 1 else f" gain={self.gain!r}"
+        return f"{'_'.join(self.name.split())} {self.bits} {self.full_scale!r} {self.unit}{gain}"
+
+    @property
+    def reach(self) -> float:
+        """Full scale of the signal before the gain, in `unit`."""
+        return self.full_scale / self.gain
 
     @property
     def step(self) -> float:
-        """Worth of the last bit, in `unit`."""
-        return float(2.0 * self.full_scale / 2.0**self.bits)
+        """Worth of the last bit of the signal before the gain, in `unit`."""
+        return float(2.0 * self.reach / 2.0**self.bits)
 
     @property
     def rounds_angle(self) -> bool:
@@ -94,7 +109,7 @@ class Stage(Value):
         return signal_with(unit_of(self.unit).dimension) is None
 
     def __str__(self) -> str:
-        return say_count(
+        told = say_count(
             self.bits,
             "{name}, {count} bit over +-{full_scale:g} {unit}",
             "{name}, {count} bits over +-{full_scale:g} {unit}",
@@ -102,6 +117,7 @@ class Stage(Value):
             full_scale=self.full_scale,
             unit=self.unit,
         )
+        return told if self.gain == 1 else say("{stage}, behind a gain of {gain:g}", stage=told, gain=self.gain)
 
 
 def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
@@ -116,7 +132,7 @@ def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
         return (-half + 0.51) / worth, (half - 1.01) / worth
     if unit_of(stage.unit).dimension != unit_of(record.unit).dimension:
         return None
-    scale, step = (convert(v, stage.unit, record.unit) / worth for v in (stage.full_scale, stage.step))
+    scale, step = (convert(v, stage.unit, record.unit) / worth for v in (stage.reach, stage.step))
     return -scale + 0.51 * step, scale - 1.01 * step
 
 

@@ -1,18 +1,20 @@
 """Budgets of files: every channel as a rate, its noise, and the noise added by the stages of its path."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
+from allanite.readers import read
 from allanite.study.channels import Inspected, Job, Progress, Source, run
 from allanite.study.noise import Noise, RecordResult
-from allanite.study.recipe import Recipe
+from allanite.study.recipe import READING, Recipe
 
+from .axes import mixed
 from .rounding_noise import Budget, budget
 from .stage import Stage
-from .torque import TorqueScale
+from .torque import TorqueScale, factor_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -27,18 +29,22 @@ class PathSettings(Value):
         Its scale, or rad/s per A.
     sense : float, optional
         Gain of the current sensor, V per A.
+    axes : tuple of 4 float, optional
+        The channels are the currents of two torquers: the matrix of `mixed`.
     """
 
     stages: tuple[Stage, ...]
     torquer: TorqueScale | float | None = None
     sense: float | None = None
+    axes: tuple[float, ...] | None = None
 
     def choices(self) -> dict[str, Any]:
         """Plain data, under the names of the command line."""
         scale: dict[str, Any] = {"scale_factor": self.torquer}
         if isinstance(self.torquer, TorqueScale):
             scale = {"torquer": self.torquer.text}
-        found = {"stages": [stage.text for stage in self.stages], **scale, "sense": self.sense}
+        found = {"stages": [stage.text for stage in self.stages], **scale, "sense": self.sense,
+                 "axes": None if self.axes is None else list(self.axes)}  # fmt: skip
         return {key: value for key, value in found.items() if value is not None}
 
 
@@ -97,10 +103,18 @@ def budget_file(
     UsageError
         A constant is missing or not positive.
     """
-    recipe = recipe or Recipe()
+    recipe, whole = recipe or Recipe(), source
+    if not isinstance(source, Recording | Record):
+        whole = read(source, **recipe.to_dict(READING), otherwise=("current", "voltage"))
+    gains: dict[str, float] = {}
+    if settings.axes is not None:
+        whole, gains = _mixed(whole, settings)
 
     def work(seen: Inspected) -> BudgetChannel:
-        found = budget(seen.record, settings.stages, scale=settings.torquer, sense=settings.sense, recipe=recipe)
+        scale: TorqueScale | float | None = settings.torquer
+        if seen.name in gains and scale is not None:
+            scale = factor_of(scale) * gains[seen.name]
+        found = budget(seen.record, settings.stages, scale=scale, sense=settings.sense, recipe=recipe)
         told = {f.name for f in found.findings}
         alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
         return BudgetChannel(seen.record, found, (*found.alerts, *alerts))
@@ -108,5 +122,14 @@ def budget_file(
     def refused(seen: Inspected, why: str) -> BudgetChannel:
         return BudgetChannel(seen.record, refusal=why)
 
-    return run(partial(BudgetStudy, settings=settings), source, recipe, work, refused, doing="measuring",
+    return run(partial(BudgetStudy, settings=settings), whole, recipe, work, refused, doing="measuring",
                progress=progress)  # fmt: skip
+
+
+def _mixed(whole: Source, settings: PathSettings) -> tuple[Recording, dict[str, float]]:
+    """The currents of both axes combined, and the gain of each by its name."""
+    assert isinstance(whole, Recording | Record) and settings.axes is not None  # noqa: S101, PT018 - it was read
+    recording = whole if isinstance(whole, Recording) else Recording((whole,))
+    found = mixed(recording, settings.axes, settings.stages)
+    records = tuple(one.record for one in found)
+    return replace(recording, records=records), {one.record.name: one.gain for one in found}

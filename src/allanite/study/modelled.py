@@ -267,8 +267,8 @@ def _named(tell: Progress, name: str) -> Progress:
     return lambda what, share: tell(f"{name} {what}".strip(), share)
 
 
-def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
-    """The sampling rate of a given model, after checking that no option of a recording is given."""
+def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:
+    """Refuse options of a recording beside a given model."""
     usual, counting = Recipe(), settings.counting(recorded=False)
     for key in (*READING, *SELECTING, *IDENTIFYING):
         if key not in counting and getattr(recipe, key) != getattr(usual, key):
@@ -278,6 +278,11 @@ def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
                 + spelled("--model or --sensor", "model or sensor")
                 + "; omit it"
             )
+
+
+def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
+    """The sampling rate of a given model, after checking that no option of a recording is given."""
+    demand_no_recording(settings, recipe)
     if recipe.rate is None or not (math.isfinite(recipe.rate) and recipe.rate > 0):
         raise UsageError(
             f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}"

@@ -62,8 +62,7 @@ class _Markov:
         return np.asarray(2 * self.T**2 * (-self.u) ** order * np.exp(-t * self.u))
 
     def summed(self, t: FloatArray) -> FloatArray:
-        # second sum of 2T (t - T + T exp(-t/T)), without even powers of t up to the fourth, which third differences
-        # of the sums remove, and without the cancellation that they would bring
+        # second sum of 2T (t - T + T exp(-t/T)) without its constant and its square of t
         T, u, small = self.T, self.u, self.u < SMALL
         t = np.asarray(t, dtype=np.float64)
         excess = u**2 / 12 + u**4 / 360 + u**6 / 20160 if small else (2 * math.cosh(u) - 2) / u**2 - 1
@@ -72,7 +71,7 @@ class _Markov:
             linear = (u**2 * (1 / 120 - 1 / 72) + u**4 * (1 / 5040 - 1 / 2160)) / (1 + excess)
         else:
             linear = T * inverse * (math.sinh(u) - u) - 1 / 6
-        return np.asarray(2 * T * (t**3 / 6 * excess / (1 + excess) + linear * t + T * inverse * _rest(t * u, 5)))
+        return np.asarray(2 * T * (t**3 / 6 * excess / (1 + excess) + linear * t + T * inverse * _rest(t * u, 4)))
 
     def _covariance(self, h: FloatArray) -> FloatArray:
         beyond = self.neighbour * np.exp(-self.u * np.maximum(np.abs(h) - 1, 0))

@@ -65,7 +65,7 @@ def test_everything_is_written(gimbal, tmp_path):
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "--ink" in page
-    assert page.count("<svg") == 3
+    assert page.count("<svg") == 4
     assert "<script" not in page
     assert "harmonic 128 of h: 3." in page
     data = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
@@ -221,3 +221,21 @@ def test_results_are_shown_everywhere_and_travel(results, name):
         assert max(map(len, table(value, width=width).splitlines())) <= width
     if name != "calibration":
         assert al.from_dict(json.loads(json.dumps(value.to_dict()))).to_dict() == value.to_dict()
+
+
+def test_errors_are_drawn_against_time(tmp_path):
+    from allanite.angle import Harmonics, gimbals
+    from allanite.reporting import figures
+
+    hour = gimbals(np.arange(3600.0, 7200.0, 10.0), latitude=np.radians(60))
+    known = Harmonics.of({128: (3 / 206264.806, 0.0)}, "h")
+    (axes,) = figures.plot_error_in_time(hour, [known]).axes
+    time, error = axes.lines[0].get_data()
+    np.testing.assert_allclose(time, hour.time / 60)
+    np.testing.assert_allclose(error, 3 * np.sin(128 * hour.h), atol=1e-6)
+    out, figure = tmp_path / "sway.csv", tmp_path / "sway.png"
+    asked = ("--latitude", 60, "--duration", 3600, "--error", "h:128=3,0", "--sway", "0.5,60", "--plot", figure)
+    done = run("simulate", out, *asked)
+    assert done.exit_code == 0, done.stderr
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert f"plot: {figure}" in done.stdout

@@ -218,6 +218,19 @@ def test_a_reader_that_has_seen_enough_is_no_error(file):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_files_are_written_although_nobody_reads_the_table(file, tmp_path):
+    read, wrote = os.pipe()
+    os.close(read)
+    paths = [tmp_path / "out.json", tmp_path / "out.csv"]
+    line = command("analyze", file, "--json", str(paths[0]), "--csv", str(paths[1]), "--strict")
+    done = subprocess.run(line, stdout=wrote, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(wrote)
+    assert done.returncode == 3
+    assert "flat" in done.stderr
+    assert json.loads(paths[0].read_text(encoding="utf-8"))["type"] == "Study"
+    assert paths[1].read_text(encoding="utf-8").startswith("channel,")
+
+
 def test_a_terminal_without_the_letters_gets_the_table(file, tmp_path):
     path = tmp_path / "gÿro.csv"
     path.write_bytes(Path(file).read_bytes())

@@ -247,6 +247,23 @@ def test_everything_of_a_budget_is_written(current, tmp_path):
     assert paths["plot"].read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_budget_takes_the_unit_of_the_header(current, tmp_path):
+    asked = ("--stage", STAGE, "--torquer", TORQUER, "--sense", 5, "--terms", "QN", "--json", "-")
+    by_header, by_option = (
+        json.loads(run("budget", current, *unit, *asked).stdout)["channels"] for unit in ((), ("--unit", "V"))
+    )
+    assert len(by_header) == 1
+    assert by_header == by_option
+    path = tmp_path / "beside.csv"
+    rows = np.random.default_rng(1).standard_normal((4000, 3))
+    np.savetxt(path, rows, delimiter=",", fmt="%.9g", header="ix [mA],battery [V],humidity [%]", comments="")
+    found = al.budget_file(path, al.Recipe(rate=100.0), PathSettings((al.Stage("ADC", 12, 10.0, "mA"),), 0.2))
+    assert [channel.record.name for channel in found] == ["ix"]
+    refused = run("analyze", path, "--rate", 100)
+    assert refused.exit_code == 2
+    assert "'mA' is not a unit of a gyroscope" in refused.stderr
+
+
 def test_the_recipe_of_a_budget_repeats_it(current, tmp_path):
     asked = ("--unit", "V", "--stage", STAGE, "--stage", "output 16 500deg/s", "--sense", 5, "--from", 1)
     for scale in (("--torquer", TORQUER), ("--scale-factor", 0.2)):

@@ -73,12 +73,10 @@ def choose(
     for column in chosen or ():
         column.demand_numbers()
     asked_of = stated.of_columns(columns, options)
-    found = [
-        _candidate(column, asked_of(column), pool)
-        if chosen is None
-        else _resolved(column, asked_of(column).options, applies=True)
-        for column in pool
-    ]
+    if chosen is None:
+        found = _otherwise([_candidate(column, asked_of(column), pool) for column in pool], options)
+    else:
+        found = [_resolved(column, asked_of(column).options, applies=True) for column in pool]
     signals = tuple(item for item in found if isinstance(item, Signal))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
@@ -129,6 +127,17 @@ def _candidate(column: Column, asked: Stated, pool: list[Column]) -> Signal | Le
     refused = _no_value if options.kind == "value" else _no_signal
     why = "" if said else refused(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
+
+
+def _otherwise(found: list[Signal | Left], options: Options) -> list[Signal | Left]:
+    """The same, or where there is no signal, the columns with a unit of those that the user would also take."""
+    if any(isinstance(item, Signal) for item in found):
+        return found
+    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
+    wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
+    certain = {column.position for column in wanted if not headers.is_other(column.name)}
+    taken = certain or {column.position for column in wanted}
+    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
 
 
 def _no_signal(column: Column, options: Options) -> str:

@@ -1,14 +1,17 @@
+from .angle import plot_error_in_time as plot_error_in_time
 from .angle import plot_errors as plot_errors
 from .angle import plot_history as plot_history
 from .angle import plot_innovations as plot_innovations
 from .angle import plot_scan as plot_scan
 from .budget import plot_budgets as plot_budgets
+from .closeup import plot_closeups as plot_closeups
 from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
 from .goodness import plot_goodness as plot_goodness
 from .overlay import plot_overlay as plot_overlay
 from .panels import Panel as Panel
+from .panels import facts_of as facts_of
 from .panels import panels_of as panels_of
 from .planning import plot_plans as plot_plans
 from .rate import plot_rates as plot_rates

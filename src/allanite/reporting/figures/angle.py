@@ -1,13 +1,14 @@
 """Figures of the angle sensors: errors over the angle, how they were found, what is left, where to measure."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from allanite.angle import Harmonics, Scan, Solution
+from allanite.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.angle.calibration import Result, parts_of
 from allanite.angle.harmonics import waves
 from allanite.angle.solution import quantile
@@ -61,6 +62,37 @@ def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
     style.title(ax, harmonics.name or say("angle"))
     ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
     ax.legend(loc="best")
+
+
+def plot_error_in_time(gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95) -> Figure:
+    """The error of each sensor while its angle moves, a panel each, with its confidence band."""
+    with style.look():
+        figure = style.new_figure(7.2, 1.1 + 2.0 * len(harmonics))
+        axes = figure.subplots(len(harmonics), 1, sharex=True, squeeze=False)[:, 0]
+        for ax, found in zip(axes, harmonics, strict=True):
+            angle = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
+            keep = np.linspace(0, angle.size - 1, min(angle.size, MOST)).astype(np.int64)
+            _draw_error_in_time(ax, found, (gimbals.time[keep] / 60, angle[keep]), level)
+            style.title(ax, found.name)
+        axes[-1].set_xlabel(say("time (min)"))
+    return figure
+
+
+def _draw_error_in_time(ax: Axes, found: Harmonics, path: tuple[np.ndarray, np.ndarray], level: float) -> None:
+    time, angle = path
+    rows = waves(angle, found.orders)
+    error = found.at(angle) / ARCSEC
+    half = quantile(level, found.freedom) * np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows)) / ARCSEC
+    style.grid(ax)
+    if half.any():
+        band = say("{share} band", share=percent(level))
+        ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
+    ax.plot(time, error, color=style.DATA, lw=1.1, label=say("error"))
+    ax.axhline(0, color=style.INK, lw=0.8)
+    ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
+    low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
+    ax.set_title(say("{low} to {high} deg", low=low, high=high), loc="right", fontsize=8.5, color=style.SOFT)
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Figure:

@@ -84,10 +84,11 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     style.grid(ax)
     placed = _draw_landmarks(ax)
     drawn = points(panel, level)
-    _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
+    if panel.model is None:
+        _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
     if panel.fit is not None:
         _shade(ax, panel.fit)
-    if panel.fit is not None and panel.fit.valid is not None:
+    if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
     name = printable(panel.name)

@@ -25,7 +25,8 @@ MOST_POINTS = 400
 class Panel(NamedTuple):
     """A curve and what explains it.
 
-    `readings` have its minimum, `facts` are its file, rate and length, `wanted` is the unit that was asked for.
+    `readings` have its minimum, `facts` are its file, rate and length, `wanted` is the unit that was asked for. A curve
+    that is the expectation of a `model` has no fit: its terms are those of the model.
     """
 
     name: str
@@ -34,6 +35,12 @@ class Panel(NamedTuple):
     readings: Readings | None = None
     facts: str = ""
     wanted: str = ""
+    model: Model | None = None
+
+    @property
+    def drawn(self) -> Model | None:
+        """The model whose terms are drawn; None if there is none, or it explains nothing."""
+        return self.fit.valid if self.fit is not None else self.model
 
     @property
     def unit(self) -> str:
@@ -49,7 +56,7 @@ class Panel(NamedTuple):
             return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
         try:
             at = curve.tau[thinned(curve.tau.size)]
-            variance = expected(model, row.name, at, rate=curve.rate, size=curve.size or None)
+            variance = expected(model, row.name, at, rate=curve.rate or None, size=curve.size or None)
         except UsageError:  # a maximum, or what depends on the record beyond the model
             return np.full_like(tau, np.nan)
         with np.errstate(divide="ignore"):
@@ -102,7 +109,7 @@ def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     visible = deviation[np.isfinite(deviation) & (deviation > 0)]
     if not visible.size:
         raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
-    below = 8.0 if panel.fit and panel.fit.valid is not None else 2.5
+    below = 8.0 if panel.drawn is not None else 2.5
     # the upper limits of the last points are far off, and not worth the room
     return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (
         float(visible.min()) / below,
@@ -126,7 +133,7 @@ def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> lis
 
 def _panels(value: Any, fit: Fit | None) -> list[Panel]:
     if isinstance(value, Curve):
-        return [Panel(value.name, value, fit, facts=_facts(value))]
+        return [Panel(value.name, value, fit, facts=facts_of(value))]
     if isinstance(value, Fit):
         return _panels(value.curve, value)
     if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
@@ -151,10 +158,10 @@ def _wanted(curve: Curve, wanted: Sequence[str]) -> str:
     return next((unit for unit in wanted if unit_of(unit).dimension == dimension), "")
 
 
-def _facts(curve: Curve) -> str:
+def facts_of(curve: Curve) -> str:
     """Sampling rate and length of the record of a curve."""
     length = words.duration(curve.size / curve.rate) if curve.size else ""
-    return ", ".join(filter(None, (f"{curve.rate:.6g} Hz", length)))
+    return ", ".join(filter(None, (f"{curve.rate:.6g} Hz" if curve.rate else "", length)))
 
 
 def columns_of(panels: Sequence[Panel]) -> list[list[Panel]]:

@@ -7,10 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.language import say
+from allanite.core.model import Model
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Experiment
 from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
+from allanite.statistics import expected
 
 from .drawing import with_unit
 
@@ -59,6 +61,22 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
         ax.plot(times, measured, "o", color=RATE_ESTIMATORS[method].color, ms=3.5, label=method, zorder=4)
         if np.isfinite(predicted).any():
             ax.plot(times, predicted, color=RATE_ESTIMATORS[method].color, lw=1.0, zorder=3)
+    _draw_wander(ax, series, factor)
     ax.set(xscale="log", yscale="log", xlabel=say("measuring time (s)"))
     ax.set_ylabel(say("standard deviation ({unit})\npoints measured, lines predicted", unit=printed_unit(unit)))
     style.plain_ticks(ax.xaxis, ax.yaxis)
+
+
+def _draw_wander(ax: Axes, series: tuple[Experiment, ...], factor: float) -> None:
+    """How far B, K and R move the rate itself from interval to interval: measured scatter includes it."""
+    ranking = series[0].ranking
+    terms = () if ranking is None else tuple(t for t in ranking.model if t.row.slope >= 0)
+    if not terms:
+        return
+    times = np.array([e.duration for e in series])
+    moved = np.sqrt(expected(Model(terms), "adev", times)) / factor
+    symbols = ", ".join(dict.fromkeys(t.symbol for t in terms))
+    label = say("change of the rate itself from interval to interval ({terms})", terms=symbols)
+    ax.plot(times, moved, color=style.INK, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=label)
+    handle = ax.lines[-1]
+    ax.legend(handles=[handle], loc="best")

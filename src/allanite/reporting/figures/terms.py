@@ -2,12 +2,12 @@
 
 import math
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import join, say
 from allanite.core.model import Model, Term
@@ -20,7 +20,7 @@ from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, l
 from .labels import Box, FloatArray, freedom
 from .panels import Panel, Points
 
-SLOPES = {-1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1"}
+SLOPES = {-1.5: "−1½", -1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1", 1.5: "+1½", 2.0: "+2"}
 """Slopes of the lines in print."""
 
 
@@ -32,12 +32,21 @@ class Lines(NamedTuple):
     parts: dict[str, FloatArray]
 
 
+class Named(NamedTuple):
+    """The label of a term: its symbol, its coefficient, and the unit of that; no `term` where several share it."""
+
+    symbol: str
+    text: str
+    unit: str
+    term: Term | None
+
+
 def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: float) -> None:
     """The whole model, each of its terms, and a label on each term that was found."""
-    fit = panel.fit
-    assert fit is not None and fit.valid is not None  # noqa: S101, PT018 - the caller has looked
-    lines = _lines(ax, panel, fit.valid)
-    shortest = fit.scope.times[0] if fit.scope else 0.0
+    fit, model = panel.fit, panel.drawn
+    assert model is not None  # noqa: S101 - the caller has looked
+    lines = _lines(ax, panel, model)
+    shortest = fit.scope.times[0] if fit is not None and fit.scope else 0.0
     inside = (lines.tau >= max(drawn.tau[0] / 1.01, shortest)) & (lines.tau <= drawn.tau[-1] * 1.01)
     ax.plot(lines.tau[inside], lines.whole[inside], color=style.INK, lw=1.3, zorder=3, label=MODEL)
     for symbol, line in lines.parts.items():
@@ -45,10 +54,13 @@ def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: 
     points = [pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])]
     curves = fractions(ax, np.concatenate(points))
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
-    _draw_labels(ax, panel, fit, (lines, curves, paths), placed, level)
+    named = _given(model) if fit is None else _found(fit, model, level)
+    _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, curves, paths), placed)
     for symbol, path in paths.items():
         others = [other[::4] for name, other in paths.items() if name != symbol]
-        _draw_slope(ax, symbol, path, np.concatenate([curves, *others]), placed)
+        slope = SLOPES.get(_slope(lines.tau, lines.parts[symbol]), "")
+        if slope and math.isfinite(TERMS[symbol].slope):
+            _draw_slope(ax, (symbol, slope), path, np.concatenate([curves, *others]), placed)
 
 
 def _lines(ax: Axes, panel: Panel, model: Model) -> Lines:
@@ -58,29 +70,56 @@ def _lines(ax: Axes, panel: Panel, model: Model) -> Lines:
     return Lines(tau, panel.expected(model, tau), parts)
 
 
-def _draw_labels(  # noqa: PLR0917 - what is drawn, and where
+def _found(fit: Fit, model: Model, level: float) -> list[Named]:
+    """The terms that were found, with their intervals."""
+    found = [e for e in fit if e.value is not None and e.symbol in {t.symbol for t in model}]
+    return [Named(e.symbol, label_of(e, level), e.sheet_unit, model[e.symbol]) for e in found]
+
+
+def _given(model: Model) -> list[Named]:
+    """The terms of a model that was given; those of one symbol share a label."""
+    named = {}
+    for symbol in dict.fromkeys(t.symbol for t in model):
+        terms = [t for t in model if t.symbol == symbol]
+        unit = terms[0].signal.sheet[terms[0].row.power]
+        named[symbol] = Named(symbol, join("\n", map(_size, terms)), unit, terms[0] if len(terms) == 1 else None)
+    return list(named.values())
+
+
+def _size(term: Term) -> str:
+    """The coefficient of a term, and the values of its parameters: ``GM = 0.1 deg/h, T = 20 s``."""
+    unit = term.signal.sheet[term.row.power]
+    shape = [
+        f"{p.letter} = {value:.4g} {p.unit}"
+        for p, value in zip(term.row.parameters, term.shape, strict=True)
+        if value != p.default
+    ]
+    return ", ".join((f"{term.symbol} = {term.to(unit):.4g} {printed_unit(unit)}", *shape))
+
+
+def _draw_labels(
     ax: Axes,
     panel: Panel,
-    fit: Fit,
+    named: Sequence[Named],
     seen: tuple[Lines, FloatArray, dict[str, FloatArray]],
     placed: list[Box],
-    level: float,
 ) -> None:
     lines, curves, paths = seen
-    assert fit.valid is not None  # noqa: S101 - the caller has looked
-    for symbol in (symbol for symbol in paths if TERMS[symbol].periodic):
+    for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
         _lines_label(ax, (symbol, lines.parts[symbol]), paths[symbol], curves, placed)
-    for e in (e for e in fit if e.value is not None and e.symbol in paths):
-        mark = _mark(ax, panel, fit.valid[e.symbol], e.sheet_unit)
-        anchors = paths[e.symbol][by_share(lines.parts[e.symbol], lines.whole)]
+    for label in named:
+        mark = None if label.term is None else _mark(ax, panel, label.term, label.unit)
+        line = lines.parts[label.symbol]
+        # of a sinusoid, the humps
+        anchors = paths[label.symbol][by_share(line, lines.whole if not TERMS[label.symbol].periodic else line**0)]
         if mark is not None:
-            ax.plot(*mark, "D", ms=5.5, mfc="white", mec=color_of(e.symbol), mew=1.3, zorder=5)
+            ax.plot(*mark, "D", ms=5.5, mfc="white", mec=color_of(label.symbol), mew=1.3, zorder=5)
             anchors = fractions(ax, np.array([mark]))
         near = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([curves, *(path[::4] for path in paths.values())])
         if len(near):
-            text = _label(panel, e, lines.parts[e.symbol], (mark, level))
-            placed.append(draw_label(ax, (e.symbol, text), near[::8], avoid, placed))
+            text = _label(panel, label, line, mark)
+            placed.append(draw_label(ax, (label.symbol, text), near[::8], avoid, placed))
 
 
 def _lines_label(
@@ -93,11 +132,19 @@ def _lines_label(
         placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
 
 
-def _draw_slope(ax: Axes, symbol: str, path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
+def _slope(tau: FloatArray, line: FloatArray) -> float:
+    """The slope of most of a line, to halves."""
+    known = np.isfinite(line)
+    if known.sum() < 2:
+        return math.nan
+    return round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(tau[known]))))) / 2
+
+
+def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
     """The slope on the line of a term, where the line is far from the curve and from the labels."""
-    said = SLOPES.get(TERMS[symbol].slope)
+    symbol, said = named
     seen = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
-    if said is None or not len(seen):
+    if not len(seen):
         return
     boxes = [Box(float(x), float(y), 0.12, 0.05) for x, y in seen]
     box = max(boxes, key=lambda box: freedom(box, curves, placed))
@@ -108,16 +155,15 @@ def _draw_slope(ax: Axes, symbol: str, path: FloatArray, curves: FloatArray, pla
     )  # fmt: skip
 
 
-def _label(panel: Panel, e: Estimate, line: FloatArray, how: tuple[tuple[float, float] | None, float]) -> str:
+def _label(panel: Panel, label: Named, line: FloatArray, mark: tuple[float, float] | None) -> str:
     """A coefficient, and the value on the axis: the level of a flat line, or that of the point where it is read."""
-    mark, level = how
-    text, unit = label_of(e, level), printed_unit(panel.unit)
-    flat = TERMS[e.symbol].slope == 0 and not e.shape
-    if flat and unit_of(e.sheet_unit).dimension == unit_of(panel.unit).dimension:
+    text, term, unit = label.text, label.term, printed_unit(panel.unit)
+    flat = term is not None and TERMS[label.symbol].slope == 0 and not term.shape
+    if term is not None and flat and unit_of(label.unit).dimension == unit_of(panel.unit).dimension:
         # 0.664 in the Allan deviation; other statistics have other levels
         flat_at = float(np.nanmedian(line))
-        factor = flat_at / abs(e.to(panel.unit))
-        return join("\n", (f"{factor:.3g} {e.symbol} = {flat_at:.3g} {unit}", text))
+        factor = flat_at / abs(term.to(panel.unit))
+        return join("\n", (f"{factor:.3g} {label.symbol} = {flat_at:.3g} {unit}", text))
     if mark is None:
         return text
     at, size = words.duration(mark[0]), f"{mark[1]:.3g} {unit}"

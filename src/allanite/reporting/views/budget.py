@@ -89,7 +89,7 @@ def _cells(s: StageNoise) -> list[str]:
     seen = ("", "") if s.codes is None else (str(s.codes.distinct), str(s.codes.missing))
     measured = _number(s.to(s.measured)) if s.measured is not None else f"< {_number(s.to(s.limit))}" if s.limit else ""
     return [
-        s.stage.name, str(s.stage.bits), f"+-{s.stage.full_scale:g} {s.stage.unit}",
+        s.stage.name, str(s.stage.bits), f"+-{s.stage.reach:g} {s.stage.unit}",
         f"{s.stage.step:.4g} {s.stage.unit}", s.symbol, _number(s.to(s.coefficient)), measured, s.sheet_unit,
         _percent(s.share), "" if s.enough is None else str(s.enough), *seen, str(s.clipped),
     ]  # fmt: skip

@@ -160,10 +160,5 @@ def model_table(model: Model) -> Table:
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), f"{t.to(u):.6g}", u] for t, u in sheets])
 
 
-def _model_face(model: Model, level: float) -> Face:
-    return Face(str(model), say("a noise model"), (Sheet(say("model"), parts=(model_table(model),)),))
-
-
 FIT = View(_face, plot_curves, lambda fit, level: fit.rows(level))
 RESIDUALS = View(_residuals_face, lambda values, fit, level: figures.plot_residuals(values[0]))
-MODEL = View(_model_face)

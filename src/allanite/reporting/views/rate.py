@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.core.language import join, say, say_count
+from allanite.core.record import Record
 from allanite.core.units import unit_of
-from allanite.rate import RATE_ESTIMATORS, Experiment, Ranking, RateEstimate
+from allanite.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.rate.estimates import rate_factor
-from allanite.rate.study import RateChannel, RateStudy
+from allanite.rate.study import RateChannel, RateSettings, RateStudy
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.statistics import expected
 
 from . import Rows, View
+from .closeup import parts as closeup_parts
 from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
@@ -36,22 +38,24 @@ NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
 
 def _face(study: RateStudy, level: float) -> Face:
-    sheets = [_sheet(channel, study.settings.noise, level) for channel in study.channels]
+    sheets = [_sheet(channel, study.settings, level) for channel in study.channels]
     title = say("Rate of {source}", source=source_of(study))
     return replace(job_face(study, (title, BRAND), sheets), how=[_methods()])
 
 
-def _sheet(channel: RateChannel, given: Any, level: float) -> Sheet:
+def _sheet(channel: RateChannel, settings: RateSettings, level: float) -> Sheet:
+    given = settings.noise
     name, found = channel.record.name, channel.experiment
     said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
     if found is not None and found.ranking is not None:
         said = _advice(found)
     verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
     doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
-    return channel_sheet(channel, _parts(channel, given, level), verdicts, doubt=doubt)
+    return channel_sheet(channel, _parts(channel, settings, level), verdicts, doubt=doubt)
 
 
-def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
+def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
+    given = settings.noise
     if channel.noise is not None and channel.noise.explained:
         yield Note(say("noise: {model}", model=str(channel.noise.fit.model)))
     elif given is not None and not channel.refusal:
@@ -68,6 +72,41 @@ def _parts(channel: RateChannel, given: Any, level: float) -> Iterator[Part]:
         yield _table(found)
     yield from _estimates(channel.estimates, level)
     yield Drawing(lambda: _draw([channel]), say("errors of all methods"), CAPTION)
+    if found.start.size > 1:
+        yield _every(found)
+    if isinstance(channel.record, Record):
+        yield from closeup_parts(first_of(channel.record, found, settings), "page")
+
+
+def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
+    """The first interval of an experiment in detail."""
+    return closeup(record, settings=settings.experiment, start=float(found.start[0]))
+
+
+def _every(found: Experiment) -> Table:
+    """The rate of every interval by every method; on a page, folded."""
+    unit = found.signal.sheet[0]
+    heads = (Column(say("interval")), Column(say("start [s]")), *(Column(method) for method in found.methods))
+    rates = found.rates.T / rate_factor(unit, found.signal)
+    rows = [
+        [str(i), f"{start:.6g}", *(f"{rate:.7g}" for rate in row)]
+        for i, (start, row) in enumerate(zip(found.start.tolist(), rates.tolist(), strict=True), 1)
+    ]
+    return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
+
+
+def interval_rows(study: RateStudy) -> Rows:
+    """The rate of every interval by every method, unrounded, in the unit of data sheets."""
+    heads = ("channel", "interval", "start_s", "duration_s", "method", "rate", "error", "unit")
+    rows = []
+    for found in (channel.experiment for channel in study if channel.experiment is not None):
+        unit = found.signal.sheet[0]
+        factor = rate_factor(unit, found.signal)
+        for i, start in enumerate(found.start.tolist()):
+            for method, rate, error in zip(found.methods, found.rates[:, i], found.errors[:, i], strict=True):
+                numbers = (float(rate) / factor, float(error) / factor)
+                rows.append([found.name, i + 1, start, found.duration, method, *numbers, unit])
+    return heads, rows
 
 
 def _advice(found: Experiment) -> str:
@@ -235,7 +274,12 @@ def _estimate_face(found: RateEstimate, level: float) -> Face:
     return Face(found.name or say("Rate"), BRAND, (sheet,))
 
 
-STUDY = View(_face, lambda values, fit, level: _draw(channel for study in values for channel in study), _rows)
+STUDY = View(
+    _face,
+    lambda values, fit, level: _draw(channel for study in values for channel in study),
+    _rows,
+    lambda study, level: interval_rows(study),
+)
 EXPERIMENT = View(
     _experiment_face,
     lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),

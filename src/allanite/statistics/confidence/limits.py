@@ -7,7 +7,6 @@ eigenvalues, one gamma for the rest, one for white angle noise, and the contribu
 method.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,7 +35,10 @@ MANY = 60.0
 """Degrees of freedom from which on a chi-square of as many is the law."""
 
 CERTAIN = 1e8
-"""Degrees of freedom of what does not scatter."""
+"""Degrees of freedom beyond which a law is as good as certain."""
+
+NO_SCATTER = 1e-15
+"""1 / EDF at most of what does not scatter."""
 
 LEADING = 3
 """Eigenvalues that are distinguished."""
@@ -108,9 +110,11 @@ class Local:
     def laws(self, scale: FloatArray) -> list[tuple[float, Mixture]]:
         """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
         E = self.E * scale
-        share = E / E.sum(axis=1, keepdims=True)
-        inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / (share @ self.kept)
-        edf = [max(1 / v, 1.0) if v > 0 else math.inf for v in inverse.tolist()]
+        whole = E.sum(axis=1, keepdims=True)
+        share = np.divide(E, whole, out=np.zeros_like(E), where=whole > 0)  # a statistic may remove all terms
+        kept = np.where(whole[:, 0] > 0, share @ self.kept, 1.0)
+        inverse = np.einsum("ki,ij,kj->k", share, self.r, share) / kept
+        edf = [max(1 / max(v, NO_SCATTER), 1.0) for v in inverse.tolist()]
         few = np.array([e < MANY for e in edf])
         several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
         return [(e, (next(several) if f else None) or _single(e)) for e, f in zip(edf, few, strict=True)]

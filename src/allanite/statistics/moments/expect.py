@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.wording import spelled
 from allanite.statistics.grids import factors_of, part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
@@ -62,9 +63,14 @@ def expected(
         # no time but tau is in these: let it be the sample interval
         return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
     if rate is None:
-        raise UsageError(f"the expectation of {row.name} depends on the sampling rate: pass rate=...")
+        raise UsageError(
+            f"the expectation of {row.name} depends on the sampling rate: pass " + spelled("--rate HZ", "rate=...")
+        )
     if row.parts and size is None:
-        raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
+        raise UsageError(
+            f"the expectation of {row.name} depends on the length of the record: pass "
+            + spelled("--duration TIME", "size=...")
+        )
     m = factors_of(times.tolist(), row, size or 0, rate, join)
     return expected_at(row, model, m, size, rate, join=join, divisor=divisor)
 

@@ -33,8 +33,15 @@ class Field(NamedTuple):
     derivative: Callable[[int, FloatArray], FloatArray]
 
 
+NOTHING = Field(np.zeros_like, lambda _, t: np.zeros_like(t))
+"""F of a polynomial that the differences remove."""
+
+
 def field_of(row: Statistic, term: NoiseTerm) -> Field:
     """F: the structure function of what the row takes differences of."""
+    degree = 2 * term.slope + 2 + 2 * row.summed  # of F
+    if term.waveform is not None and degree < 2 * row.differences:
+        return NOTHING
     if not row.summed:
         return Field(term.structure, term.derivative)
     D = term.derivative

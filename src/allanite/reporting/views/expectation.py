@@ -1,0 +1,81 @@
+"""How a model is shown without data: its coefficients, and the curves that are expected of it."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from allanite.core.fit import Fit
+from allanite.core.language import say
+from allanite.core.model import Model, Term, model_of
+from allanite.core.units import convert, readable_unit
+from allanite.reporting import figures
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
+from allanite.statistics import STATISTICS, Expectation, expectation
+
+from . import Rows, View
+from .fit import model_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from allanite.core.curve import Curve
+
+BRAND = say("a noise model")
+CAPTION = say(
+    "What is expected of the model, without data: the whole in black, each term alone in its color, with its slope and "
+    "its coefficient where that is read off."
+)
+
+
+def _face(found: Expectation, _: float) -> Face:
+    drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
+    parts: list[Part] = [model_table(found.model), drawing, *(_table(found, curve) for curve in found.curves)]
+    return Face(str(found.model), BRAND, (Sheet(found.name or say("model"), parts=parts),))
+
+
+def _table(found: Expectation, curve: "Curve") -> Table:
+    """The whole and each term, in the unit of data sheets."""
+    unit = readable_unit(curve.unit)
+    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *_heads(found.model))
+    factor = convert(1.0, curve.unit, unit)
+    rows = [[f"{row[0]:.5g}", *(f"{v * factor:.4g}" for v in row[1:])] for row in _numbers(found, curve)]
+    return Table(heads, rows, say("expected {statistic}", statistic=STATISTICS[curve.statistic].title), details=True)
+
+
+def _heads(model: Model) -> list[Column]:
+    return [Column(t.symbol, aside=True) for t in model]
+
+
+def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
+    columns = (curve.tau, curve.deviation, *found.terms(curve))
+    yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
+
+
+def _rows(found: Expectation, _: float) -> Rows:
+    """The deviations, SI, with a column for each term."""
+    heads = ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"]
+    return heads, [[c.statistic, *row, c.unit] for c in found.curves for row in _numbers(found, c)]
+
+
+def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Figure":
+    panels = [
+        figures.Panel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
+        for found in values
+        for curve in found.curves
+    ]
+    return figures.plot_panels(panels, level=level)
+
+
+def _of(model: Model | Term) -> Expectation:
+    return expectation(model)
+
+
+def _plot_models(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+    return _plot([_of(model) for model in values], fit, level)
+
+
+def _model_face(model: Model | Term, level: float) -> Face:
+    return _face(_of(model_of(model)), level)
+
+
+EXPECTATION = View(_face, _plot, _rows)
+MODEL = View(_model_face, _plot_models, lambda model, level: _rows(_of(model), level))

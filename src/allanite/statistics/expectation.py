@@ -1,0 +1,169 @@
+"""Expected curves of a model on their own: what its deviations look like before anything is recorded."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, ModelLike, Term, model_of
+from allanite.core.plain import Value
+from allanite.core.wording import spelled
+from allanite.statistics.grids import factors_of, times
+from allanite.statistics.moments.expect import expected
+from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.table import statistic_named
+
+JOIN = 0.2
+"""Share of the record from which theoh is Theo1."""
+
+ALONE = (1e-2, 1e4)
+"""Averaging times of a single term, s."""
+
+BESIDE = 30.0
+"""Ratio of the first and last averaging time to the times at which one term takes over from another."""
+
+PER_DECADE = 20
+"""Averaging times a decade if there is no sampling rate."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Expectation(Value):
+    """Expected curves of a model without data, one for each statistic.
+
+    Attributes
+    ----------
+    model : Model
+    curves : tuple of Curve
+        Without intervals, and with counts of 0; m is 0 where there is no sampling rate.
+    name : str
+        Name of the sensor.
+    """
+
+    model: Model
+    curves: tuple[Curve, ...]
+    name: str = ""
+
+    def terms(self, curve: Curve) -> list[FloatArray]:
+        """Deviation of each term of the model alone, in the curve's unit."""
+        return [np.sqrt(_variance(term, curve.statistic, (curve.tau, curve.rate, curve.size))) for term in self.model]
+
+
+def expectation(
+    model: ModelLike,
+    statistics: Sequence[str] = ("oadev",),
+    *,
+    tau: str | Sequence[float] = "log",
+    rate: float | None = None,
+    size: int | None = None,
+    name: str = "",
+) -> Expectation:
+    """The exact expectation of statistics under a model, as curves.
+
+    Parameters
+    ----------
+    model : Model, Term or Fit
+    statistics : sequence of str
+        Names in `STATISTICS`.
+    tau : {"log", "octave", "decade", "all"} or sequence of float
+        Averaging times: a named grid, or seconds.
+    rate : float, optional
+        Sampling rate, Hz; the differences adev, oadev, hdev, ohdev, haar do not need it.
+    size : int, optional
+        Samples of the record. Without it, or without a rate, the times extend to where one term alone is left.
+    name : str, optional
+        Name of the sensor.
+
+    Returns
+    -------
+    Expectation
+
+    Raises
+    ------
+    UsageError
+        The rate or the length is required, a time does not match them, or the statistic has no expectation.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> found = expectation(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"), tau=[1.0, 3.0])
+    >>> found.curves[0].variance.round(9).tolist()
+    [1.333333333, 1.333333333]
+    """
+    model = model_of(model)
+    if rate is not None and not 0 < rate < math.inf:
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
+    rows = [statistic_named(statistic) for statistic in statistics]
+    return Expectation(model, tuple(_curve(model, row, (tau, rate, size)) for row in rows), name)
+
+
+def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], float | None, int | None]) -> Curve:
+    tau, rate, size = record
+    if rate is None:
+        m, at = np.zeros(0, np.int64), _times(model, tau)
+    else:
+        length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
+        m = factors_of(tau, row, length, rate, JOIN)
+        at = times(row, m, length, JOIN) / rate
+    if not at.size:
+        raise UsageError(f"a record of {size} samples is too short for {row.name}")
+    return Curve(
+        row.name, m if m.size else np.zeros(at.size, np.int64), at,
+        _variance(model, row.name, (at, rate or 0.0, size or 0)), np.zeros(at.size, np.int64), np.ones(at.size),
+        model.signal.si[row.power], rate or 0.0, size or 0,
+    )  # fmt: skip
+
+
+def _variance(model: Model | Term, statistic: str, where: tuple[FloatArray, float, int]) -> FloatArray:
+    tau, rate, size = where
+    return np.maximum(expected(model, statistic, tau, rate=rate or None, size=size or None), 0.0)
+
+
+def _times(model: Model, tau: str | Sequence[float]) -> FloatArray:
+    if not isinstance(tau, str):
+        return np.atleast_1d(np.asarray(tau, dtype=np.float64))
+    if tau != "log":
+        raise UsageError(
+            f"the averaging times {tau!r} are multiples of a sample interval: pass "
+            + spelled("--rate HZ", "rate=...")
+            + ", or the times in seconds"
+        )
+    low, high = (PER_DECADE * math.log10(end) for end in reach(model))
+    return np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
+
+
+def reach(model: Model) -> tuple[float, float]:
+    """Averaging times from where one term alone matters to where another alone does, s.
+
+    Examples
+    --------
+    >>> from allanite.core.model import K, N
+    >>> low, high = reach(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"))
+    >>> bool(low < 0.1), bool(high > 30)
+    (True, True)
+    """
+    tau = np.geomspace(1e-9, 1e9, 361)
+    each = np.array([_structured(term, tau) for term in model])
+    changes = tau[1:][np.diff(each.argmax(axis=0)) != 0]
+    own = [scale for term in model for scale in _scales(term)]
+    found = np.array([*changes, *own])
+    if not found.size:
+        return ALONE
+    return float(found.min()) / BESIDE, float(found.max()) * BESIDE
+
+
+def _structured(term: Term, tau: FloatArray) -> FloatArray:
+    """Allan variance by the structure function, without a sampling rate."""
+    row = term.sampled(1.0)
+    return np.asarray(term.value**2 * (4 * row.structure(tau) - row.structure(2 * tau)) / (2 * tau**2))
+
+
+def _scales(term: Term) -> list[float]:
+    """Times that a term has of its own: a time constant, a period."""
+    return [
+        value if parameter.unit == "s" else 1 / value
+        for parameter, value in zip(term.row.parameters, term.shape, strict=True)
+        if parameter.unit in ("s", "Hz") and value > 0
+    ]

@@ -1,0 +1,77 @@
+"""Expected curves of a given model: what the deviations of a file would be, without the file."""
+
+from dataclasses import dataclass
+
+from allanite.core.errors import UsageError
+from allanite.core.wording import spelled
+from allanite.simulation.recording import readings
+from allanite.statistics import Expectation, expectation
+
+from .channels import Source
+from .modelled import demand_no_recording
+from .modelling import NoiseSettings
+from .recipe import Recipe
+from .survey import Deviations
+
+
+@dataclass(frozen=True, repr=False)
+class TheorySettings(NoiseSettings):
+    """A model, and the length of a record for which its curves are expected: `duration` in s, or `samples`."""
+
+    duration: float | None = None
+    samples: int | None = None
+
+    @property
+    def asked(self) -> bool:
+        """Whether any of it is given."""
+        return self != TheorySettings()
+
+
+def expected_curves(
+    source: Source | None, settings: TheorySettings, wanted: Deviations, recipe: Recipe | None = None
+) -> Expectation:
+    """The expected curves of a model that is given instead of a recording.
+
+    Parameters
+    ----------
+    source : None
+        A recording is refused.
+    settings : TheorySettings
+    wanted : Deviations
+        The statistics and their averaging times, by default about 100, logarithmically spaced.
+    recipe : Recipe, optional
+        Its rate is the sampling rate.
+
+    Raises
+    ------
+    UsageError
+        There is no model, or a recording beside it; an option applies only to recordings; the rate or the length is
+        needed.
+
+    Examples
+    --------
+    >>> found = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev")))
+    >>> [curve.statistic for curve in found.curves]
+    ['oadev', 'ohdev']
+    """
+    recipe, model = recipe or Recipe(), settings.given()
+    if model is None or source is not None:
+        raise UsageError(
+            spelled(
+                "give either a recording, or the noise with --model or --sensor",
+                "give either a source, or the noise with model or sensor of the settings",
+            )
+        )
+    demand_no_recording(settings, recipe)
+    if wanted.m is not None or wanted.to is not None:
+        raise UsageError(
+            f"{spelled('--m and --to apply', 'm and to apply')} to a recording: give averaging times in seconds, "
+            + spelled("--taus 1,10,100", "taus=(1, 10, 100)")
+        )
+    size = None
+    if settings.duration is not None or settings.samples is not None:
+        if recipe.rate is None:
+            raise UsageError(f"the length of a record needs its sampling rate: {spelled('--rate HZ', 'rate=...')}")
+        size = readings(recipe.rate, settings.duration, settings.samples)
+    tau = "log" if wanted.taus == Deviations.taus else wanted.taus
+    return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.sensor or "")

@@ -1,0 +1,57 @@
+"""Limits where a deterministic term outweighs the noise, or the statistic removes it."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.statistics.moments import lagsums
+from allanite.statistics.table import STATISTICS
+
+MODELS = [
+    "R 0.08 rad/s^2, GM 0.02 rad/s 2 s",
+    "R 100 rad/s^2, GM 0.02 rad/s 2 s",
+    "R 1 rad/s^2, N 1e-6 rad/s/sqrt(Hz)",
+    "R 1 rad/s^2",
+]
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("statistic", ["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"])
+def test_every_limit_is_a_number(model, statistic):
+    record = al.simulate(al.parse_model(model), 20_000, 40.0, rng=np.random.default_rng(1))
+    m = 2 * np.unique(np.geomspace(5, 3000, 60).astype(int))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        curve = al.deviation(record, statistic, m=m.tolist(), noise=al.parse_model(model))
+        low, high = curve.interval(0.95)
+    assert np.isfinite(curve.edf).all()
+    assert np.isfinite(low).all()
+    assert np.isfinite(high).all()
+    assert (low <= high).all()
+
+
+def test_a_third_difference_removes_a_ramp():
+    record = al.simulate(al.parse_model("N 1 rad/s/sqrt(Hz)"), 20_000, 40.0, rng=np.random.default_rng(1))
+    m = [30, 300, 3000]
+    alone, beside = (
+        al.deviation(record, "ohdev", m=m, noise=al.parse_model(model))
+        for model in ("N 1 rad/s/sqrt(Hz)", "N 1 rad/s/sqrt(Hz), R 1e3 rad/s^2")
+    )
+    np.testing.assert_allclose(beside.edf, alone.edf, rtol=1e-12)
+    np.testing.assert_allclose(beside.interval(0.95), alone.interval(0.95), rtol=1e-9)
+
+
+@pytest.mark.parametrize("m", [5, 10, 34])
+def test_covariance_of_modified_windows_far_apart(m):
+    """Where some of the differences are taken from derivatives and the others are not."""
+    term = al.GM(1.0, "rad/s", time_constant=2.0).sampled(40.0)
+    window = np.zeros(3 * m)
+    for k in range(m):
+        window[[k, k + m, k + 2 * m]] += 1, -2, 1
+    lags = np.arange(30.0, 50.0) * m
+    distance = np.subtract.outer(np.arange(3.0 * m), np.arange(3.0 * m))
+    dense = [-0.5 * window @ term.structure(np.abs(lag + distance)) @ window for lag in lags]
+    found = lagsums.covariance_of_windows(STATISTICS["mdev"], term, m, np.append(0.0, lags))
+    np.testing.assert_allclose(found[1:], dense, atol=1e-6 * found[0])

@@ -1,0 +1,108 @@
+"""Curves of a model without data."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.reporting import figures, to_csv
+from allanite.statistics import expectation
+
+FIVE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
+
+
+def texts(figure):
+    return "\n".join(text.get_text() for ax in figure.axes for text in ax.texts)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def test_curves_are_the_expectation_and_its_terms_add_up():
+    model = al.parse_model(FIVE)
+    found = expectation(model, ["oadev", "mdev", "tdev", "theoh"], rate=100.0, size=20_000)
+    for curve in found.curves:
+        exact = al.expected(model, curve.statistic, curve.tau, rate=100.0, size=20_000)
+        np.testing.assert_allclose(curve.variance, exact, rtol=1e-12)
+    # the bias ratio of theoh is not linear in the terms
+    for curve in found.curves[:3]:
+        np.testing.assert_allclose(np.sum(np.square(found.terms(curve)), axis=0), curve.variance, rtol=1e-9)
+
+
+def test_the_figure_of_five_slopes():
+    figure = al.plot(al.parse_model(FIVE))
+    said = texts(figure)
+    for label in ("Q = 0.5 arcsec", "N = 0.02 deg/√h", "B = 0.3 deg/h", "K = 1 deg/h/√h", "R = 5 deg/h²"):
+        assert label in said
+    assert {line.rpartition(" ")[2] for line in said.splitlines() if "slope" in line} == {"−1", "−½", "0", "+½", "+1"}
+    black = next(line for line in figure.axes[0].lines if line.get_label() == "model")
+    tau, deviation = np.asarray(black.get_xydata()).T
+    exact = np.sqrt(al.expected(al.parse_model(FIVE), "oadev", tau)) / np.radians(1 / 3600)
+    np.testing.assert_allclose(deviation, exact, rtol=1e-9)
+
+
+def test_slopes_are_those_of_the_statistic():
+    said = texts(al.plot(expectation(al.Q(0.5, "arcsec"), ["mdev"], rate=100.0, size=100_000)))
+    assert "slope −1½" in said
+
+
+def test_terms_of_one_symbol_share_a_label():
+    figure = al.plot(al.parse_model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
+    said = texts(figure)
+    assert "GM = 0.1 deg/h, T = 20 s\nGM = 0.3 deg/h, T = 500 s" in said
+    assert "Sine = 1 deg/h, f = 3 Hz" in said
+
+
+def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
+    assert "N = 0.1 deg/√h" in texts(al.plot(al.N(0.1, "deg/sqrt(h)")))
+    assert (
+        len(al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")]).axes) == 2
+    )
+
+
+def test_everything_of_a_model_is_written(tmp_path):
+    names = {"plot": "a.png", "csv": "a.csv", "json": "a.json", "report": "a.html"}
+    asked = [part for option, name in names.items() for part in (f"--{option}", tmp_path / name)]
+    done = run("deviation", "--model", FIVE, "--rate", 10, "--duration", "1h", "--statistic", "oadev,mdev", *asked)
+    assert done.exit_code == 0, done.stderr
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
+    assert {row["statistic"] for row in rows} == {"oadev", "mdev"}
+    first = rows[0]
+    assert float(first["tau_s"]) == pytest.approx(0.1)
+    whole = sum(float(first[symbol]) ** 2 for symbol in "QNBKR")
+    assert float(first["deviation"]) ** 2 == pytest.approx(whole)
+    stored = al.from_dict(json.loads((tmp_path / "a.json").read_text(encoding="utf-8")))
+    assert to_csv(stored) == (tmp_path / "a.csv").read_text(encoding="utf-8")
+    assert "rate random walk" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "give either a recording, or the noise with --model or --sensor"),
+        (("a.csv", "--sensor", "fog"), "give either a recording"),
+        (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
+        (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),
+        (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
+        (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
+        (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"),
+        (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
+        (("--sensor", "fog", "--rate", "0"), "must be a positive number of Hz"),
+        (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
+    ],
+)
+def test_what_cannot_be_expected_is_refused(arguments, words):
+    done = run("deviation", *arguments)
+    assert done.exit_code == 2
+    assert words in done.stderr
+
+
+def test_panels_of_a_model_have_no_data():
+    curve = expectation(al.N(0.1, "deg/sqrt(h)")).curves[0]
+    assert figures.facts_of(curve) == ""
