@@ -22,7 +22,7 @@ from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Later, Supposing, supposed
 from allanite.statistics.moments.expect import expected as expected
-from allanite.statistics.moments.moments import covariance as covariance
+from allanite.statistics.moments.hybrid import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 from allanite.terms import WHITE
 

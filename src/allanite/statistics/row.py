@@ -161,14 +161,12 @@ class Statistic:
         return self.overlapped and self.differences > 1 and not self.summed
 
     @property
-    def correlated(self) -> bool:
-        """Whether the covariance between the variances at different averaging times is known."""
-        return self.differences > 0 and self.overlapped
-
-    @property
     def readable(self) -> bool:
-        """Whether its curve can be fitted: its expectation is known for every term and any length of the record."""
-        return self.order > 1 and not self.power and self.window is not None and not self.parts
+        """Whether its curve can be fitted: its expectation is known for every term and any length of the record.
+
+        That of a hybrid is, once its bias ratio is divided out.
+        """
+        return self.order > 1 and not self.power and self.window is not None
 
     @property
     def allan(self) -> bool:

@@ -121,7 +121,8 @@ def total(profile: Profile, x: FloatArray, weight: FloatArray, *, between: bool)
 def lagrange(t: FloatArray, nodes: FloatArray) -> FloatArray:
     """Weights of the values at the nodes in that at t of the polynomial through them, shape (nodes, t)."""
     others = ~np.eye(nodes.size, dtype=bool)
-    return np.array([np.prod([(t - b) / (a - b) for b in nodes[o]], axis=0) for a, o in zip(nodes, others, strict=True)])
+    factors = [[(t - b) / (a - b) for b in nodes[o]] for a, o in zip(nodes, others, strict=True)]
+    return np.prod(np.array(factors), axis=1)
 
 
 def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
@@ -223,7 +224,8 @@ class Pairs:
         widest = (POINTS - a * m) / (b * m) if m <= least else (SHORT / least - a) / b
         if k <= widest * m:
             levels = _levels(pair.rows[0].step, m, SHORT / (a + b * k / m), 3 if pair.power == 1 else 2)
-            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), [self._at(pair, v) for v in levels], 1))
+            found = [self._at(pair, level) for level in levels]
+            return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), found, 1))
         near = pair.shortened(int(widest * m) // step * step)
         nearer = pair.shortened(near.m[1] // 2 // step * step)
         far, close = (self._within(p) * p.counts[0] for p in (near, nearer))
