@@ -124,6 +124,8 @@ class Statistic:
         How long windows are reduced; for a row with a `window` that is no difference.
     published : PublishedBias, optional
         The bias factors as published; None where there is no bias.
+    published_edf : (alpha, m, points) -> degrees of freedom, optional
+        As published; KeyError for a power law that the publication does not treat.
     """
 
     name: str
@@ -154,6 +156,7 @@ class Statistic:
     kept: Callable[[float, float], float] = lambda slope, share: 1.0
     scheme: Scheme = Scheme()
     published: PublishedBias | None = None
+    published_edf: Callable[[int, int, int], float] | None = None
 
     @property
     def sliding(self) -> bool:
