@@ -33,7 +33,7 @@ def correlated(C, wanted):
     return np.abs((C - wanted) / np.outer(root, root)).max()
 
 
-@pytest.mark.parametrize("mixture", MIXTURES, ids=lambda m: "".join(m))
+@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
 @pytest.mark.parametrize("name", ROWS)
 def test_it_equals_the_full_matrix(name, mixture):
     """Windows of up to 400 points together are taken as they are; the variances have errors of their own."""
@@ -49,7 +49,7 @@ def test_it_equals_the_full_matrix(name, mixture):
     assert correlated(C, wanted) < 0.006
 
 
-@pytest.mark.parametrize("mixture", MIXTURES, ids=lambda m: "".join(m))
+@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
 def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
     m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)

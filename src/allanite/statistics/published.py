@@ -6,7 +6,7 @@ the exact degrees of freedom of any model are `allanite.statistics.edf`.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -82,10 +82,7 @@ def greenhall_riley(alpha: int, m: int, N: int, *, d: int, modified: bool = Fals
     head = (b0 + b1 * math.log(m)) ** 2 if not modified and alpha == 1 else 1.0
     if r >= d + 1:
         return r * head / (a0 - a1 / r)
-    if modified:
-        F = 1.0
-    else:
-        F = LONGEST / r if alpha == 1 else math.inf
+    F = 1.0 if modified else LONGEST / r if alpha == 1 else math.inf
     if head == 1.0:
         head = float(_differences(np.zeros(1), F, law)[0]) ** 2
     return LONGEST * head / _summed(law, LONGEST, LONGEST, LONGEST / r, F)
@@ -130,7 +127,7 @@ def theo1(alpha: int, m: int, N: int) -> float:
     [51.6, 7.8, 2.4]
     """
     t = 0.75 * m
-    formulas = {
+    formulas: dict[int, Callable[[], float]] = {
         2: lambda: 0.86 * (N + 1) * (N - 4 * t / 3) / (N - t) * t / (t + 1.14),
         1: lambda: (4.798 * N**2 - 6.374 * N * t + 12.387 * t) / (math.sqrt(t + 36.6) * (N - t)) * t / (t + 0.3),
         0: lambda: ((4.1 * N + 0.8) / t - (3.1 * N + 6.5) / N) * t**1.5 / (t**1.5 + 5.2),

@@ -22,29 +22,22 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
 
 def _joint(curve: Curve, noise: ModelLike) -> Iterable[str]:
     parts = STATISTICS[curve.statistic].parts
-    late = np.flatnonzero(np.abs(curve.tau * curve.rate / curve.m - parts[-1].tau_factor) < 1e-6) if parts else ()
-    if not len(late):
+    if not parts:
+        return
+    late = np.flatnonzero(np.abs(curve.tau * curve.rate / curve.m - parts[-1].tau_factor) < 1e-6)
+    if not late.size:
         return
     first, last = (_error(curve, int(late[i]), noise) for i in (0, -1))
     if max(abs(first - 1), abs(last - 1)) < SEEN:
         return
-    told = {
-        "statistic": curve.statistic, "start": curve.tau[late[0]], "end": curve.tau[late[-1]],
-        "first": first, "last": last, "cure": spelled("--bias model", "bias='model'"),
-    }  # fmt: skip
+    yield say(
+        "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
+        "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s ({cure} corrects it)",
+        statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first, last=last,
+        cure=spelled("--bias model", "bias='model'"),
+    )  # fmt: skip
     if len(parts) > 1:
-        yield say(
-            "{statistic} jumps where oadev ends: its bias ratio assumes one kind of noise, and under the identified noise "
-            "the deviation is {first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s; "
-            "{cure} corrects it",
-            **told,
-        )
-    else:
-        yield say(
-            "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
-            "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s; {cure} corrects it",
-            **told,
-        )
+        yield say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
 
 
 def _error(curve: Curve, i: int, noise: ModelLike) -> float:

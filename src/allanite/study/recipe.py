@@ -41,7 +41,8 @@ class Recipe:
     The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
     they are excluded from the fit only. `average`: means over so many seconds replace the samples, before anything
-    else. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`, whose likely causes of each term are shown.
+    else. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`,
+    whose likely causes of each term are shown.
     """
 
     rate: float | None = None

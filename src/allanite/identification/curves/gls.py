@@ -46,9 +46,7 @@ class Moments:
 
 
 @lru_cache(maxsize=64)
-def moments_of(
-    names: tuple[str, ...], symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float
-) -> Moments:
+def moments_of(names: tuple[str, ...], symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
     """Moments of points: the statistic and the averaging factor of each."""
     X = columns(names, symbols, m, size, rate)
     rows = [STATISTICS[name] for name in names]

@@ -31,8 +31,8 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
     symbols : sequence of str
         Keys of `TERMS`.
     ranges : mapping of symbol to (low, high), optional
-        Averaging times, s; they must not overlap. By default the longest stretch, up to a tenth of the record, where the local slope is within
-        0.25 of the term's; a term without such a stretch is not identified.
+        Averaging times, s; they must not overlap. By default the longest stretch, up to a tenth of the record, where
+        the local slope is within 0.25 of the term's; a term without such a stretch is not identified.
     """
     signal = signal_of(curve, 2)
     given = demand_ranges(ranges) if ranges is not None else {}

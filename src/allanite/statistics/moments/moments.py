@@ -146,9 +146,7 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
     return merged
 
 
-def covariance_by_term(
-    rows: Sequence[Statistic], model: Model, m: IntArray, size: int, rate: float
-) -> FloatArray:
+def covariance_by_term(rows: Sequence[Statistic], model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
     """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t).
 
     Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.

@@ -63,7 +63,9 @@ def form_of(first: Windows, m: int, second: Windows, k: int) -> Form:
     size, directions = np.linalg.eigh((pairs + pairs.T) / 8)
     kept = size > 1e-13 * size[-1]
     factor = np.ascontiguousarray((directions[:, kept] * np.sqrt(size[kept])).T)
-    return Form(factor, h - (q - p) / 2, (mean_weights(first, m), mean_weights(second, k)))
+    return Form(
+        factor, np.asarray(h - (q - p) / 2, dtype=np.float64), (mean_weights(first, m), mean_weights(second, k))
+    )
 
 
 class Profile(NamedTuple):
@@ -122,11 +124,11 @@ def lagrange(t: FloatArray, nodes: FloatArray) -> FloatArray:
     """Weights of the values at the nodes in that at t of the polynomial through them, shape (nodes, t)."""
     others = ~np.eye(nodes.size, dtype=bool)
     factors = [[(t - b) / (a - b) for b in nodes[o]] for a, o in zip(nodes, others, strict=True)]
-    return np.prod(np.array(factors), axis=1)
+    return np.asarray(np.prod(np.array(factors), axis=1))
 
 
 def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
-    return np.bincount(places.ravel(), weights.ravel(), size)
+    return np.asarray(np.bincount(places.ravel(), weights.ravel(), size), dtype=np.float64)
 
 
 def pair_lattice(half: float, step: float, counts: tuple[float, float], first: float) -> tuple[FloatArray, FloatArray]:
