@@ -28,8 +28,9 @@ def test_it_says_how_it_was_made():
 
 
 def test_the_curves_of_other_statistics_are_all_there():
-    assert "command: `python benchmarks/methods.py --sensors MEMS FOG RLG --sizes 65536 --records 40 --ways curves`" in (
-        PAGE.text.split("\n## ")[1]
+    assert (
+        "command: `python benchmarks/methods.py --sensors MEMS FOG RLG --sizes 65536 --records 40 --ways curves`"
+        in (PAGE.text.split("\n## ")[1])
     )
     terms = [(s, t.symbol) for s in methods.SENSORS for t in methods.SENSORS[s]]
     assert [(r["sensor"], r["term"], r["method"]) for r in CURVES] == [(*t, w) for t in terms for w in methods.CURVES]
