@@ -162,6 +162,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE",
         help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
+    "known bias": click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
     "reference angle": click.option("--reference", required=True, metavar="COLUMN",
         help="Angle of the reference encoder."),
     "angle unit": click.option("--unit", help="Unit of angles, overrides the header: deg, rad, arcsec ..."),

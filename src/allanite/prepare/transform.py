@@ -81,7 +81,7 @@ def averaged(recording: Recording, time: float) -> Recording:
     Raises
     ------
     UsageError
-        The time is no multiple of the sampling interval, within 1 %, or the record is shorter than two of it.
+        The time is not a multiple of the sampling interval within 1 %, or the record is shorter than two blocks.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from allanite.statistics import STATISTICS
 from allanite.statistics.moments.moments import by_term
 
 SEEN = 0.05
-"""Relative error of a deviation from which on it is told."""
+"""Relative error of a deviation above which a note is given."""
 
 
 def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:

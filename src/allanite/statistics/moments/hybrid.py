@@ -10,7 +10,7 @@ from allanite.statistics.table import STATISTICS
 from .moments import by_term, covariance_by_term, noise_of
 
 RATIOS = 12
-"""Of the many ratios whose mean is the bias ratio, those that stand for all."""
+"""Number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly."""
 
 
 def covariance(
