@@ -1,9 +1,11 @@
 """How good is each method: error, bias and coverage against the Cramer-Rao bound, on the same records.
 
-    python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--write PATH]
+    python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--ways methods]
+                                 [--write PATH]
 
 The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others.
-A term that a method does not find counts as 0, or as what its model has of it.
+A term that a method does not find counts as 0, or as what its model has of it. With --ways curves it is generalized
+least squares of the curve of each statistic, and every cell has seeds of its own.
 """
 
 from table import begin, markdown
@@ -19,20 +21,28 @@ import allanite as al
 from identification import RATE, SENSORS, Job, asked, bounds
 
 WAYS = {name: (name, None) for name in al.METHODS} | {
-    f"gls of {statistic}": ("gls", statistic) for statistic in ("ohdev", "mdev", "theo1")
+    f"gls of {statistic}": ("gls", statistic) for statistic in ("ohdev", "mdev")
 }
 """Method and statistic, by the name in the table."""
 
+CURVES = {
+    f"gls of {statistic}": ("gls", statistic)
+    for statistic in ("oadev", "theo1", "theobr", "theoh", "pdev", "mtotdev", "htotdev")
+}
+"""The same of the statistics of a curve."""
+
 HEADINGS = ("sensor", "n", "term", "bound %", "method", "rmse", "bias", "cover %")
 
+Ways = dict[str, tuple[str, str | None]]
 Found = dict[str, list[tuple[float, float, float]]]
 
 
-def identified(job: Job) -> Found:
+def identified(job: Job, ways: Ways = WAYS) -> Found:
     """(value, low, high) of every term, by way."""
-    record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng(job.seed))
+    own = [list(SENSORS).index(job.sensor), job.n] if ways is CURVES else []
+    record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng([*own, job.seed]))
     found = {}
-    for way, (method, statistic) in WAYS.items():
+    for way, (method, statistic) in ways.items():
         fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic)
         model = {t.symbol: t.value for t in fit.model}
         found[way] = [(model.get(e.symbol, 0.0) if e.value is None else e.value, *e.interval(0.95)) for e in fit]
@@ -43,7 +53,7 @@ def rows_of(sensor: str, n: int, records: list[Found]) -> list[tuple[str, ...]]:
     """Rows of the table, one a term and way."""
     limits = bounds(SENSORS[sensor], n)
     rows = []
-    for (i, term), way in itertools.product(enumerate(SENSORS[sensor]), WAYS):
+    for (i, term), way in itertools.product(enumerate(SENSORS[sensor]), records[0]):
         value, low, high = np.array([record[way][i] for record in records]).T
         relative, bound = value / term.value - 1, limits[term.symbol]
         covered = f"{100 * ((low <= term.value) & (term.value <= high)).mean():.0f}" if np.isfinite(low[0]) else "-"
@@ -63,12 +73,22 @@ def table(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str,
     return rows
 
 
+def curves(sensors: list[str], sizes: list[int], seeds: range) -> list[tuple[str, ...]]:
+    """The rows of the statistics, on one thread."""
+    rows = []
+    for n, sensor in itertools.product(sizes, sensors):
+        rows += rows_of(sensor, n, [identified(Job("known", sensor, n, seed), CURVES) for seed in seeds])
+        print(f"{sensor} {n} done", file=sys.stderr, flush=True)
+    return rows
+
+
 def main() -> None:
-    run = begin(__doc__, sensors=list(SENSORS), sizes=[2**16, 2**18], records=100)
+    run = begin(__doc__, sensors=list(SENSORS), sizes=[2**16, 2**18], records=100, ways="methods")
     asked = run.asked
-    rows = table(asked.sensors, asked.sizes, range(1, asked.records + 1))
+    rows = (curves if asked.ways == "curves" else table)(asked.sensors, asked.sizes, range(1, asked.records + 1))
+    cell = ", of each cell its own" if asked.ways == "curves" else ""
     notes = [
-        f"seeds 1..{asked.records}, the same records for every method; 100 Hz; the true terms are known",
+        f"seeds 1..{asked.records}, the same records for every method{cell}; 100 Hz; the true terms are known",
         "rmse, bias: of the coefficient, over the bound; cover: the 95 % interval as printed holds the truth (from 0 "
         "to the one-sided limit for a term not found), - for a method without intervals. Monte-Carlo standard error: "
         f"{100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "

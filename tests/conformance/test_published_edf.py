@@ -45,6 +45,16 @@ FORMULAS = {
 }
 
 
+@pytest.mark.parametrize("heading", [name for name in FORMULAS if not name.startswith("Older")])
+def test_the_package_has_the_same_formulas(heading):
+    name, formula, alphas, ranges = FORMULAS[heading]
+    row = al.STATISTICS[name]
+    for alpha in alphas:
+        for m in sorted({m for inside in ranges.values() for m in inside if m <= row.largest(SIZE)}):
+            for size in (SIZE, 5 * SIZE):
+                assert row.published_edf(alpha, m, size + 1) == pytest.approx(formula(alpha, m, size + 1), rel=1e-9)
+
+
 @functools.cache
 def exact(name, alpha, m):
     return exact_edf(al.STATISTICS[name], alpha, m, SIZE)

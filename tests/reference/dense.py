@@ -53,3 +53,21 @@ def moments(A, terms):
     E[np.abs(E) < 1e-13 * np.array(summands)] = 0.0
     scale = np.outer(E, E)
     return E, np.divide(T, scale, out=np.zeros_like(T), where=scale != 0)
+
+
+def covariance(forms, terms, powers):
+    """Covariance of the quadratic forms x'Ax of Gaussian noise beside what is deterministic, shape (k, k).
+
+    2 tr(A G B G) + 4 mu'A G B mu, with x of mean mu; `powers` are the squares of the coefficients.
+    """
+    n = forms[0].shape[0] - 1
+    lag = np.abs(np.subtract.outer(np.arange(n + 1.0), np.arange(n + 1.0)))
+    G, mean = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+    for term, power in zip(terms, powers, strict=True):
+        if term.waveform is None:
+            G -= 0.5 * power * term.structure(lag)
+        else:
+            mean += np.sqrt(power) * np.concatenate(([0.0], np.cumsum(term.waveform(n))))
+    products = [A @ G for A in forms]
+    return np.array([[2 * np.sum(P * Q.T) + 4 * mean @ P @ B @ mean for Q, B in zip(products, forms, strict=True)]
+                     for P in products])  # fmt: skip

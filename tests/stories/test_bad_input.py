@@ -62,6 +62,9 @@ def write_inputs(folder):
     csv_of(folder / "ids.csv", [noise(), noise()], header="gyro_integral_dt,frame_id")
 
 
+LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]
+"""The method of lines."""
+
 CASES = [
     # file, options, exit code, words
     ("missing.csv", OPTIONS, 3, ["missing.csv", "no such file", "check"]),
@@ -86,6 +89,15 @@ CASES = [
     ("capitals.csv", OPTIONS, 3, ["encoding", "GB18030 or cp1251", "UTF-8", "iconv"]),
     ("rates.csv", [], 2, ["contradict each other", "line 1", "line 2", "--rate 100"]),
     ("ids.csv", OPTIONS, 2, ["not an inertial signal by its name", "gyro_integral_dt", "--channels"]),
+    ("one.csv", [*OPTIONS, "--average", "0.013"], 2, ["0.013 s", "whole number of samples", "0.01 s"]),
+    ("one.csv", [*OPTIONS, "--average", "nan"], 2, ["nan s", "whole number of samples"]),
+    ("one.csv", [*OPTIONS, "--average", "3600"], 2, ["blocks", "between 1 and 2500", "360000"]),
+    ("one.csv", [*OPTIONS, "--ranges", "N=1:10"], 2, ["ranges is for method 'piecewise'", "'whittle'"]),
+    ("one.csv", [*LINES, "--ranges", "N=1:10,K=5:20"], 2, ["N (1 to 10 s)", "K (5 to 20 s)", "overlap"]),
+    ("one.csv", [*LINES, "--ranges", "N=60:90"], 2, ["60 to 90 s of N", "0.01 to 20.48 s"]),
+    ("one.csv", [*LINES, "--ranges", "N=10:1"], 2, ["range of N", "lower one first"]),
+    ("one.csv", [*LINES, "--ranges", "B=1:10"], 2, ["ranges are given for B", "N, K"]),
+    ("one.csv", [*LINES, "--ranges", "N=1,10"], 2, ["N=0.1:10,K=100:1000", "'N=1'"]),
     ("nan.csv", OPTIONS, 3, ["1000 of 1000", "not finite"]),
     ("constant.csv", OPTIONS, 3, ["never changes", "3.25"]),
     ("short.csv", OPTIONS, 3, ["10 samples", "too few", "200"]),

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     "to",
     "threads",
     "intervals",
+    "bias",
+    "join",
+    "divisor",
+    "edf",
+    "power law",
     *IDENTIFYING,
     *RESULTS,
 )

@@ -8,7 +8,7 @@ import click
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 
-from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Scale, Taus, Units
+from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Ranges, Scale, Taus, Units
 
 Decorator = Callable[[Any], Any]
 
@@ -113,6 +113,21 @@ OPTIONS: dict[str, Decorator] = {
         help="Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer."),
     "intervals": click.option("--intervals/--no-intervals", default=True,
         help="Confidence intervals; without them no noise is identified."),
+    "bias": click.option("--bias", metavar="WORD",
+        help="Correct the bias: exact or published (theo1, totdev, mtotdev, ...), model (theobr, theoh); plain: none.  "
+        "[default: model for theobr and theoh if the noise is identified, else plain]"),
+    "join": click.option("--join", type=float, default=0.2, show_default=True, metavar="SHARE",
+        help="Share of the record up to which theoh is the overlapping Allan deviation."),
+    "divisor": click.option("--divisor", type=int, default=30, show_default=True, metavar="N",
+        help="Divisor of the length for the number of bias ratios of theobr and theoh; 6 as in Stable32."),
+    "edf": click.option("--edf", metavar="WORD", default="exact", show_default=True,
+        help="Degrees of freedom of the intervals: exact, or published, for the power law found at each time."),
+    "power law": click.option("--power-law", is_flag=True,
+        help="Show the exponent of the power law that the noise follows at each averaging time."),
+    "average": click.option("--average", type=float, metavar="S",
+        help="First of all replace the samples by means over this time."),
+    "ranges": click.option("--ranges", type=Ranges(), metavar="N=LO:HI,...",
+        help="Averaging times through which method piecewise draws the line of each term, s."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
         help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
@@ -151,6 +166,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE",
         help="The true rate, in deg/h or e.g. '12.4 deg/h'."),
+    "known bias": click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
     "reference angle": click.option("--reference", required=True, metavar="COLUMN",
         help="Angle of the reference encoder."),
     "angle unit": click.option("--unit", help="Unit of angles, overrides the header: deg, rad, arcsec ..."),
@@ -182,10 +198,10 @@ OPTIONS: dict[str, Decorator] = {
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Options that describe the contents of a file."""
 
-SELECTING = ("from", "until", "quiet-window", "outliers")
+SELECTING = ("average", "from", "until", "quiet-window", "outliers")
 """Options that select samples."""
 
-IDENTIFYING = ("terms", "method", "band", "level", "strict")
+IDENTIFYING = ("terms", "method", "ranges", "band", "level", "strict")
 """Options of every verb that identifies noise."""
 
 RESULTS = (*OUTPUTS, "lang", "force", "quiet")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     ),
     "latitude",
     "reference rate",
-    click.option("--bias", metavar="RATE", help="Known bias to subtract, in deg/h or e.g. '3 ug'."),
+    "known bias",
     click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north (needs --latitude)."),
     click.option(
         "--second", metavar="FILE", type=click.Path(), help="The same gyro in a second position: removes the bias."

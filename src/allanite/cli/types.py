@@ -73,6 +73,26 @@ class Units(ParamType):
         return stated_unit(value)
 
 
+class Ranges(ParamType):
+    """A pair of numbers for each of several terms; a recipe holds a table of pairs."""
+
+    name = "ranges"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Symbol -> (low, high)."""
+        if not isinstance(value, str):
+            return value
+        found = {}
+        for part in value.split(","):
+            symbol, _, numbers = part.partition("=")
+            try:
+                low, high = (float(number) for number in numbers.split(":"))
+            except ValueError:
+                self.fail(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {part!r}", param, ctx)
+            found[symbol.strip()] = (low, high)
+        return found
+
+
 class Scale(ParamType):
     """A number, or a number with its unit."""
 

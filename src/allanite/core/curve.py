@@ -42,6 +42,8 @@ class Curve(Value):
         Computes the limits; called on first use.
     supposes : optional
         Gives the assumptions of the limits; see `supposed`.
+    alpha : array, shape (k,), optional
+        Exponent of the power law f^alpha of the rate's spectrum that the record follows at each averaging time.
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
@@ -60,6 +62,7 @@ class Curve(Value):
     noise: Model | None = None
     law: Law | None = None
     supposes: Callable[[], str] | None = None
+    alpha: IntArray | None = None
 
     @property
     def supposed(self) -> str:
@@ -118,6 +121,9 @@ class Curve(Value):
         if self.law is not None:
             headings += ["edf", f"low {level:.4g}", f"high {level:.4g}"]
             columns += [self.edf, *self.interval(level)]
+        if self.alpha is not None:
+            headings.append("alpha")
+            columns.append(self.alpha)
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

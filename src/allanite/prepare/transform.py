@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError, given
 from allanite.core.language import say
-from allanite.core.record import KINDS, Record
+from allanite.core.record import KINDS, Record, Recording
 from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers
@@ -69,6 +69,35 @@ def block_means(record: Record, m: int) -> Record:
     if left:
         what = say("blocks of {size} samples, the last {left} samples omitted", size=m, left=left)
     return replace(record, values=kept, rate=record.rate / m, history=(*record.history, what))
+
+
+NEAR = 0.01
+"""Relative difference of a sampling interval from a nominal one: a clock that is that wrong is still meant."""
+
+
+def averaged(recording: Recording, time: float) -> Recording:
+    """The recording with means over `time` seconds for samples (of increments and counts: sums).
+
+    Raises
+    ------
+    UsageError
+        The time is not a multiple of the sampling interval within 1 %, or the record is shorter than two blocks.
+
+    Examples
+    --------
+    >>> recording = Recording((Record([1.0, 3.0, 2.0, 6.0], rate=2.0, unit="deg/h"),))
+    >>> averaged(recording, 1.0)[0].values.tolist()
+    [2.0, 4.0]
+    """
+    first = recording.records[0]
+    m = round(time * first.rate) if np.isfinite(time) else 0
+    if m < 1 or abs(m / first.rate - time) > NEAR * time:
+        raise UsageError(
+            f"means over {time:g} s are no whole number of samples at {first.rate:g} Hz; the nearest time is "
+            f"{max(m, 1) / first.rate:g} s"
+        )
+    records, others = ([block_means(r, m) for r in part] for part in (recording.records, recording.others))
+    return replace(recording, records=tuple(records), others=tuple(others))
 
 
 def decimate(record: Record, factor: int) -> Record:

@@ -1,7 +1,7 @@
 """Statistics of a record over averaging time: the table, estimates, expectations and confidence intervals."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Literal, NamedTuple
 
@@ -18,13 +18,13 @@ from allanite.core.units import Signal
 from allanite.core.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import correction, corrections, demand_bias
-from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, power_laws, unit_term
+from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
-from allanite.statistics.confidence.supposed import Later, Supposing, supposed
+from allanite.statistics.confidence.supposed import Later, Supposed, Supposing, supposed
 from allanite.statistics.expectation import Expectation as Expectation
 from allanite.statistics.expectation import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
-from allanite.statistics.moments.moments import covariance as covariance
+from allanite.statistics.moments.hybrid import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 from allanite.terms import WHITE
 
@@ -58,6 +58,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     gaps: Literal["means", "complete"] = "means",
     join: float = 0.2,
     divisor: int = 30,
+    edf: Literal["exact", "published"] = "exact",
+    power_law: bool = False,
     threads: int = 1,
 ) -> Curve:
     """Compute a statistic of a record at many averaging times: `allanite.deviation` without identification.
@@ -80,6 +82,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     bias = None if bias == "plain" else bias
     if not 0 < join < 1:
         raise UsageError(f"join must be a share of the record between 0 and 1, not {join!r}")
+    if edf not in ("exact", "published"):
+        raise UsageError(f"edf must be 'exact' or 'published', not {edf!r}")
     if threads < 1:
         raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
@@ -97,6 +101,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
     # a maximum has no known distribution, and the RMS angle error only under white noise
     under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
+    if suppose and edf == "published":
+        suppose, under = Remembered(partial(_published, suppose)), partial(_published_law, seen)
     law = Later(suppose, under) if suppose and row.order > 1 else None
     return Curve(
         statistic=row.name,
@@ -113,6 +119,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         noise=None if noise is None or noise == "auto" or callable(noise) else model_of(noise),
         law=law,
         supposes=law.words if law else None,
+        alpha=_alphas(seen.points, angle) if power_law else None,
     )
 
 
@@ -166,6 +173,26 @@ def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> L
         return sparse_law(points, lambda few: ModelLaw(few, (noise.terms,)))
     place = {int(m): i for i, m in enumerate(points.m)}
     return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
+
+
+def _published(suppose: Callable[[], Supposed]) -> Supposed:
+    """The power law at each averaging time, or the one term of a model; UsageError for a mixture."""
+    noise, words = suppose()
+    laws = [] if not isinstance(noise, Averaged) else [t.row.alpha for t in noise.terms]
+    if isinstance(noise, Averaged) and (len(laws) > 1 or None in laws):
+        raise UsageError("published degrees of freedom assume a power law at each tau: use noise='auto', or one term")
+    return Supposed(noise, say("{intervals}, with published degrees of freedom", intervals=words))
+
+
+def _published_law(seen: Seen, noise: Averaged | Literal["auto"]) -> Law:
+    if not isinstance(noise, Averaged):
+        return PublishedLaw(seen.points, _alphas(seen.points, seen.angle))
+    return PublishedLaw(seen.points, np.full(seen.points.m.size, noise.terms.terms[0].row.alpha))
+
+
+def _alphas(points: Points, angle: Angle) -> IntArray:
+    """The exponent of the power law found at each point."""
+    return np.array([law.alpha for law in power_laws(points, angle)], dtype=np.int64)
 
 
 def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool) -> Seen:

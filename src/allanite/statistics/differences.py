@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.language import say
 from allanite.statistics.fast.everytau import dense, split
 
+from .published import greenhall_riley
 from .row import FloatArray, IntArray, Statistic, Window, binomial_window, constant, interleaved
 
 
@@ -39,6 +40,7 @@ OADEV = Statistic(
     split=partial(split, order=2),
     window=binomial_window(2),
     differences=2,
+    published_edf=partial(greenhall_riley, d=2),
 )
 
 ADEV = replace(
@@ -54,6 +56,7 @@ ADEV = replace(
     overlapped=False,
     sums=partial(_strided, order=2),
     split=interleaved,
+    published_edf=partial(greenhall_riley, d=2, overlapped=False),
 )
 
 HAAR = replace(
@@ -86,6 +89,7 @@ OHDEV = Statistic(
     split=partial(split, order=3),
     window=binomial_window(3),
     differences=3,
+    published_edf=partial(greenhall_riley, d=3),
 )
 
 HDEV = replace(
@@ -101,6 +105,7 @@ HDEV = replace(
     overlapped=False,
     sums=partial(_strided, order=3),
     split=interleaved,
+    published_edf=partial(greenhall_riley, d=3, overlapped=False),
 )
 
 MDEV = Statistic(
@@ -124,6 +129,7 @@ MDEV = Statistic(
     window=_window,
     differences=3,
     summed=True,
+    published_edf=partial(greenhall_riley, d=2, modified=True),
 )
 
 TDEV = replace(

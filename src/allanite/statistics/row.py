@@ -124,6 +124,8 @@ class Statistic:
         How long windows are reduced; for a row with a `window` that is no difference.
     published : PublishedBias, optional
         The bias factors as published; None where there is no bias.
+    published_edf : (alpha, m, points) -> degrees of freedom, optional
+        As published; KeyError for a power law that the publication does not treat.
     """
 
     name: str
@@ -154,6 +156,7 @@ class Statistic:
     kept: Callable[[float, float], float] = lambda slope, share: 1.0
     scheme: Scheme = Scheme()
     published: PublishedBias | None = None
+    published_edf: Callable[[int, int, int], float] | None = None
 
     @property
     def sliding(self) -> bool:
@@ -161,14 +164,12 @@ class Statistic:
         return self.overlapped and self.differences > 1 and not self.summed
 
     @property
-    def correlated(self) -> bool:
-        """Whether the covariance between the variances at different averaging times is known."""
-        return self.differences > 0 and self.overlapped
-
-    @property
     def readable(self) -> bool:
-        """Whether its curve can be fitted: its expectation is known for every term and any length of the record."""
-        return self.order > 1 and not self.power and self.window is not None and not self.parts
+        """Whether its curve can be fitted: its expectation is known for every term and any length of the record.
+
+        That of a hybrid is, once its bias ratio is divided out.
+        """
+        return self.order > 1 and not self.power and self.window is not None
 
     @property
     def allan(self) -> bool:

@@ -9,6 +9,7 @@ from allanite.statistics.fast.theofft import split, theo1_sums
 from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
 
 from .differences import OADEV
+from .published import theo1
 from .row import PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
@@ -81,6 +82,7 @@ THEO1 = Statistic(
             -2: (2.70, -1.53, 0.85),
         },
     ),
+    published_edf=theo1,
 )
 
 THEOBR = replace(

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.language import say
 
+from . import published
 from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
@@ -80,6 +81,7 @@ TOTDEV = Statistic(
         factor=lambda c, m, size: np.asarray(1 - c[0] * m / size),
         coefficients={0: (0.0,), -1: (0.481,), -2: (0.75,)},
     ),
+    published_edf=published.total,
 )
 
 MTOTDEV = Statistic(
@@ -109,6 +111,7 @@ MTOTDEV = Statistic(
         factor=lambda c, m, size: np.full(m.shape, c[0]),
         coefficients={2: (0.94,), 1: (0.83,), 0: (0.73,), -1: (0.70,), -2: (0.69,)},
     ),
+    published_edf=published.modified_total,
 )
 
 TTOTDEV = replace(
@@ -148,4 +151,5 @@ HTOTDEV = replace(
         factor=lambda c, m, size: np.where(m > 1, c[0], 1.0),
         coefficients={0: (0.995,), -1: (0.851,), -2: (0.771,), -3: (0.717,), -4: (0.679,)},
     ),
+    published_edf=published.hadamard_total,
 )

@@ -18,7 +18,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.version import __version__
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
-from allanite.prepare.transform import mark_outliers
+from allanite.prepare.transform import averaged, mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
 from allanite.readers.sandbox.progress import told
@@ -149,7 +149,10 @@ def open_recording(
         An option is wrong, or a required one is missing.
     """
     with told(_reading(progress)):
-        whole = trim(_whole(source, recipe, along), recipe.start, recipe.until)
+        whole = _whole(source, recipe, along)
+    if recipe.average is not None:
+        whole = averaged(whole, recipe.average)
+    whole = trim(whole, recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":
         return part

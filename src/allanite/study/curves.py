@@ -31,6 +31,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     gaps: Literal["means", "complete"] = "means",
     join: float = 0.2,
     divisor: int = 30,
+    edf: Literal["exact", "published"] = "exact",
+    power_law: bool = False,
     threads: int = 1,
 ) -> Curve:
     """Compute a statistic of a record, such as the Allan deviation, at many averaging times.
@@ -70,6 +72,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         Share of the record up to which theoh is the overlapping Allan deviation.
     divisor : {30, 6}
         Divisor of the record length for the number of ratios in the bias ratio of theobr and theoh; 6 as in Stable32.
+    edf : {"exact", "published"}
+        Degrees of freedom of the intervals: exact ones under the noise, or for comparison those of the literature, for
+        a single power law at each tau (NIST SP 1065; Greenhall and Riley 2003, Tasset, Howe and Percival 2004). The
+        published ones of Theo1 fall below 1 under random walk, where 1 is taken; those of theobr and theoh are Theo1's.
+    power_law : bool
+        Whether to determine the power law of the noise at each tau, `Curve.alpha`: 2 and 1 for white and flicker angle
+        noise, 0, -1, -2 for white, flicker and random walk rate noise.
     threads : int
         Maximum number of threads; the results are the same except for the last digit.
 
@@ -110,7 +119,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     >>> deviation(record, "oadev", m=[1, 2]).deviation.round(5).tolist()
     [91.22945, 85.95287]
     """
-    own: Supposing = "auto" if bias == "published" else partial(of_record, record)  # a single power law each
+    own: Supposing = "auto" if "published" in (bias, edf) else partial(of_record, record)  # a single power law each
     supposing = own if noise == "identified" else noise
     return statistics.deviation(
         record,
@@ -122,6 +131,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         gaps=gaps,
         join=join,
         divisor=divisor,
+        edf=edf,
+        power_law=power_law,
         threads=threads,
     )
 

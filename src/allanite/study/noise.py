@@ -118,6 +118,7 @@ def noise_of(
         band=band,
         outliers=outliers,
         lines=lines,
+        ranges=recipe.ranges,
     )
     if row is not None and row.allowed and not readable:
         note = say(

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.core.ranges import demand_ranges
 from allanite.core.scope import Band, demand_band
 from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.meaning.devices import device
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Keys that describe the contents of the file."""
 
-SELECTING = ("start", "until", "quiet_window", "outliers")
+SELECTING = ("average", "start", "until", "quiet_window", "outliers")
 """Keys that select samples."""
 
-IDENTIFYING = ("terms", "method", "band", "level")
+IDENTIFYING = ("terms", "method", "ranges", "band", "level")
 """Keys of the identification."""
 
 CURVE = ("statistic", "taus")
@@ -30,7 +31,7 @@ CURVE = ("statistic", "taus")
 SHOWING = ("device", "to", "about")
 """Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
 
-_NUMBERS = ("rate", "scale", "start", "until", "quiet_window", "level", "columns", "offset")
+_NUMBERS = ("rate", "scale", "average", "start", "until", "quiet_window", "level", "columns", "offset")
 _WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "device")
 
 
@@ -41,7 +42,9 @@ class Recipe:
     The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
     they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
-    text ``"gyro=deg/s,ax=g"``. `device` is a name in `DEVICES`, whose likely causes of each term are shown.
+    text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
+    `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`, whose
+    likely causes of each term are shown.
     """
 
     rate: float | None = None
@@ -54,6 +57,7 @@ class Recipe:
     columns: int | None = None
     offset: int | None = None
     sincos: tuple[str, ...] | None = None
+    average: float | None = None
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
@@ -62,6 +66,7 @@ class Recipe:
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
     method: str = "whittle"
+    ranges: Mapping[str, tuple[float, float]] | None = None
     band: Band = "auto"
     level: float = 0.95
     device: str | None = None
@@ -85,6 +90,8 @@ class Recipe:
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
+        if self.ranges is not None:
+            object.__setattr__(self, "ranges", demand_ranges(self.ranges))
         self._demand_showing()
 
     def _demand_showing(self) -> None:

@@ -1,12 +1,12 @@
 """Curves, spectra or surfaces of every channel of a recording."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from allanite.core.curve import Curve
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.plain import Value
@@ -15,11 +15,13 @@ from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.core.units import readable_unit
 from allanite.statistics import deviation, statistic_named
+from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.spectrum import method_named, spectrum
 
 from .channels import Inspected, Job, Progress, Source, run
+from .joint import joints
 from .noise import ChannelResult, Noise, noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 
@@ -34,8 +36,10 @@ class Deviations(Value):
     ----------
     statistic : tuple of str
         Names in `STATISTICS`.
-    taus, m, threads
+    taus, m, join, divisor, edf, power_law, threads
         As for `deviation`.
+    bias : str, optional
+        As for `deviation`; of several statistics, for those that have this correction.
     intervals : bool
         Whether to compute confidence intervals, for which the noise is identified.
     to : str, optional
@@ -46,22 +50,53 @@ class Deviations(Value):
     taus: str | tuple[float, ...] = "octave"
     m: tuple[int, ...] | None = None
     intervals: bool = True
+    bias: Literal["exact", "published", "model", "plain"] | None = None
+    join: float = 0.2
+    divisor: int = 30
+    edf: Literal["exact", "published"] = "exact"
+    power_law: bool = False
     threads: int = 1
     to: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
+        if not any(self._biases(name) for name in self.statistic):
+            demand_bias(self.bias, statistic_named(self.statistic[0]))
+        if self.edf == "published" and not self.intervals:
+            raise UsageError("published degrees of freedom are those of the intervals: they need intervals")
 
     @property
     def fitted(self) -> bool:
-        """The intervals assume a noise."""
-        return self.intervals
+        """The intervals, or the bias correction, assume a noise."""
+        return self.intervals or self.bias in ("exact", "model")
+
+    def _biases(self, name: str) -> bool:
+        """Whether a statistic takes the bias correction."""
+        try:
+            demand_bias(self.bias, statistic_named(name))
+        except UsageError:
+            return False
+        return True
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One curve per statistic."""
-        noise: Supposing | None = fit or ("auto" if self.intervals else None)
+        single = "published" in (self.bias, self.edf)
+        noise: Supposing | None = (None if single else fit) or ("auto" if self.fitted or single else None)
         for name in self.statistic:
-            yield deviation(record, name, taus=self.taus, m=self.m, noise=noise, threads=self.threads)
+            curve = deviation(
+                record,
+                name,
+                taus=self.taus,
+                m=self.m,
+                noise=noise,
+                bias=self.bias if self._biases(name) else None,
+                join=self.join,
+                divisor=self.divisor,
+                edf=self.edf,
+                power_law=self.power_law,
+                threads=self.threads,
+            )
+            yield curve if self.intervals else replace(curve, law=None, supposes=None)
 
 
 @dataclass(frozen=True, repr=False)
@@ -195,9 +230,10 @@ def survey(
 
     def work(seen: Inspected) -> Measured:
         noise, alerts = _noise(seen.record, recipe) if settings.fitted else (None, ())
-        values = settings.measure(seen.record, None if noise is None else noise.fit)
+        values = tuple(settings.measure(seen.record, None if noise is None else noise.fit))
         shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
-        return Measured(seen.record, seen.quality, noise, values=shown, alerts=(*alerts, *seen.alerts))
+        jumps = () if noise is None else joints([v for v in values if isinstance(v, Curve)], noise.fit)
+        return Measured(seen.record, seen.quality, noise, values=shown, alerts=(*alerts, *jumps, *seen.alerts))
 
     kind = partial(Survey, settings=settings)
     return run(kind, source, recipe, work, Measured.refused, doing="measuring", progress=progress)

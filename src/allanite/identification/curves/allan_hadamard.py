@@ -42,7 +42,9 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
     if variance.size < len(symbols) or not np.all(variance > 0):
         told = {"nonzero": np.count_nonzero(variance > 0), "size": variance.size, "terms": len(symbols)}
         raise DataError(say("{nonzero} of {size} points are nonzero; {terms} terms need as many, all nonzero", **told))
-    X = np.concatenate([columns(name, symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)])
+    X = np.concatenate(
+        [columns([name] * len(k), symbols, k, record.size, record.rate) for name, k in zip(PAIR, m, strict=True)]
+    )
     products = np.zeros((len(X), len(X), len(symbols), len(symbols)))
     first = len(m[0])
     products[:first, :first] = variances(PAIR[0], symbols, m[0], record.size, record.rate)

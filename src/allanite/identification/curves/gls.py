@@ -21,7 +21,7 @@ from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
 from .nonnegative import blind, columns, plain, solve, unit_model, whitened
-from .reading import early, reported, result, signal_of
+from .reading import early, result, rows_of, signal_of
 
 ROUNDS = 8
 """Iterations of the fit and the covariance under it; three to five suffice."""
@@ -46,19 +46,16 @@ class Moments:
 
 
 @lru_cache(maxsize=64)
-def moments_of(name: str, symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
-    """Moments of a statistic at averaging factors `m`; only variances if the covariance of its points is unknown."""
-    X = columns(name, symbols, m, size, rate)
-    return Moments(X, (_covariances if STATISTICS[name].correlated else variances)(name, symbols, m, size, rate))
-
-
-def _covariances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    return covariance_by_term(STATISTICS[name], unit_model(symbols), np.array(m), size, rate)
+def moments_of(names: tuple[str, ...], symbols: tuple[str, ...], m: tuple[int, ...], size: int, rate: float) -> Moments:
+    """Moments of points: the statistic and the averaging factor of each."""
+    X = columns(names, symbols, m, size, rate)
+    rows = [STATISTICS[name] for name in names]
+    return Moments(X, covariance_by_term(rows, unit_model(symbols), np.array(m), size, rate))
 
 
 def variances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
     """The diagonal of `Moments.products`, 2 E_i E_j r_ij, which is 2 E^2 / EDF of a mixture; the rest is 0."""
-    X = columns(name, symbols, m, size, rate)
+    X = columns([name] * len(m), symbols, m, size, rate)
     terms = [t.sampled(rate) for t in unit_model(symbols)]
     found = np.zeros((len(m), len(m), len(symbols), len(symbols)))
     for i, k in enumerate(m):
@@ -96,8 +93,8 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     Parameters
     ----------
     curve : Curve
-        Curve of a statistic with overlapping windows, SI. If the covariance between points is unknown (theo1), each
-        point is weighted by its degrees of freedom, and there are no standard errors.
+        Curve of a statistic with overlapping windows, SI. Of theobr and theoh the bias ratio is divided out first: what
+        remains is oadev and Theo1, whose expectation is exact for any mixture.
     symbols : sequence of str
         Keys of `TERMS`.
 
@@ -117,23 +114,15 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
             )
         )
     m, symbols = curve.m[which], tuple(symbols)
-    moments = _with_gaps(moments_of(curve.statistic, symbols, tuple(m.tolist()), curve.size, curve.rate), curve, which)
+    rows = rows_of(curve)
+    names = tuple(rows[i].name for i in which.tolist())
+    moments = _with_gaps(moments_of(names, symbols, tuple(m.tolist()), curve.size, curve.rate), curve, which)
     variance = plain(curve)[which]
     theta, covariance = iterated(moments, variance)
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
     notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
-    if not STATISTICS[curve.statistic].correlated:
-        estimates = reported(symbols, theta, moments.columns, signal=signal, method="gls")
-        notes += [
-            say(
-                "the covariance between points of {statistic} is unknown: each point is weighted by its degrees of "
-                "freedom, and there are no standard errors",
-                statistic=curve.statistic,
-            )
-        ]
-    else:
-        estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
-        notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
+    estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
+    notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
     notes += [
         (say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol))
         for e in estimates
@@ -160,13 +149,18 @@ def octaves(curve: Curve) -> IntArray:
 
 def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
     """Points with missing windows scatter more, roughly in proportion."""
-    row = STATISTICS[curve.statistic]
-    more = np.sqrt(row.count(curve.size, curve.m[which]) / curve.count[which])
+    more = np.sqrt(_complete(curve)[which] / curve.count[which])
     return Moments(moments.columns, moments.products * np.outer(more, more)[:, :, None, None])
 
 
+def _complete(curve: Curve) -> IntArray:
+    """Windows of each point if the record had no gaps."""
+    points = zip(rows_of(curve), curve.m, strict=True)
+    return np.array([row.count(curve.size, m[None])[0] for row, m in points])
+
+
 def _gaps(curve: Curve) -> list[str]:
-    lost = bool(np.any(curve.count < STATISTICS[curve.statistic].count(curve.size, curve.m)))
+    lost = bool(np.any(curve.count < _complete(curve)))
     return [
         say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
     ] * lost

@@ -14,7 +14,7 @@ from allanite.statistics.moments.moments import by_term
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-from .reading import early, reported, result, signal_of
+from .reading import early, reported, result, rows_of, signal_of
 
 
 def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
@@ -37,7 +37,8 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
             f"{used} points at averaging times up to a tenth of the record are too few for {len(symbols)} terms"
         )
     m, variance = curve.m[which], plain(curve)[which]
-    X = columns(curve.statistic, symbols, m.tolist(), curve.size, curve.rate)
+    names = [row.name for row, used in zip(rows_of(curve), which.tolist(), strict=True) if used]
+    X = columns(names, symbols, m.tolist(), curve.size, curve.rate)
     squares = solve(X, variance, np.diag(variance**2))
     notes = [
         say(
@@ -52,15 +53,18 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
 
 
 def plain(curve: Curve) -> FloatArray:
-    """The variance without a correction of its bias, shape of tau."""
+    """The variance without a correction of its bias, nor the bias ratio of a hybrid, shape of tau."""
     return np.asarray(curve.variance / curve.factor)
 
 
-def columns(statistic: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains."""
-    row = STATISTICS[statistic]
-    X = np.array([by_term(row, unit_model(symbols), k, size, rate) for k in m])
-    tau = np.array(m) * row.tau_factor / rate
+def columns(names: Sequence[str], symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains.
+
+    `names` are the statistics of the points.
+    """
+    rows = [STATISTICS[name] for name in names]
+    X = np.array([by_term(row, unit_model(symbols), k, size, rate) for row, k in zip(rows, m, strict=True)])
+    tau = np.array(m) * [row.tau_factor for row in rows] / rate
     lines = np.column_stack([TERMS[s].level * tau ** (2 * TERMS[s].slope) for s in symbols])
     return X * (X / lines > 1e-9)
 

@@ -10,6 +10,7 @@ from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import say
+from allanite.core.ranges import demand_ranges
 from allanite.terms import TERMS
 
 from .reading import early, result, signal_of
@@ -30,11 +31,11 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
     symbols : sequence of str
         Keys of `TERMS`.
     ranges : mapping of symbol to (low, high), optional
-        Averaging times, s. By default the longest stretch, up to a tenth of the record, where the local slope is within
-        0.25 of the term's; a term without such a stretch is not identified.
+        Averaging times, s; they must not overlap. By default the longest stretch, up to a tenth of the record, where
+        the local slope is within 0.25 of the term's; a term without such a stretch is not identified.
     """
     signal = signal_of(curve, 2)
-    given = dict(ranges or {})
+    given = demand_ranges(ranges) if ranges is not None else {}
     if unknown := sorted(set(given) - set(symbols)):
         raise UsageError(f"ranges are given for {', '.join(unknown)}, but the terms are {', '.join(symbols)}")
     log_tau, log_sigma = np.log(curve.tau), np.log(curve.deviation)

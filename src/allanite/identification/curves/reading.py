@@ -12,6 +12,8 @@ from allanite.core.fit import Fit
 from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
+from allanite.statistics.row import Statistic
+from allanite.statistics.table import STATISTICS
 
 
 def signal_of(curve: Curve, points: int) -> Signal:
@@ -36,6 +38,15 @@ def signal_of(curve: Curve, points: int) -> Signal:
         if signal.unit == curve.unit:
             return signal
     raise UsageError(f"this method needs a curve in SI, not in {curve.unit}; omit .to()")
+
+
+def rows_of(curve: Curve) -> tuple[Statistic, ...]:
+    """The statistic that makes each point: of theoh oadev up to the joint and Theo1 beyond, of others the same."""
+    row = STATISTICS[curve.statistic]
+    parts = row.parts or (row,)
+    factor = curve.tau * curve.rate / curve.m
+    nearest = np.abs(factor[:, None] - [part.tau_factor for part in parts]).argmin(axis=1)
+    return tuple(parts[i] for i in nearest.tolist())
 
 
 def early(curve: Curve, share: float) -> BoolArray:

@@ -59,11 +59,22 @@ def rows_of(values: Sequence[Any], level: float) -> Rows:
 
 
 def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
+    heads, rows = (_without_limits if curve.law is None else _with_limits)(curve, level)
+    if curve.alpha is None:
+        return heads, rows
+    laws = [f"f^{alpha:+d}" if alpha else "f^0" for alpha in curve.alpha.tolist()]
+    return [*heads, say("power law")], [[*row, law] for row, law in zip(rows, laws, strict=True)]
+
+
+def _without_limits(curve: Curve, _: float) -> tuple[list[str], list[list[str]]]:
     numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
-    if curve.law is None:
-        return ["m", "tau [s]", f"[{curve.unit}]", say("terms averaged")], [
-            [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
-        ]
+    return ["m", "tau [s]", f"[{curve.unit}]", say("terms averaged")], [
+        [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
+    ]
+
+
+def _with_limits(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
+    numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
     limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
     rows = [
         [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
@@ -118,8 +129,9 @@ def _curve_lines(curve: Curve, level: float) -> Iterator[list[Any]]:
     data = curve.to_dict(level)
     none = [""] * len(data["m"])
     known = [data["m"], data["tau"], data["deviation"], data.get("low", none), data.get("high", none)]
-    for m, tau, value, low, high, edf, count in zip(*known, data.get("edf", none), data["count"], strict=True):
-        yield [curve.name, curve.statistic, m, tau, value, low, high, curve.unit, edf, count]
+    counts = data.get("edf", none), data["count"], none if curve.alpha is None else data["alpha"]
+    for m, tau, value, low, high, edf, count, alpha in zip(*known, *counts, strict=True):
+        yield [curve.name, curve.statistic, m, tau, value, low, high, curve.unit, edf, count, alpha]
 
 
 def _spectrum_lines(spectrum: Spectrum, level: float) -> Iterator[list[Any]]:
@@ -143,7 +155,7 @@ FORMS: dict[type, Form] = {
     Curve: Form(
         _curve_title,
         _curve_table,
-        ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count"),
+        ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
         _plot_curves,
     ),

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray
+from allanite.core.arrays import BoolArray, IntArray
+from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
@@ -235,6 +236,38 @@ class AutomaticLaw:
 
     def __reduce__(self) -> tuple[type[ModelLaw], tuple[Points, tuple[Model, ...]]]:
         return ModelLaw, (self.points, self.found.models)
+
+
+@dataclass(frozen=True, eq=False)
+class PublishedLaw(Portable):
+    """A chi-square with the published degrees of freedom, at least 1, of the power law `alpha` at each point.
+
+    UsageError where none are published.
+    """
+
+    points: Points
+    alpha: IntArray
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance; see `Curve`."""
+        from scipy.special import chdtri
+
+        edf = np.array([max(self._edf(i), 1.0) for i in range(self.points.m.size)])
+        return edf, edf / chdtri(edf, (1 - level) / 2), edf / chdtri(edf, (1 + level) / 2)
+
+    def _edf(self, i: int) -> float:
+        row, size = self.points.row, self.points.size
+        part = row.parts[int(part_of(row, self.points.m[i : i + 1], size, self.points.join)[0])] if row.parts else row
+        alpha = int(self.alpha[i])
+        try:
+            if part.published_edf is None:
+                raise KeyError
+            return part.published_edf(alpha, int(self.points.m[i]), size + 1)
+        except KeyError:
+            raise UsageError(
+                f"no degrees of freedom of {row.name} are published for noise of alpha = {alpha}, found at averaging "
+                f"factor {self.points.m[i]}; use the exact ones (edf='exact')"
+            ) from None
 
 
 def power_laws(points: Points, angle: Angle) -> tuple[PowerLaw, ...]:

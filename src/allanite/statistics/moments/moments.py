@@ -20,6 +20,7 @@ from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import NoiseTerm
 
 from . import lagsums, windowed
+from .pairs import Pairs
 
 Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
@@ -145,23 +146,38 @@ def grouped(runs: Runs, row: Statistic, m: int) -> list[tuple[int, int]]:
     return merged
 
 
-def covariance(row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float) -> FloatArray:
-    """Covariance between the variances at averaging factors `m` of one record, SI, shape (k, k).
+def covariance_by_term(rows: Sequence[Statistic], model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
+    """What each pair of terms of a model without sinusoids adds to the covariance of points, shape (k, k, t, t).
 
-    For overlapping differences (oadev, ohdev, mdev, tdev); of a model with sinusoids, that of its noise.
+    Each point is that of a row, of which none is a hybrid, at an averaging factor; the record has no gaps.
     """
-    return np.asarray(covariance_by_term(row, noise_of(model_of(model)), m, size, rate).sum(axis=(2, 3)))
-
-
-def covariance_by_term(row: Statistic, model: Model, m: IntArray, size: int, rate: float) -> FloatArray:
-    """What each pair of terms of a model without sinusoids adds to `covariance`, shape (k, k, t, t)."""
+    for row in rows:
+        if row.window is None or not row.overlapped or row.parts:
+            raise UsageError(f"the covariance between averaging times of {row.name} is not known")
     terms = [t.sampled(rate) for t in model]
-    powers = np.array([t.power(rate) for t in model]) / rate**2
-    scale = row.norm(m) * (m / rate) ** 2.0 / (m * row.tau_factor / rate) ** (2.0 * row.power)
+    root = np.sqrt(np.abs([by_term(row, model, k, size, rate) for row, k in zip(rows, m.tolist(), strict=True)]))
+    pairs = Pairs(terms)
     result = np.empty((m.size, m.size, len(terms), len(terms)))
     for i, j in np.ndindex(m.size, m.size):
         if i <= j:
-            pair = int(min(m[i], m[j])), int(max(m[i], m[j]))
-            T = lagsums.products(row, terms, pair, [(size, 1)])
-            result[i, j] = result[j, i] = 2 * np.outer(powers, powers) * T / (scale[i] * scale[j])
+            if rows[i] is rows[j] and rows[i].differences:
+                one = _of_differences(rows[i], model, (int(m[i]), int(m[j])), size, rate)
+            else:
+                r = (
+                    relative(rows[i], terms, int(m[i]), [(size, 1)])
+                    if rows[i] is rows[j] and m[i] == m[j]
+                    else pairs.relative((rows[i], rows[j]), (int(m[i]), int(m[j])), size)
+                )
+                scale = root[i] * root[j]
+                one = 2 * np.outer(scale, scale) * r
+            result[i, j] = result[j, i] = one
     return result
+
+
+def _of_differences(row: Statistic, model: Model, m: tuple[int, int], size: int, rate: float) -> FloatArray:
+    """The same for two points of overlapping differences, exactly."""
+    powers = np.array([t.power(rate) for t in model]) / rate**2
+    factors = np.array(m)
+    scale = row.norm(factors) * (factors / rate) ** 2.0 / (factors * row.tau_factor / rate) ** (2.0 * row.power)
+    T = lagsums.products(row, [t.sampled(rate) for t in model], (min(m), max(m)), [(size, 1)])
+    return np.asarray(2 * np.outer(powers, powers) * T / scale.prod())

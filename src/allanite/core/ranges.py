@@ -1,0 +1,36 @@
+"""Ranges of averaging times, one for each term."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+from .errors import UsageError
+
+
+def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
+    """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
+
+    Raises
+    ------
+    UsageError
+        They are not of this form, or two of them overlap.
+
+    Examples
+    --------
+    >>> demand_ranges({"N": [0.1, 10], "K": [100, 1000]})
+    {'N': (0.1, 10.0), 'K': (100.0, 1000.0)}
+    """
+    if not isinstance(ranges, Mapping) or not ranges:
+        raise UsageError(f"ranges are two averaging times in s for each term, as N=0.1:10, not {ranges!r}")
+    found: dict[str, tuple[float, float]] = {}
+    for symbol, pair in ranges.items():
+        numbers = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(v, (int, float)) for v in pair)
+        if not numbers or not 0 < pair[0] < pair[1]:
+            raise UsageError(f"the range of {symbol} must be two averaging times in s, the lower one first, not {pair}")
+        found[symbol] = (float(pair[0]), float(pair[1]))
+    for (one, (low, high)), (other, (start, end)) in pairwise(sorted(found.items(), key=lambda item: item[1])):
+        if start < high:
+            raise UsageError(
+                f"the ranges of {one} ({low:g} to {high:g} s) and {other} ({start:g} to {end:g} s) overlap; "
+                "one term at most makes a part of the curve"
+            )
+    return found

@@ -1,0 +1,114 @@
+"""Covariance between averaging times of statistics over windows: against full matrices, and against exact lag sums."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from tests.reference.dense import covariance as dense
+from tests.reference.dense import quadratic_form
+from tests.reference.theo import theobr
+
+import allanite as al
+from allanite.core.model import term
+from allanite.statistics import covariance
+from allanite.statistics.moments.moments import by_term, covariance_by_term
+from allanite.statistics.moments.pairs import Pairs
+
+UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
+MIXTURES = [
+    {"Q": 1.0}, {"N": 1.0}, {"B": 1.0}, {"K": 1.0}, {"Q": 2.0, "N": 1.0, "B": 0.3, "K": 0.1, "R": 3e-3},
+    {"N": 1.0, "K": 0.05, "R": 1e-3},
+]  # fmt: skip
+ROWS = ["theo1", "pdev", "mtotdev", "ttotdev", "htotdev", "oadev", "mdev"]
+SIZE = 300
+
+
+def model_of(mixture):
+    return al.Model(tuple(term(s, v, UNIT[s]) for s, v in mixture.items()))
+
+
+def correlated(C, wanted):
+    """Difference over the two standard deviations."""
+    root = np.sqrt(np.diag(wanted))
+    return np.abs((C - wanted) / np.outer(root, root)).max()
+
+
+@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
+@pytest.mark.parametrize("name", ROWS)
+def test_it_equals_the_full_matrix(name, mixture):
+    """Windows of up to 400 points together are taken as they are; the variances have errors of their own."""
+    row, model = al.STATISTICS[name], model_of(mixture)
+    m = np.array([2, 4, 10, 16, 30, 64])
+    powers = [t.value**2 for t in model]
+    forms = [quadratic_form(row, k, SIZE) for k in m.tolist()]
+    scale = (m * row.tau_factor) ** (2.0 * row.power)
+    wanted = dense(forms, [t.row for t in model], powers) * np.outer(scale, scale)
+    C = covariance(row, model, m, SIZE, 1.0)
+    apart = ~np.eye(m.size, dtype=bool)
+    assert correlated(np.where(apart, C, wanted), wanted) < 1e-6
+    assert correlated(C, wanted) < 0.006
+
+
+@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
+def test_of_two_statistics_it_equals_the_full_matrix(mixture):
+    rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
+    m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)
+    forms = [quadratic_form(row, k, SIZE) for row, k in zip(rows, m.tolist(), strict=True)]
+    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
+    C = covariance_by_term(rows, model, m, SIZE, 1.0).sum(axis=(2, 3))
+    assert correlated(np.where(np.eye(m.size, dtype=bool), wanted, C), wanted) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev", "htotdev"])
+def test_reduced_windows_are_near_the_full_matrix(name):
+    row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
+    m = np.array([2, 16, 64, 150, 240])
+    forms = [quadratic_form(row, k, size) for k in m.tolist()]
+    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
+    assert correlated(covariance(row, model, m, size, 1.0), wanted) < 0.006
+
+
+def modified(m):
+    return np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]
+
+
+@pytest.mark.parametrize(("name", "window"), [("oadev", None), ("mdev", modified)])
+@pytest.mark.parametrize("terms", ["QN", "NB", "NK", "NBK"])
+def test_long_windows_are_near_exact_lag_sums(name, window, terms):
+    """The rule for any window, applied to differences, of which the exact sums are known up to any length."""
+    row, size, m = al.STATISTICS[name], 2**18, 2 ** np.arange(1, 17, 3)
+    row = dataclasses.replace(row, window=window or row.window)
+    coefficients = {"Q": 100.0, "N": 1.0, "B": 0.01, "K": 1e-4}
+    model = model_of({s: coefficients[s] for s in terms})
+    wanted = covariance(row, model, m, size, 1.0)
+    root = np.sqrt([by_term(row, model, k, size, 1.0) for k in m.tolist()])
+    pairs = Pairs([t.sampled(1.0) for t in model])
+    found = np.array([
+        [float(2 * (root[i] * root[j]) @ pairs.relative((row, row), (int(a), int(b)), size) @ (root[i] * root[j]))
+         for j, b in enumerate(m)] for i, a in enumerate(m)
+    ])  # fmt: skip
+    assert correlated(found, wanted) < 0.004
+
+
+def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
+    """First order: the derivatives of the literal definition, at a record whose plain variances are as expected."""
+    model, size = model_of({"N": 1.0, "K": 0.03}), 300
+    row, m = al.STATISTICS["theobr"], np.array([20, 100, 200])
+    rng = np.random.default_rng(1)
+    found = []
+    for _ in range(1500):
+        record = al.simulate(model, size, 1.0, rng=rng)
+        x = np.concatenate(([0.0], np.cumsum(record.values.astype(float))))
+        found.append([theobr(x, k, 1.0) for k in m.tolist()])
+    C, seen = covariance(row, model, m, size, 1.0), np.cov(np.array(found).T)
+    # 1500 records: 4 % of a variance, and as much beyond the first order
+    np.testing.assert_allclose(np.sqrt(np.diag(C)), np.sqrt(np.diag(seen)), rtol=0.12)
+    assert correlated(C, seen) < 0.2
+    plain = covariance(al.STATISTICS["theo1"], model, m, size, 1.0)
+    assert C[0, 0] / plain[0, 0] > 1
+
+
+@pytest.mark.parametrize("name", ["totdev", "adev", "mtie"])
+def test_what_is_not_known_is_refused(name):
+    with pytest.raises(al.UsageError, match=f"covariance between averaging times of {name} is not known"):
+        covariance(al.STATISTICS[name], model_of({"N": 1.0}), np.array([2, 4]), SIZE, 1.0)
