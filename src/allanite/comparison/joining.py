@@ -121,7 +121,7 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     low, high = common_band(records, asked_band(recipe))
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
-    symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
+    symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
     if len(shown) > len(symbols):

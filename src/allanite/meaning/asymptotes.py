@@ -58,7 +58,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
 
     Straight asymptotes are as they are; of a term with a hump the Allan deviation itself is taken.
     """
-    found = [e for e in estimates if e.claimed and e.value and not TERMS[e.symbol].periodic]
+    found = [e for e in estimates if e.claimed and e.value and TERMS[e.symbol].scatters]
     if not found or not start < end:
         return ()
     tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
@@ -71,7 +71,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
 
 def least(estimates: Sequence[Estimate], start: float, end: float) -> tuple[float, float] | None:
     """Averaging time and Allan deviation, SI, at the minimum of all terms together; None at an end of the range."""
-    found = [e for e in estimates if e.claimed and e.value and not TERMS[e.symbol].periodic]
+    found = [e for e in estimates if e.claimed and e.value and TERMS[e.symbol].scatters]
     tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
     variance = np.sum([_line(e, tau) ** 2 for e in found], axis=0) if found else np.zeros(tau.size)
     at = int(np.argmin(variance))
