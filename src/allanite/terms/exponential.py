@@ -51,7 +51,8 @@ class Exponential:
     @cached_property
     def variance(self) -> complex:
         """Variance of a mean over one interval."""
-        return 2 * self.T**2 * rest(self.u, 2).item()
+        found: complex = 2 * self.T**2 * rest(self.u, 2).item()
+        return found
 
     @cached_property
     def neighbour(self) -> complex:

@@ -44,8 +44,10 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         return lambda *at: np.asarray(sum((weight * getattr(part, name)(*at)).real for weight, part in parts))
 
     def positive(name: str) -> Callable[..., FloatArray]:
-        column = each(name)  # of which only rounding is left far above the oscillation
-        return lambda *at: np.asarray(column(*at).clip(min=0.0))
+        def column(*at: Any) -> FloatArray:  # far above the oscillation only rounding is left
+            return np.maximum(each(name)(*at), 0.0)
+
+        return column
 
     made: dict[str, Any] = {name: each(name) for name in LINEAR} | {name: positive(name) for name in POWERS}
     return NoiseTerm(

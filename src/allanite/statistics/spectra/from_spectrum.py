@@ -75,7 +75,7 @@ def deviation_of_spectrum(
         raise UsageError(f"{statistic} has no transfer function that is known here; a spectrum gives {able}")
     m = _factors(spectrum, row, taus)
     variance = np.array([_integral(spectrum, row, k) for k in m.tolist()])
-    tau: FloatArray = m * (row.tau_factor / spectrum.rate)
+    tau = m.astype(np.float64) * (row.tau_factor / spectrum.rate)
     unit = unit_of(spectrum.unit)
     signal = signal_with(unit.dimension)
     if signal is None:
