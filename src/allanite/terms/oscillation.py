@@ -100,7 +100,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
         color="#9438EC",
         dark="#D3B157",
         dash=(2.4, 1.2, 1, 1.2),
-        block=lambda size, shape, h: oscillation_block(size, shape, h),
+        block=oscillation_block,
     )
 
 
