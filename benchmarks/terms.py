@@ -98,9 +98,9 @@ def main() -> None:
         "Terms that are asked for",
         [
             f"Records of {SIZE} samples at {RATE:g} Hz; seeds from {', '.join(str(c.seed) for c in CELLS)} on.",
-            "found: share of the records in which the term is reported; truth is in SI; bias and spread are of these, spread "
-            "over the Cramér-Rao bound of the whole model; coverage is that of the 95 % limits; false: share of a third as many "
-            "records without the term in which it is reported.",
+            "found: share of the records in which the term is reported; truth is in SI; bias and spread are of these, "
+            "spread over the Cramér-Rao bound of the whole model; coverage is that of the 95 % limits; false: share of "
+            "a third as many records without the term in which it is reported.",
         ],
         markdown(HEADINGS, lines),
     )
