@@ -87,6 +87,7 @@ def oscillation(frequency: float, damping: float) -> NoiseTerm:
                 steps=2,
             ),
         ),
+        period=1 / frequency if damping < 1 else 0.0,
         shape=(frequency, damping),
         shaped=lambda shape, rate: oscillation(shape[0] / rate, shape[1]),
         density=r"S(f) = \frac{4 \zeta \omega^3 s^2}{(\omega^2 - (2 \pi f)^2)^2 + (2 \zeta \omega \, 2 \pi f)^2}",

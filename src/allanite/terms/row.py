@@ -121,6 +121,8 @@ class NoiseTerm:
     periodic : bool
         A spectral line: its structure function is the mean over its phase, and it adds nothing to the scatter of an
         estimate.
+    period : float
+        Period of a covariance that oscillates and decays, in sample intervals; 0 if it does not.
     transient : bool
         A deterministic term that begins with the record: what it adds to a statistic depends on the record's length, it
         has no structure function, and it adds nothing to the scatter of an estimate.
@@ -173,6 +175,7 @@ class NoiseTerm:
     waveform: Callable[[int], FloatArray] | None = None
     periodic: bool = False
     transient: bool = False
+    period: float = 0.0
     parameters: tuple[Parameter, ...] = ()
     shape: tuple[float, ...] = ()
     shaped: "Callable[[tuple[float, ...], float], NoiseTerm] | None" = None

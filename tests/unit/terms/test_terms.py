@@ -120,7 +120,7 @@ def test_row_of_the_transform_of_an_angle_error(row, n):
     np.testing.assert_allclose(row.dct(k, n) + ends, exact, rtol=1e-9)
 
 
-@pytest.mark.parametrize("row", [*ANGLES, oscillation(0.05, 0.15), oscillation(0.31, 0.02), oscillation(0.02, 1.5)])
+@pytest.mark.parametrize("row", [*ANGLES, oscillation(0.05, 0.15), oscillation(0.31, 0.02), oscillation(0.2, 1.5)])
 def test_increments_and_spectrum_belong_together(row):
     h = np.arange(20_000.0)
     near = h[:200]
@@ -198,13 +198,15 @@ def test_expected_curves_equal_the_dense_form(name, kind):
         tau = m * row.tau_factor / RATE
         found = al.expected(model, name, [tau], rate=RATE, size=n)[0]
         exact = E[0] * term.power(RATE) * (tau ** (2 * row.power))
-        assert found == pytest.approx(exact, rel=2e-4, abs=1e-9)
+        # a window of more than 64 points is extrapolated as of a smooth D: the logarithm is less so
+        assert found == pytest.approx(exact, rel=1e-3 if kind == "F" else 2e-4, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
 def test_the_expected_curve_of_a_warm_up_is_that_of_its_waveform(name):
     row, term, n = al.STATISTICS[name], al.W(-2.0, "rad/s", time_constant=9.0), 200
-    for m in sorted({row.step, 6 * row.step, row.largest(n)} if row.order > 1 else ()):
+    # the referee's windows begin at every sample
+    for m in sorted({row.step, 6 * row.step, row.largest(n)} if row.order > 1 and row.overlapped else ()):
         flat = dataclasses.replace(term.sampled(RATE), structure=np.zeros_like)
         E, _ = moments(quadratic_form(row, m, n), [flat])
         tau = m * row.tau_factor / RATE
@@ -232,6 +234,8 @@ MIXED = {
     "F": al.F(2.0, "rad"),
     "GMA": al.GMA(2.0, "rad", time_constant=1.5),
     "GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.15),
+    "sharp GM2": al.GM2(2.0, "rad/s", frequency=0.21, damping=0.02),
+    "fast GM2": al.GM2(2.0, "rad/s", frequency=1.0, damping=0.05),
 }
 
 
