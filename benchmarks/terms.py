@@ -20,7 +20,7 @@ import allanite as al
 RATE, SIZE, LEVEL = 20.0, 2**16, 0.95
 QN = al.Q(0.3, "arcsec") + al.N(0.05, "deg/sqrt(h)")
 NB = al.N(0.05, "deg/sqrt(h)") + al.B(1.0, "deg/h")
-HEADINGS = ("cell", "parameter", "truth", "found, %", "bias, %", "spread / bound", "coverage, %", "false, %")
+HEADINGS = ("cell", "records", "parameter", "truth", "found, %", "bias, %", "spread / bound", "coverage, %", "false, %")
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,8 @@ def rows(cell: Cell, records: int) -> list[tuple[str, ...]]:
         for i, (name, truth) in enumerate(zip(names, (term.value, *term.shape), strict=True)):
             value, low, high = values[:, i].T
             lines.append((
-                str(cell.model), name, f"{truth:.4g}", percent(claimed), f"{100 * (value.mean() / truth - 1):+.1f}",
+                str(cell.model), str(records), name, f"{truth:.4g}", percent(claimed),
+                f"{100 * (value.mean() / truth - 1):+.1f}",
                 f"{value.std() / truth / bound[name]:.2f}", percent((low <= truth) & (truth <= high)),
                 false if term is cell.extra and not i else "",
             ))  # fmt: skip
@@ -93,7 +94,7 @@ def main() -> None:
     lines = []
     for cell in CELLS:
         lines += rows(cell, run.asked.records)
-        print(*("\t".join(line[1:]) for line in lines[-6:]), sep="\n", file=sys.stderr, flush=True)
+        print(*("\t".join(line[2:]) for line in lines[-6:]), sep="\n", file=sys.stderr, flush=True)
     run.publish(
         "Terms that are asked for",
         [
