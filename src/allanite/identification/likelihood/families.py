@@ -33,6 +33,10 @@ EVIDENCE = 12.0
 flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
 """
 
+ANYWHERE = 8.0
+"""What a term must gain besides for each further parameter: 2 ln 50, as of some fifty resonances that noise may mimic.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Found(Portable):
@@ -168,7 +172,7 @@ class Found(Portable):
             return []
         if self.search.symbol not in {TERMS[symbol].substitute for symbol in TERMS}:
             return [subset for subset in (self.plain, self.markov) if subset is not None]
-        penalty = penalties(len(self.noise))
+        penalty = penalties(self.noise)
         both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=0.0)
         found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
         there = [subset for subset in found if subset is not None]
@@ -183,10 +187,10 @@ def flicker_in(symbols: Sequence[str]) -> int | None:
     return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
 
 
-def penalties(p: int) -> FloatArray:
-    """What each term must gain in 2 L to be selected, a Gauss-Markov term the last of them, shape (p,)."""
-    penalty = np.full(p, PENALTY)
-    penalty[-1] = EVIDENCE
+def penalties(noise: Sequence[str]) -> FloatArray:
+    """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
+    penalty = np.full(len(noise), PENALTY)
+    penalty[-1] = EVIDENCE + ANYWHERE * max(len(TERMS[noise[-1]].parameters) - 1, 0)
     return penalty
 
 
@@ -222,7 +226,7 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
-    penalty = penalties(len(part.noise))
+    penalty = penalties(part.noise)
     other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
@@ -241,7 +245,7 @@ def _explains(subset: Subset, part: Portion) -> bool:
 
 def _with_markov(part: Portion, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
-    noise, penalty = list(part.noise), penalties(len(part.noise))
+    noise, penalty = list(part.noise), penalties(part.noise)
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
     kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
     search = kind(part.likelihood, part, may, 0.0 if asked else SLOW, noise[-1], asked)
