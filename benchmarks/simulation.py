@@ -27,6 +27,11 @@ MODELS = {
     "GM, T = 0.3 samples": "GM 1 deg/h 0.003 s",
     "GM, T = 20 samples": "GM 1 deg/h 0.2 s",
     "GM, T = 1000 samples": "GM 1 deg/h 10 s",
+    "F": "F 0.4 arcsec",
+    "GMA, T = 0.3 samples": "GMA 0.4 arcsec 0.003 s",
+    "GMA, T = 20 samples": "GMA 0.4 arcsec 0.2 s",
+    "GM2": "GM2 1 deg/h 3 Hz 0.15",
+    "N and W": "N 0.003 deg/sqrt(h), W 5 deg/h 10 s",
     "N and R": "N 0.003 deg/sqrt(h), R 900 deg/h^2",
     "N and Sine": "N 0.003 deg/sqrt(h), Sine 1 deg/h 3.1 Hz",
     "MEMS": al.SENSORS["mems"],
@@ -67,12 +72,12 @@ def bands(power: np.ndarray) -> np.ndarray:
 def expected(name: str) -> tuple[np.ndarray, np.ndarray]:
     """What `simulated` should be on average."""
     model, k = al.parse_model(MODELS[name]), np.arange(1.0, SIZE)
-    power = np.zeros(SIZE - 1)
+    power, ends = np.zeros(SIZE - 1), 4 / SIZE * np.cos(math.pi * k / (2 * SIZE)) ** 2
     for t in model:
         if t.row.waveform is None:
             row = t.sampled(RATE)
-            power += t.power(RATE) * (row.dct(k, SIZE) + row.edge * 4 / SIZE * np.cos(math.pi * k / (2 * SIZE)) ** 2)
-    return al.expected(model, "oadev", np.array(OCTAVES) / RATE), bands(power)
+            power += t.power(RATE) * (row.dct(k, SIZE) + (row.edge + row.ends) * ends)
+    return al.expected(model, "oadev", np.array(OCTAVES) / RATE, rate=RATE, size=SIZE), bands(power)
 
 
 def made(name: str, records: int) -> list[tuple[str, ...]]:

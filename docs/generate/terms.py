@@ -13,6 +13,7 @@ from generate.markdown import figure, sections, shown, table, typeset
 
 ABBREVIATIONS = {
     "N": "ARW; VRW of accelerometers", "B": "BI, flicker", "K": "RRW", "R": "RR", "GM": "exponentially correlated",
+    "F": "FPM of clocks", "GM2": "damped oscillation",
 }  # fmt: skip
 """What data sheets call the terms, beside their names."""
 
@@ -65,8 +66,12 @@ def _slope(value: float) -> str:
 def _read_off(symbol: str) -> str:
     """Where the asymptote has the value of the coefficient; or at which share of it a level line lies."""
     row = TERMS[symbol]
+    if row.transient:
+        return "the record itself"
     if np.isnan(row.level):
         return "its top"
+    if row.per_sample:
+        return f"depends on the rate, {np.sqrt(row.level):.3f} {symbol} at one sample of 1 s"
     if not np.isclose(row.level * row.read_at ** (2 * row.slope), 1.0):
         return f"lies at {np.sqrt(row.level):.3f} {symbol}"
     whole = round(row.read_at, 9).is_integer()
@@ -107,6 +112,10 @@ def _source(reference: str) -> str:
 def _line(symbol: str) -> list[str]:
     """The straight line that the term is, if it is one."""
     row, place = TERMS[symbol], _read_off(symbol)
+    if row.transient:
+        return ["What it adds to a curve depends on the record's length: it has no line of its own."]
+    if row.per_sample:
+        return [f"The Allan deviation falls nearly with slope {_slope(row.slope)} against τ; its height {place}."]
     if np.isnan(row.slope):
         return ["The Allan deviation is not a straight line but a hump."]
     where = f"At {place} the line of this slope has the value of {symbol}." if "=" in place else f"The line {place}."
@@ -141,7 +150,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         for curve in curves:
             label = "20 records" if curve is curves[0] else None
             right.plot(tau, curve.deviation, color=style.DATA, alpha=0.3, lw=0.7, label=label)
-        expected = np.degrees(np.sqrt(al.expected(made, "oadev", tau, rate=10.0))) * 3600
+        expected = np.degrees(np.sqrt(al.expected(made, "oadev", tau, rate=10.0, size=20_000))) * 3600
         right.plot(tau, expected, color=style.INK, lw=1.8, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)

@@ -31,7 +31,10 @@ from .core.errors import UsageError as UsageError
 from .core.estimate import Estimate as Estimate
 from .core.fit import Fit as Fit
 from .core.model import GM as GM
+from .core.model import GM2 as GM2
+from .core.model import GMA as GMA
 from .core.model import B as B
+from .core.model import F as F
 from .core.model import K as K
 from .core.model import Model as Model
 from .core.model import N as N
@@ -39,6 +42,7 @@ from .core.model import Q as Q
 from .core.model import R as R
 from .core.model import Sine as Sine
 from .core.model import Term as Term
+from .core.model import W as W
 from .core.notation import parse_model as parse_model
 from .core.plain import from_dict as from_dict
 from .core.record import Record as Record
@@ -91,6 +95,7 @@ from .statistics import STATISTICS as STATISTICS
 from .statistics import expected as expected
 from .statistics.dynamic import dynamic as dynamic
 from .statistics.readings import readings as readings
+from .statistics.spectra.from_spectrum import deviation_of_spectrum as deviation_of_spectrum
 from .statistics.spectra.multitaper import Multitaper as Multitaper
 from .statistics.spectra.spectrum import spectrum as spectrum
 from .statistics.spectra.welch import Welch as Welch

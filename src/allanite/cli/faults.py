@@ -59,6 +59,39 @@ def _noise_step(record: "Record", text: str, _: Any, __: Any) -> "Record":
     return faults.noise_step(record, factor=factor)
 
 
+def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
+    from allanite.simulation import faults
+
+    return faults.noise_profile(record, *_profile(text))
+
+
+def _profile(text: str) -> tuple[list[float], list[float]]:
+    """Times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading."""
+    from pathlib import Path
+
+    from allanite.core.errors import DataError, UsageError
+
+    form = "'0:1, 600:3, 1200:1' (seconds and factors) or a file of two such columns"
+    pairs = [part.split(":") for part in text.split(",")]
+    path = Path(text)
+    if path.is_file():
+        lines = [line.replace(";", ",").split(",") for line in path.read_text("utf-8").splitlines() if line.strip()]
+        pairs = lines if lines and _numeric(lines[0]) else lines[1:]
+    if not pairs or not all(_numeric(pair) for pair in pairs):
+        kind = DataError if path.is_file() else UsageError
+        raise kind(f"--noise-profile takes {form}, not {text!r}")
+    times, factors = zip(*(map(float, pair) for pair in pairs), strict=True)
+    return list(times), list(factors)
+
+
+def _numeric(pair: list[str]) -> bool:
+    """Whether a pair is two numbers."""
+    try:
+        return len([float(word) for word in pair]) == 2
+    except ValueError:
+        return False
+
+
 def _outliers(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
     from allanite.simulation import faults
 
@@ -120,6 +153,7 @@ FAULTS: "dict[str, Fault]" = {
     "constant": _constant,
     "low_pass": _low_pass,
     "noise_step": _noise_step,
+    "noise_profile": _noise_profile,
     "outliers": _outliers,
     "clip": _clip,
     "quantize": _quantize,

@@ -33,6 +33,12 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
     click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
     click.option("--noise-step", metavar="FACTOR", help="Multiply the noise of the second half by this."),
+    click.option(
+        "--noise-profile",
+        metavar="PROFILE",
+        help="Multiply the noise by a factor that changes with time: '0:1, 600:3, 1200:1' (s and factor, linear "
+        "between), or a CSV file of two columns.",
+    ),
     "simulated outliers",
     click.option("--clip", metavar="RATE", help="Full-scale range, e.g. '300 deg/s'."),
     click.option(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.record import Record
@@ -79,7 +79,7 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     records, notes = _without_outliers(records, recipe)
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
-    constants = [e.shape[0] for fit in fits for e in fit if e.shape]
+    constants = [e.shape[0] for fit in fits for e in fit if e.shape and TERMS[e.symbol].waveform is None]
     constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
     quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
@@ -121,7 +121,13 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     low, high = common_band(records, asked_band(recipe))
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
-    symbols = [s for s in symbols_of(recipe.terms) if not TERMS[s].periodic]
+    symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
+    wide = [s for s in symbols if len(TERMS[s].parameters) > 1]
+    if wide:
+        raise UsageError(
+            f"records are compared by terms with one time constant at most, and {wide[0]} ({TERMS[wide[0]].title}) has "
+            "more parameters: omit it from the terms"
+        )
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
     if len(shown) > len(symbols):

@@ -136,7 +136,7 @@ def joint(
             )
             raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
-    shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and not TERMS[s].periodic]
+    shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and TERMS[s].waveform is None]
     noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
     seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
     band = common_band(records, band, scopes)

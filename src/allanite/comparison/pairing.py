@@ -101,7 +101,7 @@ def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) ->
     found = []
     for fit, values in zip(fits, partly_common(both, apart), strict=True):
         noise = [both.term(symbol, value) for symbol, value in values.items() if value > 0]
-        ramps = [term for term in fit.model if term.row.waveform is not None and not term.row.periodic]
+        ramps = [term for term in fit.model if term.row.waveform is not None and term.row.scatters]
         found.append(Model((*noise, *ramps)))
     return found
 

@@ -23,7 +23,7 @@ class Term(Value):
     """One noise term with its coefficient in SI.
 
     Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
-    constant of GM, frequency and phase of Sine.
+    constant of GM, GMA and W, natural frequency and damping of GM2, frequency and phase of Sine.
 
     Examples
     --------
@@ -84,6 +84,8 @@ class Term(Value):
         size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
         shape = [
             say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
+            if p.unit
+            else say("{parameter} {value:.4g}", parameter=p.title, value=value)
             for p, value in zip(self.row.parameters, self.shape, strict=True)
             if value != p.default
         ]
@@ -125,7 +127,7 @@ def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) ->
 def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
     """The shape, completed by defaults; an error if it is wrong."""
     parameters = TERMS[symbol].parameters
-    wanted = ", ".join(f"{p.name} in {p.unit}" for p in parameters) or "no shape"
+    wanted = ", ".join(f"{p.name} in {p.unit}" if p.unit else p.name for p in parameters) or "no shape"
     shape = (*given, *(p.default for p in parameters[len(given) :] if p.default is not None))
     if len(shape) != len(parameters):
         raise UsageError(f"{symbol} has {wanted}, but {len(given)} values were given")
@@ -165,7 +167,7 @@ def constructor(symbol: str) -> Constructor:
 
     sheet = SIGNALS[0].sheet[row.power]
     example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
-    units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters)
+    units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
     build.__name__ = build.__qualname__ = symbol
     build.__doc__ = (
         f"{row.title.capitalize()}: {row.meaning}.\n\n"
@@ -177,6 +179,7 @@ def constructor(symbol: str) -> Constructor:
 
 Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
 R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
+F, GMA, GM2, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "W"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -211,7 +214,7 @@ class Model(Value):
     @property
     def drifts(self) -> bool:
         """Whether the model contains a ramp."""
-        return any(t.row.waveform is not None and not t.row.periodic for t in self.terms)
+        return any(t.row.waveform is not None and t.row.scatters for t in self.terms)
 
     def structure(self, t: FloatArray) -> FloatArray:
         """Structure function D(t) = E[(x(s+t) - x(s))^2] of the angle, SI, t in seconds, shape of `t`."""
@@ -226,8 +229,8 @@ class Model(Value):
 
     @property
     def noise(self) -> "Model | None":
-        """The model without its sinusoids; None if no term remains."""
-        kept = tuple(t for t in self.terms if not t.row.periodic)
+        """The model without its sinusoids and warm-ups; None if no term remains."""
+        kept = tuple(t for t in self.terms if t.row.scatters)
         return Model(kept) if kept else None
 
     def __getitem__(self, symbol: str) -> Term:

@@ -10,7 +10,15 @@ from .units import convert
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
-_FILLERS = {"with", *(word for row in TERMS.values() for p in row.parameters for word in p.name.split("_"))}
+_FILLERS = {
+    "with",
+    *(
+        word
+        for row in TERMS.values()
+        for p in row.parameters
+        for word in f"{p.name} {p.title}".replace("_", " ").split()
+    ),
+}
 """Words of a printed model that carry no information."""
 
 
@@ -55,13 +63,13 @@ def _term(words: list[str], text: str) -> Term:
     symbol, parameters = words[0], TERMS[words[0]].parameters
     quantities = _coefficient_first(words[1:])
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
-        wanted = "".join(f", its {p.name.replace('_', ' ')} in {p.unit}" for p in parameters)
+        wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
         raise UsageError(
             f"{' '.join(words)!r} is not a noise term: {symbol} must be followed by a number and a unit{wanted}, "
             "e.g. 'N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s'"
         )
     (value, unit), *rest = quantities
-    shape = (convert(v, u or p.unit, p.unit) for (v, u), p in zip(rest, parameters, strict=False))
+    shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
 
 
@@ -105,4 +113,4 @@ def written(model: Model) -> str:
 
 
 def _shape(found: Term) -> list[str]:
-    return [f"{float(v)!r} {p.unit}" for v, p in zip(found.shape, found.row.parameters, strict=True)]
+    return [f"{float(v)!r} {p.unit}".rstrip() for v, p in zip(found.shape, found.row.parameters, strict=True)]

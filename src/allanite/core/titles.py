@@ -12,6 +12,8 @@ _TITLES: dict[str, Callable[[str], str]] = {
     "N": lambda quantity: say("white noise of the {quantity}", quantity=quantity),
     "K": lambda quantity: say("random walk of the {quantity}", quantity=quantity),
     "R": lambda quantity: say("ramp of the {quantity}", quantity=quantity),
+    "F": lambda quantity: say("flicker of the integrated {quantity}", quantity=quantity),
+    "GMA": lambda quantity: say("Gauss-Markov noise of the integrated {quantity}", quantity=quantity),
 }
 """Names of terms of a quantity that is not the output of an inertial sensor: of an angle error, a voltage."""
 
@@ -23,6 +25,8 @@ _MEANINGS: dict[str, str] = {
     "R": say("a linear drift, with a sign"),
     "GM": say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),
     "Sine": say("a sinusoid, with an amplitude and a frequency"),
+    "F": say("flicker (1/f) noise of the integral"),
+    "GMA": say("exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time constant T"),
 }
 
 

@@ -32,6 +32,12 @@ def straight(estimate: Estimate) -> bool:
     return estimate.claimed and bool(estimate.value) and not row.parameters
 
 
+def lasting(estimate: Estimate) -> bool:
+    """Whether a term has a curve of its own, whatever the record and its rate."""
+    row = TERMS[estimate.symbol]
+    return row.scatters and not row.per_sample
+
+
 def height(estimate: Estimate, tau: float) -> float:
     """The asymptote of a term in the Allan deviation at an averaging time, SI."""
     row = TERMS[estimate.symbol]
@@ -58,7 +64,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
 
     Straight asymptotes are as they are; of a term with a hump the Allan deviation itself is taken.
     """
-    found = [e for e in estimates if e.claimed and e.value and not TERMS[e.symbol].periodic]
+    found = [e for e in estimates if e.claimed and e.value and lasting(e)]
     if not found or not start < end:
         return ()
     tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
@@ -71,7 +77,7 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
 
 def least(estimates: Sequence[Estimate], start: float, end: float) -> tuple[float, float] | None:
     """Averaging time and Allan deviation, SI, at the minimum of all terms together; None at an end of the range."""
-    found = [e for e in estimates if e.claimed and e.value and not TERMS[e.symbol].periodic]
+    found = [e for e in estimates if e.claimed and e.value and lasting(e)]
     tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
     variance = np.sum([_line(e, tau) ** 2 for e in found], axis=0) if found else np.zeros(tau.size)
     at = int(np.argmin(variance))

@@ -10,15 +10,14 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say
+from allanite.core.language import join
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
 from allanite.terms import TERMS
 from allanite.terms.row import Parameter
 
 from .information import Grid, Information, Part, shape_parts
-
-PARAMETERS = {"time_constant": say("time constant"), "frequency": say("frequency"), "phase": say("phase")}
+from .transient import transient_errors
 
 AUTO = "QNBKR"
 """The default terms of `identify`."""
@@ -117,7 +116,9 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
     relative = dict(zip(_names(noise, model), errors, strict=True))
     for t in model:
-        if t.row.periodic or (unknown and t.row.waveform is not None):
+        if t.row.transient:
+            relative |= dict(zip(_names([t], model), transient_errors(t, noise, grid.n, rate), strict=True))
+        elif t.row.periodic or (unknown and t.row.waveform is not None):
             relative |= dict(_deterministic(t, model, found.ramp, grid.n, rate))
     slope = found.ramp * rate if unknown else None
     return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
@@ -169,7 +170,7 @@ def name_of(t: Term, model: Model) -> str:
 
 def title_of(parameter: Parameter) -> str:
     """The name of a parameter of a term's shape, as it is shown."""
-    return PARAMETERS.get(parameter.name, parameter.name)
+    return parameter.title
 
 
 def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> Iterator[tuple[str, float]]:
@@ -178,7 +179,7 @@ def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> I
     if not t.row.periodic:
         yield name, ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
         return
-    frequency, named = t.shape[0], join(" ", (name, PARAMETERS["frequency"]))
+    frequency, named = t.shape[0], join(" ", (name, title_of(t.row.parameters[0])))
     seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
     amplitude = abs(t.value * np.sinc(frequency / rate))
     noise = Model(tuple(part for part in model if part.row.waveform is None))

@@ -107,7 +107,7 @@ class Part:
         row, power = t.sampled(rate), t.power(rate)
         variance = power * row.dct(grid.k, grid.n)
         block = np.diag(variance[: grid.block]) + power * mixing(row, grid.block, grid.n)
-        return cls(variance, block, 2 * power * row.edge)
+        return cls(variance, block, 2 * power * (row.edge + row.ends))
 
     def __add__(self, other: "Part") -> "Part":
         return Part(self.power + other.power, self.block + other.block, self.edge + other.edge)

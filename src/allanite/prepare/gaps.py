@@ -67,7 +67,7 @@ class Gaps:
         low = k <= EXACT
         turn = np.cos((2 * np.pi / n) * np.outer(k[low], self.at))
         both[low], steps[low] = turn[:, ~self.shut].sum(axis=1), (1 - turn) @ self.lost
-        ends = term.edge * (2 / n) * (both + opened.size * np.cos((np.pi / n) * k))
+        ends = (term.edge + term.ends) * (2 / n) * (both + opened.size * np.cos((np.pi / n) * k))
         D: Callable[[FloatArray], FloatArray] = term.structure if term.slope <= -0.5 else np.ones_like
         longer = float((D(shut) - D(np.ones(1))).sum()) / n
         return np.asarray(values * (1 + steps / n) ** walk + ends + longer)

@@ -133,7 +133,7 @@ def shapes(estimate: Estimate, level: float) -> list[str]:
     parts = list[str]()
     for parameter, value, (low, high) in zip(TERMS[estimate.symbol].parameters, estimate.shape, limits, strict=False):
         number, interval = digits(value, low, high).plain()
-        shown = f"{number}{f' ({interval})' if interval else ''} {parameter.unit}"
+        shown = f"{number}{f' ({interval})' if interval else ''} {parameter.unit}".rstrip()
         parts.append(join(" = ", (parameter.letter or parameter.title, shown)))
     return parts
 

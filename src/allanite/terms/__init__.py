@@ -6,14 +6,31 @@ coefficient of 1 and, except `structure` and `spectrum`, for a sample interval o
 the coefficient.
 """
 
+from .angle_flicker import ANGLE_FLICKER
+from .angle_markov import ANGLE_MARKOV
 from .flicker import FLICKER
 from .markov import GAUSS_MARKOV
+from .oscillation import OSCILLATION
 from .powers import ANGLE_RANDOM_WALK, QUANTIZATION, RAMP, RATE_RANDOM_WALK, ramp_coefficients
 from .row import WHITE, NoiseTerm, Parameter
 from .sine import SINE
+from .warm_up import WARM_UP
 
 __all__ = ["TERMS", "WHITE", "NoiseTerm", "Parameter", "ramp_coefficients"]
 
 TERMS: dict[str, NoiseTerm] = {
-    row.symbol: row for row in (QUANTIZATION, ANGLE_RANDOM_WALK, FLICKER, RATE_RANDOM_WALK, RAMP, GAUSS_MARKOV, SINE)
+    row.symbol: row
+    for row in (
+        QUANTIZATION,
+        ANGLE_FLICKER,
+        ANGLE_RANDOM_WALK,
+        FLICKER,
+        RATE_RANDOM_WALK,
+        RAMP,
+        WARM_UP,
+        GAUSS_MARKOV,
+        ANGLE_MARKOV,
+        OSCILLATION,
+        SINE,
+    )
 }

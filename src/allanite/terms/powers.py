@@ -105,6 +105,17 @@ def angle_noise(Q: float, h: float) -> Block:
     )
 
 
+TITLES = {
+    "accelerometer": (say("velocity random walk"), say("acceleration random walk"), say("acceleration ramp")),
+    "dimensionless": (say("time random walk"), say("signal random walk"), say("signal ramp")),
+}
+"""Where N, K and R are called otherwise than for a gyro: name of the signal -> their titles."""
+
+
+def _titles(place: int) -> dict[str, str]:
+    return {signal: titles[place] for signal, titles in TITLES.items()}
+
+
 QUANTIZATION = NoiseTerm(
     symbol="Q",
     title=say("quantization noise"),
@@ -143,10 +154,7 @@ QUANTIZATION = NoiseTerm(
 ANGLE_RANDOM_WALK = NoiseTerm(
     symbol="N",
     title=say("angle random walk"),
-    titles={
-        "accelerometer": say("velocity random walk"),
-        "dimensionless": say("time random walk"),
-    },
+    titles=_titles(0),
     meaning=say("white noise of the rate; the angle error grows as N sqrt(t)"),
     formula=r"\sigma^2(\tau) = N^2 / \tau",
     reference="IEEE Std 952",
@@ -181,10 +189,7 @@ ANGLE_RANDOM_WALK = NoiseTerm(
 RATE_RANDOM_WALK = NoiseTerm(
     symbol="K",
     title=say("rate random walk"),
-    titles={
-        "accelerometer": say("acceleration random walk"),
-        "dimensionless": say("signal random walk"),
-    },
+    titles=_titles(1),
     meaning=say("random walk of the rate; the bias drifts as K sqrt(t)"),
     formula=r"\sigma^2(\tau) = K^2 \tau / 3",
     reference=say("IEEE Std 952; the rate is the mean over each sample interval"),
@@ -217,10 +222,7 @@ RATE_RANDOM_WALK = NoiseTerm(
 RAMP = NoiseTerm(
     symbol="R",
     title=say("rate ramp"),
-    titles={
-        "accelerometer": say("acceleration ramp"),
-        "dimensionless": say("signal ramp"),
-    },
+    titles=_titles(2),
     meaning=say("a linear drift of the rate, with a sign"),
     formula=r"\sigma^2(\tau) = R^2 \tau^2 / 2",
     reference="IEEE Std 952",

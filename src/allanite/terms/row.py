@@ -17,7 +17,9 @@ class Parameter:
     """What a term has beside its coefficient.
 
     `title` is its name as text, `least` what its value must exceed, None if it may be anything; `default` stands where
-    none is given; `letter` is what it is called in print, and `typical` a value for examples.
+    none is given; `letter` is what it is called in print, and `typical` a value for examples. Its unit contains the
+    second to the power `time`. `search` gives the least and the greatest value that a record of n samples tells of, in
+    sample intervals, and `steps` how many a decade are tried at first.
     """
 
     name: str
@@ -27,6 +29,9 @@ class Parameter:
     default: float | None = None
     letter: str = ""
     typical: float = 1.0
+    time: float = 0.0
+    search: Callable[[int], tuple[float, float]] | None = None
+    steps: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +110,18 @@ class NoiseTerm:
         For 0 < f <= 1 / (2 tau0).
     dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
     edge : float
-        Variance that the first and the last rate have beyond that.
+        Variance that the first and the last rate have beyond that, of white angle noise.
+    ends : float
+        The same of an angle error that is forgotten within a record.
     waveform : n -> the rate itself, for a deterministic term of coefficient 1; None for noise.
     periodic : bool
         A spectral line: its structure function is the mean over its phase, and it adds nothing to the scatter of an
         estimate.
+    period : float
+        Period of a covariance that oscillates and decays, in sample intervals; 0 if it does not.
+    transient : bool
+        A deterministic term that begins with the record: what it adds to a statistic depends on the record's length, it
+        has no structure function, and it adds nothing to the scatter of an estimate.
     parameters : tuple of Parameter
         What a term has beside its coefficient: a time constant, a frequency.
     shape : tuple of float
@@ -155,8 +167,11 @@ class NoiseTerm:
     spectrum: Callable[[FloatArray, float], FloatArray]
     dct: Callable[[FloatArray, int], FloatArray]
     edge: float = 0.0
+    ends: float = 0.0
     waveform: Callable[[int], FloatArray] | None = None
     periodic: bool = False
+    transient: bool = False
+    period: float = 0.0
     parameters: tuple[Parameter, ...] = ()
     shape: tuple[float, ...] = ()
     shaped: "Callable[[tuple[float, ...], float], NoiseTerm] | None" = None
@@ -173,3 +188,8 @@ class NoiseTerm:
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
     titles: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def scatters(self) -> bool:
+        """Whether it takes part in the scatter of an estimate: noise, and a ramp, whose product with noise does."""
+        return not (self.periodic or self.transient)

@@ -57,6 +57,22 @@ def test_all_faults_at_once(tmp_path):
     assert list(al.read(path)[0].history) == steps
 
 
+def test_a_noise_profile_as_text_and_as_a_file(tmp_path):
+    usual = ("--model", "N 0.01 deg/sqrt(h)", "--rate", 100, "--samples", 5000)
+    (tmp_path / "profile.csv").write_text("time,factor\n0,1\n10,3\n40,1\n", "utf-8")
+    for name, profile in (("a", "0:1, 10:3, 40:1"), ("b", str(tmp_path / "profile.csv"))):
+        done = run(tmp_path / f"{name}.npz", *usual, "--noise-profile", profile)
+        assert done.exit_code == 0, done.stderr
+    one, other = (al.read(tmp_path / f"{name}.npz")[0] for name in "ab")
+    np.testing.assert_array_equal(one.values, other.values)
+    assert one.values[800:1200].std() > 2 * one.values[-800:].std()
+    refused = run(tmp_path / "c.npz", *usual, "--noise-profile", "0:1, x")
+    assert refused.exit_code == 2
+    assert "--noise-profile takes '0:1, 600:3, 1200:1'" in refused.stderr
+    (tmp_path / "empty.csv").write_text("time,factor\n", "utf-8")
+    assert run(tmp_path / "c.npz", *usual, "--noise-profile", tmp_path / "empty.csv").exit_code == 3
+
+
 def test_a_rounded_rate_is_in_the_unit_of_its_step(tmp_path):
     path = tmp_path / "out.parquet"
     run(path, "--sensor", "mems", "--rate", 50, "--samples", 500, "--quantize", "rate 0.0625 deg/s")

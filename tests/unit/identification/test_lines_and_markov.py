@@ -73,11 +73,11 @@ def test_limits_of_the_time_constant_are_where_the_likelihood_has_dropped():
     seen = spectrum(record_of(N + GM), detrend=False)
     used = np.ones(seen.first.size, dtype=bool)
     search = Search(likelihood(seen, ["N", "GM"]), portion(seen, ("N", "GM"), used), np.ones(2, dtype=bool))
-    best = search.refined(search.coarse.constants[0])
-    low, high = search.limits(best, 3.84)
+    best = search.refined(search.coarse.constants)
+    ((low, high),) = search.limits(best, 3.84)
     for T in (low, high):
-        assert 2 * (search.least(T).value - best.value) == pytest.approx(3.84, rel=0.02)
-    assert all(search.least(T).value >= best.value for T in np.geomspace(low, high, 20))
+        assert 2 * (search.least((T,)).value - best.value) == pytest.approx(3.84, rel=0.02)
+    assert all(search.least((T,)).value >= best.value for T in np.geomspace(low, high, 20))
 
 
 def test_the_compiled_minimum_is_that_of_a_general_minimiser():

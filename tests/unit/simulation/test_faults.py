@@ -108,6 +108,24 @@ def test_the_second_half_has_twice_the_noise():
     assert y[20_000:].std() / y[:20_000].std() == pytest.approx(2, rel=0.03)
 
 
+def test_a_profile_multiplies_the_noise():
+    record = white()
+    end = record.size / record.rate
+    y = faults.noise_profile(record, [0, end / 2, end / 2, end], [1, 3, 2, 2]).values
+    before = record.values - record.values.mean()
+    factor = (y - record.values.mean()) / before
+    at = (np.arange(record.size) + 0.5) / record.rate
+    np.testing.assert_allclose(factor, np.where(at < end / 2, 1 + 4 * at / end, 2.0), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])]
+)
+def test_a_profile_that_is_none_is_refused(times, factors):
+    with pytest.raises(al.UsageError, match="a noise profile needs"):
+        faults.noise_profile(white(), times, factors)
+
+
 @pytest.mark.parametrize("order", [1, 4])
 def test_a_filter_takes_half_of_the_power_at_its_cutoff(order):
     density = al.spectrum(faults.low_pass(white(), 10.0, order=order), sides="two", bins=None)

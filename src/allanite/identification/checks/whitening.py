@@ -119,7 +119,7 @@ def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatAr
     if not noise:
         raise UsageError(f"whitening needs a model with noise, unlike {model}")
     # the contribution of an open angle at ends and joints is absent in between
-    return k, np.sqrt(sum(power * gaps.row(replace(row, edge=0.0), at) for power, row in noise))
+    return k, np.sqrt(sum(power * gaps.row(replace(row, edge=0.0, ends=0.0), at) for power, row in noise))
 
 
 def memory(model: Model, size: int, rate: float) -> int:
@@ -128,7 +128,7 @@ def memory(model: Model, size: int, rate: float) -> int:
     The whitening spreads what quantization has there over as many samples as the standard deviation of the fastest
     noise exceeds that of the least.
     """
-    if not any(t.row.edge for t in model):
+    if not any(t.row.edge or t.row.ends for t in model):
         return 0
     _, deviation = deviations(model, whole(size), rate)
     return math.ceil(2 * float(deviation.max() / deviation.min()))

@@ -89,7 +89,7 @@ def _with_shapes(found: Found, columns: FloatArray) -> FloatArray:
     assert found.search is not None  # noqa: S101 - there is a time constant
     everywhere = found.part.but(used=np.ones_like(found.used))
     shaped = columns.copy()
-    shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants[0], everywhere)
+    shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants, everywhere)
     return shaped
 
 

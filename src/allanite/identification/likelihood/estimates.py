@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -48,10 +49,15 @@ class Scale:
         left = iter(constants)
         found = []
         for symbol, power in zip((*noise, noise[-1]), theta.tolist(), strict=False):
-            shape = (next(left) / self.rate,) if TERMS[symbol].parameters and constants else ()
+            shape = self.shape(symbol, tuple(islice(left, len(TERMS[symbol].parameters))))
             if power > 0:
                 found.append(Term(symbol, self.coefficient(symbol, power), self.signal, shape))
         return tuple(found)
+
+    def shape(self, symbol: str, values: tuple[float, ...]) -> tuple[float, ...]:
+        """Values of a term's parameters, SI, from those in sample intervals."""
+        known = zip(values, TERMS[symbol].parameters, strict=False)
+        return tuple(value * math.pow(self.rate, -p.time) for value, p in known)
 
     def coefficient(self, symbol: str, theta: float) -> float:
         """Coefficient of a theta."""
@@ -95,31 +101,32 @@ def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estim
     plain = Estimate(
         symbol, scale.signal, median, median * relative, status, upper(0.95), "whittle", limits, limits, median
     )
-    return _with_constant(plain, found) if TERMS[symbol].parameters else plain
+    return _with_constant(plain, found, scale) if TERMS[symbol].parameters else plain
 
 
 @dataclass(frozen=True, eq=False)
 class ConstantLimits:
-    """Limits of a time constant, s, whose best value is known in samples."""
+    """Limits of a time constant, or of what else a term's shape has, whose best values are known in samples."""
 
     search: Search
-    constant: float
-    rate: float
+    constants: tuple[float, ...]
+    scale: Scale
 
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
         """Two-sided limits."""
         # with every other term free: one that was not selected could make another time constant possible
-        every = self.search.refined(self.constant, np.ones_like(self.search.may))
-        low, high = self.search.limits(every, quantile((1 + level) / 2) ** 2)
-        return ((low / self.rate, high / self.rate),)
+        every = self.search.refined(self.constants, np.ones_like(self.search.may))
+        low, high = zip(*self.search.limits(every, quantile((1 + level) / 2) ** 2), strict=True)
+        symbol = self.search.symbol
+        return tuple(zip(self.scale.shape(symbol, low), self.scale.shape(symbol, high), strict=True))
 
 
-def _with_constant(estimate: Estimate, found: Found) -> Estimate:
-    """The estimate with its time constant, s, and that one's profile interval."""
-    search, chosen, rate = found.search, found.chosen, found.seen.rate
+def _with_constant(estimate: Estimate, found: Found, scale: Scale) -> Estimate:
+    """The estimate with its shape, and the profile interval of that."""
+    search, chosen = found.search, found.chosen
     assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
-    limits = Remembered(ConstantLimits(search, chosen.constants[0], rate))
-    return replace(estimate, shape=(chosen.constants[0] / rate,), shape_limits=limits)
+    limits = Remembered(ConstantLimits(search, chosen.constants, scale))
+    return replace(estimate, shape=scale.shape(estimate.symbol, chosen.constants), shape_limits=limits)
 
 
 def _absent(

@@ -18,7 +18,8 @@ from allanite.terms import TERMS
 from .law import AKAIKE, Law, law, traces
 from .portion import Portion, portion
 from .selection import PENALTY, Profile, Subset, select, subsets
-from .timeconstant import CLOSE, SHORTEST, Search
+from .shapes import Shapes
+from .timeconstant import CLOSE, Search
 from .whittle import Spectrum, spectrum
 
 SLOW = 30.0
@@ -30,6 +31,10 @@ DISTINGUISHABLE = 2.0
 EVIDENCE = 12.0
 """What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
 flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
+"""
+
+ANYWHERE = 8.0
+"""What a term must gain besides for each further parameter: 2 ln 50, as of some fifty resonances that noise may mimic.
 """
 
 
@@ -165,8 +170,10 @@ class Found(Portable):
         """The best of each family: flicker, Gauss-Markov, both, two Gauss-Markov."""
         if self.search is None:
             return []
-        penalty = penalties(len(self.noise))
-        both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=SHORTEST)
+        if self.search.symbol not in {TERMS[symbol].substitute for symbol in TERMS}:
+            return [subset for subset in (self.plain, self.markov) if subset is not None]
+        penalty = penalties(self.noise)
+        both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=0.0)
         found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
         there = [subset for subset in found if subset is not None]
         complete = [s for s in there if not s.constants or (s.theta[len(self.noise) - 1 :] > 0).all()]
@@ -180,10 +187,10 @@ def flicker_in(symbols: Sequence[str]) -> int | None:
     return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
 
 
-def penalties(p: int) -> FloatArray:
-    """What each term must gain in 2 L to be selected, a Gauss-Markov term the last of them, shape (p,)."""
-    penalty = np.full(p, PENALTY)
-    penalty[-1] = EVIDENCE
+def penalties(noise: Sequence[str]) -> FloatArray:
+    """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
+    penalty = np.full(len(noise), PENALTY)
+    penalty[-1] = EVIDENCE + ANYWHERE * max(len(TERMS[noise[-1]].parameters) - 1, 0)
     return penalty
 
 
@@ -199,8 +206,10 @@ def fitted(part: Portion, *, rival: bool) -> Found:
     """Fit every subset of the terms of a portion; see `look`."""
     asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
     noise = [symbol for symbol in part.noise if symbol not in asked]
-    if len(asked) > 1 or any(len(TERMS[symbol].parameters) > 1 for symbol in asked):
-        raise UsageError(f"only one term with one time constant can be looked for, not {', '.join(asked)}")
+    if len(asked) > 1:
+        raise UsageError(
+            f"only one noise with a time constant or a frequency can be looked for at a time, not {', '.join(asked)}"
+        )
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
         every = subsets(part.likelihood, must=part.must)
@@ -217,7 +226,7 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
-    penalty = penalties(len(part.noise))
+    penalty = penalties(part.noise)
     other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
@@ -236,9 +245,10 @@ def _explains(subset: Subset, part: Portion) -> bool:
 
 def _with_markov(part: Portion, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
-    noise, penalty = list(part.noise), penalties(len(part.noise))
+    noise, penalty = list(part.noise), penalties(part.noise)
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
-    search = Search(part.likelihood, part, may, SHORTEST if asked else SLOW, noise[-1], asked)
+    kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
+    search = kind(part.likelihood, part, may, 0.0 if asked else SLOW, noise[-1], asked)
     every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
     markov = search.best(penalty) if asked or search.coarse.aic - CLOSE < _least_aic(every) else None

@@ -27,6 +27,7 @@ from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .selection import correlation
+from .transient import warm_up_estimate
 
 
 def whittle(
@@ -58,7 +59,7 @@ def whittle(
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
-    terms = [symbol for symbol in symbols if not TERMS[symbol].periodic]
+    terms = [symbol for symbol in symbols if TERMS[symbol].scatters]
     asked = None if isinstance(band, str) else band
     found = look(record, terms, asked, rival=rival)
     taken: tuple[Line, ...] = ()
@@ -77,17 +78,18 @@ def whittle(
     estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
     if law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
+    estimates |= {s: warm_up_estimate(s, warm, record.signal) for s in symbols if TERMS[s].transient}
     model = _model(estimates, found, scale)
-    deterministic = tuple(t for t in model if t.row.waveform is not None)
+    deterministic = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     good = goodness(found.seen, found.full.likelihood, found.full.theta, found.used, taken)
     return Fit(
-        estimates=tuple(estimates[s] for s in shown),
+        estimates=tuple(estimates.values()),
         method="whittle",
         signal=record.signal,
         name=record.name,
         model=model if not taken else Model((*model, *(line.term for line in taken))),
         goodness=good,
-        correlation=_correlation(shown, found),
+        correlation=_correlation(list(estimates), found),
         notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
@@ -101,7 +103,7 @@ def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
     """The best model: the selected noise terms, claimed or not, and the ramp if it is claimed."""
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
-    return Model((*terms, *(Term(e.symbol, e.value, scale.signal) for e in ramps if e.value is not None)))
+    return Model((*terms, *(Term(e.symbol, e.value, scale.signal, e.shape) for e in ramps if e.value is not None)))
 
 
 def _correlation(shown: Sequence[str], found: Found) -> FloatArray:
@@ -131,7 +133,9 @@ def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
 
 def _ambiguous(found: Found) -> list[str]:
     """How well Gauss-Markov noise instead of flicker, or the reverse, would describe the record."""
-    if found.markov is None or found.flicker is None:
+    if found.search is None or found.markov is None or found.flicker is None:
+        return []
+    if found.search.symbol not in {TERMS[symbol].substitute for symbol in found.noise}:
         return []
     gain = found.flicker.aic - found.markov.aic
     size, time = f"{-gain:+.1f}", found.markov.constants[0] / found.seen.rate

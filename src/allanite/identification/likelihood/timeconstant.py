@@ -1,4 +1,4 @@
-"""The search for the time constant of Gauss-Markov noise.
+"""The search for the shape of a term: the time constant of Gauss-Markov noise, here of the rate or of the angle.
 
 Its likelihood is linear in the square of the RMS value but not in the time constant T. L is profiled over T on a grid
 and then refined; the intervals include the values of T consistent with the record.
@@ -12,15 +12,11 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
+from allanite.terms import TERMS
 
 from .likelihood import Likelihood
 from .portion import Portion
 from .selection import Subset, select, subsets
-
-SHORTEST, LONGEST = 3.0, 0.1
-"""Time constants that can be distinguished from white noise and from a random walk: samples, and share of the
-record.
-"""
 
 PER_DECADE = 4
 """Time constants a decade in the first search."""
@@ -37,39 +33,52 @@ STARTS = 3
 NEAR = 3
 """Time constants on either side of the best that take part."""
 
+BEYOND = 3.0
+"""How far below the least time constant that is looked for its limits may lie."""
+
+Shape = tuple[float, ...]
+"""Values of the parameters, in sample intervals."""
+
 
 @dataclass(frozen=True, eq=False)
 class Search(Portable):
-    """The likelihood as a function of the time constant of Gauss-Markov noise, the last column of it, in samples.
+    """The likelihood as a function of the shape of a term with one parameter, the last column of it, in samples.
 
-    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, `symbol` the term;
-    `asked` whether it was requested.
+    `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, if it is not what the
+    term says, `symbol` the term; `asked` whether it was requested.
     """
 
     likelihood: Likelihood
     part: Portion
     may: BoolArray
-    shortest: float = SHORTEST
+    shortest: float = 0.0
     symbol: str = "GM"
     asked: bool = False
 
-    def column(self, T: float, part: Portion | None = None) -> FloatArray:
+    def column(self, shape: Shape, part: Portion | None = None) -> FloatArray:
         """Expected power of the term in the bins that are read, or in another portion."""
-        return (part or self.part).column(self.symbol, (T,))
+        return (part or self.part).column(self.symbol, shape)
 
-    def at(self, T: float) -> Likelihood:
-        """The likelihood with a time constant."""
-        return self.likelihood.with_column(-1, self.column(T))
+    def at(self, shape: Shape) -> Likelihood:
+        """The likelihood with a shape."""
+        return self.likelihood.with_column(-1, self.column(shape))
 
-    def least(self, T: float, free: BoolArray | None = None, start: FloatArray | None = None) -> Subset:
-        """The minimum at a time constant, all terms free that may be, sought from `start`."""
-        likelihood, free = self.at(T), self.may if free is None else free
-        return Subset(likelihood, free, *likelihood.minimise(free, start), (T,))
+    def least(self, shape: Shape, free: BoolArray | None = None, start: FloatArray | None = None) -> Subset:
+        """The minimum at a shape, all terms free that may be, sought from `start`."""
+        likelihood, free = self.at(shape), self.may if free is None else free
+        return Subset(likelihood, free, *likelihood.minimise(free, start), shape)
+
+    @property
+    def spans(self) -> list[tuple[float, float]]:
+        """The least and the greatest value of each parameter."""
+        asked = [p.search for p in TERMS[self.symbol].parameters]
+        return [search(self.part.seen.size) for search in asked if search is not None]
 
     @property
     def span(self) -> tuple[float, float]:
         """The least and the greatest time constant."""
-        return self.shortest, max(LONGEST * self.part.seen.size, 2 * self.shortest)
+        least, greatest = self.spans[0]
+        return self.shortest or least, max(greatest, 2 * self.shortest)
 
     @cached_property
     def grid(self) -> FloatArray:
@@ -80,24 +89,24 @@ class Search(Portable):
     @cached_property
     def coarse(self) -> Subset:
         """The best of the grid."""
-        return min((self.least(float(T)) for T in self.grid), key=lambda subset: subset.value)
+        return min((self.least((float(T),)) for T in self.grid), key=lambda subset: subset.value)
 
-    def refined(self, around: float, free: BoolArray | None = None) -> Subset:
-        """The best near a value of the grid."""
+    def refined(self, near: Shape, free: BoolArray | None = None) -> Subset:
+        """The best near a shape of the grid."""
         from scipy.optimize import minimize_scalar
 
-        step, (low, high) = 10 ** (1 / PER_DECADE), self.span
+        (around,), step, (low, high) = near, 10 ** (1 / PER_DECADE), self.span
         best = minimize_scalar(
-            lambda x: self.least(math.exp(x), free).value, method="bounded", options={"xatol": 0.01},
+            lambda x: self.least((math.exp(x),), free).value, method="bounded", options={"xatol": 0.01},
             bounds=(math.log(max(low, around / step)), math.log(min(high, around * step))),
         )  # fmt: skip
-        return self.least(math.exp(float(best.x)), free)
+        return self.least((math.exp(float(best.x)),), free)
 
     def best(self, penalty: FloatArray) -> Subset | None:
         """The best subset with the term; None if it is not in it."""
-        fine = self.refined(self.coarse.constants[0])
+        fine = self.refined(self.coarse.constants)
         first = select(subsets(fine.likelihood, must=self.always, may=self.may, constants=fine.constants), penalty)
-        found = self.refined(fine.constants[0], first.free)
+        found = self.refined(fine.constants, first.free)
         return found if found.theta[-1] > 0 else None
 
     @cached_property
@@ -110,36 +119,38 @@ class Search(Portable):
         """The term, and what is never omitted."""
         return self.must | self.part.must
 
-    def limits(self, best: Subset, drop: float) -> tuple[float, float]:
-        """Time constants at which 2 L has risen by `drop`, the others following; at most those of the search."""
+    def limits(self, best: Subset, drop: float) -> tuple[tuple[float, float], ...]:
+        """For each parameter the values at which 2 L has risen by `drop`, the terms following."""
         from scipy.optimize import brentq
 
         (T,) = best.constants
         ends = []
-        for end in (min(1.0, T / 2), max(float(self.part.seen.size), 2 * T)):
+        (least, _), longest = self.spans[0], float(self.part.seen.size)
+        for end in (min(least / BEYOND, T / 2), max(longest, 2 * T)):
 
             def excess(x: float) -> float:
-                return 2 * (self.least(math.exp(x), best.free, best.theta).value - best.value) - drop
+                return 2 * (self.least((math.exp(x),), best.free, best.theta).value - best.value) - drop
 
             open_ = excess(math.log(end)) <= 0
             ends.append(end if open_ else math.exp(brentq(excess, math.log(T), math.log(end), xtol=1e-3)))
-        return ends[0], ends[1]
+        return ((ends[0], ends[1]),)
 
     def around(self, best: Subset) -> list[Subset]:
         """Subsets with the term at the time constants that the likelihood leaves open; the best one's come last.
 
         Any other term may be beside it: what was not selected is not zero.
         """
-        (T,) = best.constants
-        low, high = self.limits(best, OPEN)
+        (T,), ((low, high),) = best.constants, self.limits(best, OPEN)
         # a shorter or longer one is that of another term
         shortest, longest = self.span
         low, high = max(low, min(shortest, T)), min(high, max(longest, T))
         open_ = (*np.geomspace(low, T, NEAR + 1)[:-1], *np.geomspace(high, T, NEAR + 1))
-        each = ((self.at(float(k)), (float(k),)) for k in open_)
         # evenly likely beforehand in the logarithm
-        prior = min(math.log(high / low) / math.log(longest / shortest), 1.0)
-        every = (s for part, k in each for s in subsets(part, must=self.always, constants=k))
+        return self.beside([(float(k),) for k in open_], min(math.log(high / low) / math.log(longest / shortest), 1.0))
+
+    def beside(self, shapes: list[Shape], prior: float) -> list[Subset]:
+        """All subsets that hold the term, at each of the shapes."""
+        every = (s for k in shapes for s in subsets(self.at(k), must=self.always, constants=k))
         return [replace(s, prior=prior) for s in every]
 
     def pair(self) -> Subset:
@@ -150,7 +161,7 @@ class Search(Portable):
 
         def least(x: FloatArray) -> Subset:
             first, second = np.exp(x)
-            both = self.at(float(first)).with_more(self.column(float(second)))
+            both = self.at((float(first),)).with_more(self.column((float(second),)))
             return Subset(both, free, *both.minimise(free), (float(first), float(second)))
 
         grid = np.log(self.grid)

@@ -36,7 +36,8 @@ USABLE = 0.75
 class WarmUp(Portable):
     """A warm-up that was found: amplitude exp(-t / tau), SI and seconds.
 
-    `error` is the standard error of the amplitude, `gain` what the warm-up gains in 2 L, `duration` that of the record.
+    `error` is the standard error of the amplitude, `gain` what the warm-up gains in 2 L, `duration` that of the record;
+    `found` and `base` are what it was found in, and what stands beside it.
     """
 
     signal: Signal
@@ -45,6 +46,8 @@ class WarmUp(Portable):
     tau: float
     gain: float
     duration: float
+    found: Found
+    base: Subset
 
     @property
     def until(self) -> float:
@@ -52,6 +55,13 @@ class WarmUp(Portable):
         needed = self.tau * math.log(max(abs(self.amplitude) / (HARMLESS * self.error), 1.1))
         step = 10.0 ** (math.floor(math.log10(needed)) - 1)
         return float(f"{math.ceil(needed / step) * step:.3g}")
+
+    def at(self, tau: float) -> tuple[float, float, float]:
+        """2 L, amplitude and its standard error with another time constant, s."""
+        beside = _beside(self.found, self.base, tau * self.found.seen.rate)
+        eta, V, _ = beside.likelihood.directions(beside.theta)
+        which, factor = _direction(beside), self.found.seen.unit_factor
+        return _profiled(beside), float(eta[which]) * factor, math.sqrt(float(V[which, which])) * factor
 
     @property
     def finding(self) -> Finding:
@@ -111,12 +121,17 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     if gain < EVIDENCE:
         return None, found
     eta, V, _ = best.likelihood.directions(best.theta)
-    at = int(np.count_nonzero(~part.flat))
+    at = _direction(best)
     amplitude, error = float(eta[at]) * seen.unit_factor, math.sqrt(float(V[at, at])) * seen.unit_factor
     duration = (seen.size + int(seen.gaps.lost.sum())) / seen.rate
-    warm = WarmUp(signal, amplitude, error, tau / seen.rate, gain, duration)
+    warm = WarmUp(signal, amplitude, error, tau / seen.rate, gain, duration, found, replace(base, free=best.free))
     rival = found.search is not None and not found.search.asked
     return warm, fitted(replace(found.base, warm=tau), rival=rival)
+
+
+def _direction(subset: Subset) -> int:
+    """Place of the warm-up among the loose directions."""
+    return int(np.count_nonzero(~subset.likelihood.flat))
 
 
 def _bases(found: Found) -> list[Subset]:

@@ -177,7 +177,7 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
     with_ramp = len(noise) < len(symbols)
     UU, Uc = _directions(spectrum, with_ramp)
-    edge = np.array([TERMS[symbol].edge for symbol in noise])
+    edge = np.array([TERMS[symbol].edge + TERMS[symbol].ends for symbol in noise])
     ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
         S=np.column_stack([table_column(symbol, spectrum) for symbol in noise]),

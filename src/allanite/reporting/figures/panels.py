@@ -50,7 +50,7 @@ class Panel(NamedTuple):
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
         """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
         curve, row = self.curve, STATISTICS[self.curve.statistic]
-        scaled = not any(t.row.per_sample for t in model_of(model))
+        scaled = not any(t.row.per_sample or t.row.transient for t in model_of(model))
         if row.differences and not row.summed and not row.power and scaled:
             variance = expected(model, row.name, tau)
             return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor

@@ -7,6 +7,7 @@ from .channel import clip as clip
 from .channel import constant as constant
 from .channel import gaps as gaps
 from .channel import low_pass as low_pass
+from .channel import noise_profile as noise_profile
 from .channel import noise_step as noise_step
 from .channel import outliers as outliers
 from .quantizers import Dither as Dither

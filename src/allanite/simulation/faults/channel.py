@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import KINDS, Record
@@ -65,6 +65,40 @@ def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Recor
     mean = np.nanmean(later)
     values[first:] = mean + factor * (later - mean)
     return _changed(record, values, f"noise multiplied by {factor:g} from sample {first} on")
+
+
+def noise_profile(record: Record, times: ArrayLike, factors: ArrayLike) -> Record:
+    """Multiply the deviation from the mean by a factor that changes with time: any variance over time.
+
+    The factor is interpolated linearly between `times`, and constant before the first and after the last; a time that
+    is given twice is a step. The deviation from the mean of slow noise, such as a random walk, is multiplied like
+    everything else.
+
+    Parameters
+    ----------
+    record : Record
+    times : array_like, shape (k,)
+        Seconds from the start of the record, ascending.
+    factors : array_like, shape (k,)
+        Factor at each of them, not negative: the standard deviation over what it was.
+
+    Examples
+    --------
+    >>> record = Record([1.0, -1.0, 1.0, -1.0], rate=1.0, unit="deg/s")
+    >>> noise_profile(record, [0.0, 3.0], [1.0, 4.0]).values.tolist()
+    [1.5, -1.5, 3.5, -3.5]
+    """
+    t, factor = np.asarray(times, dtype=np.float64), np.asarray(factors, dtype=np.float64)
+    if t.shape != factor.shape or t.ndim != 1 or not t.size:
+        raise UsageError("a noise profile needs as many factors as times, and at least one of each")
+    known = np.isfinite(t).all() and np.isfinite(factor).all()
+    if not known or (np.diff(t) < 0).any() or (factor < 0).any():
+        raise UsageError("a noise profile needs ascending times in s, and factors that are not negative")
+    values = _floats(record)
+    mean = np.nanmean(values)
+    at = np.interp((np.arange(values.size) + 0.5) / record.rate, t, factor)
+    story = f"noise multiplied by a profile of {t.size} points, {factor.min():g} to {factor.max():g}"
+    return _changed(record, mean + at * (values - mean), story)
 
 
 def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: "np.random.Generator") -> Record:

@@ -56,7 +56,7 @@ def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatA
     row, m, rate = points.row, int(points.m[i]), points.rate
     if not takes_means(row, m, points.places, points.size):
         return np.ones(len(scale))
-    kept = [i for i, t in enumerate(terms) if not t.row.periodic]
+    kept = [i for i, t in enumerate(terms) if t.row.scatters]
     noise = [terms.terms[i] for i in kept]
     power, rows = scale[:, kept] * [t.power(rate) for t in noise], [t.sampled(rate) for t in noise]
     found = mean_moments(row, m, points.places, points.size).expectation(rows)
@@ -73,6 +73,8 @@ def _exact(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArra
     if not row.target:
         return np.ones(len(scale))
     target = STATISTICS[row.target]
+    kept = [i for i, t in enumerate(terms) if not t.row.transient]
+    terms, scale = Model(tuple(terms.terms[i] for i in kept)), scale[:, kept]
     # where a sample is not a sample of the target, it may have no point there, but its expectation has
     at = (1, None, rate / (m * row.tau_factor)) if row.tau_factor != 1 else (m, None, rate)
     aim, own = by_term(target, terms, *at), by_term(row, terms, m, points.size, rate)

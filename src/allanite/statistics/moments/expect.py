@@ -36,7 +36,7 @@ def expected(
     rate : float, optional
         Sampling rate, Hz; the differences adev, oadev, hdev, ohdev, haar do not need it.
     size : int, optional
-        Samples of the record, on which totdev, theobr and theoh depend.
+        Samples of the record, on which totdev, theobr and theoh depend, and every statistic of a warm-up.
     join, divisor
         As for `deviation`.
 
@@ -59,7 +59,7 @@ def expected(
     row = statistic_named(statistic)
     model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if row.differences and not row.summed and not any(t.row.per_sample for t in model):
+    if row.differences and not row.summed and not any(t.row.per_sample or t.row.transient for t in model):
         # no time but tau is in these: let it be the sample interval
         return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
     if rate is None:

@@ -25,6 +25,9 @@ FAR = 40
 TAIL = 1000
 """Half widths of the windows beyond which only flicker is left, with less than 1e-10 of the sum."""
 
+PANELS, OSCILLATIONS = 3, 1000
+"""Panels in each period of a covariance that oscillates, and periods that are divided so."""
+
 
 class Field(NamedTuple):
     """A function of the lag and its derivatives, (order, t)."""
@@ -81,18 +84,22 @@ def products(
 
 
 def _one_run(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], M: tuple[int, int]) -> FloatArray:
-    h, weight = (_overlapped if row.overlapped else _strided)(row, m, M)
+    period = min((term.period for term in terms if term.period), default=0.0)
+    h, weight = _overlapped(row, m, M, period) if row.overlapped else _strided(row, m, M)
     pairs = np.minimum(min(M), sum(M) / 2 - h / (1 if row.overlapped else m[0]))
     C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
     return np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
 
 
-def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: float) -> tuple[FloatArray, FloatArray]:
     half = row.differences / 2
     steps = np.arange(-half, half + 1)
     end = min(sum(M) / 2 - 1, math.floor(TAIL * half * sum(m)))
     offset = 0.5 * (row.differences * (m[1] - m[0]) % 2)
     where = {abs(a * m[0] + b * m[1]) for a in steps for b in steps} | {abs(M[0] - M[1]) / 2, offset}
+    if period:  # an oscillation is not smooth between the kinks
+        step = max(period / PANELS, 1.0)
+        where |= {offset + round(k * step) for k in range(min(OSCILLATIONS * PANELS, int((end - offset) / step)))}
     return lag_nodes(sorted(k for k in where if offset <= k <= end), end + offset if end % 1 != offset else end)
 
 
@@ -123,20 +130,25 @@ def _differences(field: Field, order: int, m: tuple[int, int], h: FloatArray) ->
 def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
     """Central difference of F(|t|) over m, shape of t."""
     far = np.abs(t) > FAR * m
-    near = t[~far]
     result = np.empty_like(t)
-    points = np.abs(near + (order / 2 - np.arange(order + 1.0))[:, None] * m)
-    result[~far] = binomials(order) @ field.value(points)
+    result[~far] = _direct(field, order, m, t[~far])
     if far.any():
-        c1 = order / 24
-        c2 = c1**2 / 2 - order / 2880
-        c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
-        t_ = np.abs(t[far])
-        series = sum(
-            c * float(m) ** (2 * i) * field.derivative(order + 2 * i, t_) for i, c in enumerate((1, c1, c2, c3))
-        )
-        result[far] = float(m) ** order * np.sign(t[far]) ** order * series
+        size = np.abs(t[far])
+        result[far] = np.sign(t[far]) ** order * _series(field, order, m, size)
     return result
+
+
+def _direct(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
+    points = np.abs(t + (order / 2 - np.arange(order + 1.0))[:, None] * m)
+    return np.asarray(binomials(order) @ field.value(points))
+
+
+def _series(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
+    c1 = order / 24
+    c2 = c1**2 / 2 - order / 2880
+    c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
+    series = sum(c * float(m) ** (2 * i) * field.derivative(order + 2 * i, t) for i, c in enumerate((1, c1, c2, c3)))
+    return np.asarray(float(m) ** order * series)
 
 
 def _far_field(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:

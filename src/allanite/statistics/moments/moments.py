@@ -41,6 +41,12 @@ def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float)
 def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | None) -> FloatArray:
     if row.extreme:
         raise UsageError(f"{row.name} is a maximum: a model gives no expectation of it")
+    alone = np.array([term.transient for term in terms])
+    if alone.any():
+        E = np.empty(len(terms))
+        E[alone] = [_of_waveform(row, term, m, size) for term in terms if term.transient]
+        E[~alone] = _responses(row, [term for term in terms if not term.transient], m, size) if not alone.all() else 0
+        return E
     if row.differences:
         free = [term.symbol for term in terms if not _stationary(row.order, term)]
         if free:
@@ -53,6 +59,20 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
     E[~periodic] = windowed.response(row, [term for term in terms if not term.periodic], m, size or 0)
     E[periodic] = [_of_sinusoid(row, term, m, size or 0) for term in terms if term.periodic]
     return E
+
+
+def _of_waveform(row: Statistic, term: NoiseTerm, m: int, size: int | None) -> float:
+    """A row's variance of a record that is a waveform of coefficient 1, for a unit sample interval."""
+    if size is None or term.waveform is None:
+        raise UsageError(
+            f"the expectation of {row.name} under {term.symbol} ({term.title}) depends on the length of the record: "
+            "pass size=..., or omit the term from the model"
+        )
+    factors = np.array([m])
+    angle = np.concatenate(([0.0], np.cumsum(term.waveform(size))))
+    angle -= np.linspace(0.0, angle[-1], angle.size)
+    scale = row.norm(factors)[0] * float(m) ** 2 * row.count(size, factors)[0]
+    return float(row.sums(angle, factors)[0] / scale)
 
 
 def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:

@@ -1,0 +1,50 @@
+"""Deviations of a measured spectrum against those of the record itself."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+
+MODEL = al.Q(1.0, "arcsec") + al.N(0.05, "deg/sqrt(h)") + al.B(2.0, "deg/h") + al.K(10.0, "deg/h/sqrt(h)")
+RECORDS = [al.simulate(MODEL, 2**15, 10.0, rng=np.random.default_rng(seed)) for seed in range(12)]
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "mdev", "tdev", "ohdev", "haar"])
+@pytest.mark.parametrize("choices", [{}, {"bins": 20}, {"sides": "two"}, {"method": "multitaper", "bins": 20}])
+def test_it_is_the_deviation_of_the_record(statistic, choices):
+    """Mean ratio of the variances: 1 % at short averaging times, 5 % up to half of the longest."""
+    curves = [al.deviation_of_spectrum(al.spectrum(record, **choices), statistic) for record in RECORDS]
+    direct = [al.deviation(record, statistic, m=curves[0].m, noise=None) for record in RECORDS]
+    assert curves[0].unit == direct[0].unit
+    np.testing.assert_allclose(curves[0].tau, direct[0].tau)
+    ratio = np.mean([c.variance for c in curves], axis=0) / np.mean([d.variance for d in direct], axis=0)
+    assert ratio.size >= 8
+    np.testing.assert_allclose(ratio[:5], 1, atol=0.01)
+    np.testing.assert_allclose(ratio[:-1], 1, atol=0.06)
+
+
+def test_windows_that_do_not_overlap_have_the_same_expectation():
+    spectrum = al.spectrum(RECORDS[0])
+    for one, other in (("adev", "oadev"), ("hdev", "ohdev")):
+        same = [al.deviation_of_spectrum(spectrum, name).variance for name in (one, other)]
+        np.testing.assert_array_equal(*same)
+
+
+def test_a_white_spectrum_gives_the_closed_form():
+    spectrum = al.spectrum(RECORDS[0])
+    flat = type(spectrum)(**{**vars(spectrum), "density": np.full_like(spectrum.density, 2.0)})
+    curve = al.deviation_of_spectrum(flat, taus=[0.1, 0.4, 1.6])
+    np.testing.assert_allclose(curve.variance, 1 / curve.tau, rtol=1e-3)
+    np.testing.assert_allclose(al.deviation_of_spectrum(flat.to("deg/h"), taus=[0.4]).variance, 1 / 0.4, rtol=1e-3)
+
+
+def test_what_a_spectrum_does_not_tell_is_refused():
+    spectrum = al.spectrum(RECORDS[0])
+    with pytest.raises(al.UsageError, match=r"theo1 has no transfer function .* a spectrum gives adev, oadev"):
+        al.deviation_of_spectrum(spectrum, "theo1")
+    with pytest.raises(al.UsageError, match=r"a resolution of .* Hz gives averaging times up to .* not 1000 s"):
+        al.deviation_of_spectrum(spectrum, taus=[1000.0])
+    with pytest.raises(al.UsageError, match=r"multiples of the sample interval, 0.1 s"):
+        al.deviation_of_spectrum(spectrum, taus=[0.25])
+    with pytest.raises(al.UsageError, match=r"taus must be 'octave'"):
+        al.deviation_of_spectrum(spectrum, taus="log")
