@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from allanite.cli import VERBS, main
 from allanite.cli.example import EXAMPLES
 
-SHORTER = {"188 min": "8 min", "1h": "60", "2h": "600"}
+SHORTER = {"188 min": "8 min", "30 min": "2 min", "1h": "240", "2h": "600"}
 """Lengths for the test."""
 
 
@@ -34,7 +34,7 @@ def test_the_commands_are_verbs(paper):
 @pytest.mark.parametrize("paper", EXAMPLES)
 def test_an_example_writes_its_files(paper, tmp_path, monkeypatch):
     row = EXAMPLES[paper]
-    pattern = re.compile(r"(?<=--duration )('188 min'|1h|2h)")
+    pattern = re.compile(r"(?<=--duration )('188 min'|'30 min'|1h|2h)")
     shorter = [pattern.sub(lambda found: repr(SHORTER[found[0].strip("'")]), command) for command in row.commands]
     monkeypatch.setitem(EXAMPLES, paper, type(row)(row.name, row.title, row.source, tuple(shorter)))
     done = run("example", paper, tmp_path / "made")

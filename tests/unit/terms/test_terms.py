@@ -319,4 +319,4 @@ def test_names_of_the_angle_follow_the_sensor():
     from allanite.core.units import signal_named
 
     assert title_of("F", signal_named("accelerometer")) == "flicker of the velocity"
-    assert title_of("GMA", signal_named("voltage")) == "Gauss-Markov noise of the integrated signal"
+    assert title_of("GMA", signal_named("voltage")) == "Gauss-Markov noise of the integrated voltage"

@@ -52,13 +52,13 @@ LAWS = (2, 0, -1, -2, -3, -4)
 def symbol_of(alpha: int) -> str:
     """The term of `TERMS` with the exponent alpha, or the nearest safe one.
 
-    Flicker angle noise and flicker and random walk of the ramp may have no term: the adjacent term with the fewer
-    degrees of freedom (N, not Q), or the only one (K), is used, so that no interval is too narrow.
+    Flicker and random walk of the ramp have no term: the one with the fewest degrees of freedom (K) is used, so that
+    no interval is too narrow.
 
     Examples
     --------
     >>> [symbol_of(alpha) for alpha in (2, 1, 0, -1, -2, -3, -4)]
-    ['Q', 'N', 'N', 'B', 'K', 'K', 'K']
+    ['Q', 'F', 'N', 'B', 'K', 'K', 'K']
     """
     found = next((symbol for symbol, row in TERMS.items() if row.alpha == alpha), None)
     return found or symbol_of(alpha - 1 if alpha > 0 else alpha + 1)
