@@ -18,21 +18,37 @@ from .change import Homogeneity
 from .contrast import chi_square
 
 ALIKE = 0.7
-"""Correlation of the samples, or of their steps, from which on two records are a pair."""
+"""Correlation of the steps from which on two records are a pair."""
 
 FEWEST = 8
 """Coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it."""
 
 
+BLOCKS = (1, 8, 64, 512)
+"""Samples of the means whose steps are correlated, and how many means there must be: records that share their noise only
+below some frequency, such as raw and smoothed ones, are seen in the longer ones.
+"""
+
+MEANS = 100
+
+
 def resemblance(records: tuple[Record, Record]) -> float:
-    """Correlation of two records' samples or steps, whichever is larger; 0 where they are not sample by sample."""
+    """Largest correlation of the steps of two records' means; 0 where they are not sample by sample.
+
+    Steps, because levels correlate by chance: two random walks often do, two ramps always.
+    """
     if records[0].size != records[1].size or records[0].rate != records[1].rate:
         return 0.0
     first, second = _together(records)
     if first.size < FEWEST:
         return 0.0
-    pairs = ((first, second), (np.diff(first), np.diff(second)))
-    return max(float(np.corrcoef(one, other)[0, 1]) for one, other in pairs)
+    lengths = [m for m in BLOCKS if m == 1 or first.size // m >= MEANS]
+    return max(float(np.corrcoef(_steps(first, m), _steps(second, m))[0, 1]) for m in lengths)
+
+
+def _steps(values: FloatArray, m: int) -> FloatArray:
+    """Differences of successive means over m samples."""
+    return np.asarray(np.diff(values[: values.size // m * m].reshape(-1, m).mean(axis=1)))
 
 
 def _together(records: tuple[Record, Record]) -> tuple[FloatArray, FloatArray]:
