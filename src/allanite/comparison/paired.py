@@ -25,11 +25,12 @@ FEWEST = 8
 
 
 BLOCKS = (1, 8, 64, 512)
-"""Samples of the means whose steps are correlated, and how many means there must be: records that share their noise only
-below some frequency, such as raw and smoothed ones, are seen in the longer ones.
+"""Samples of the means whose steps are correlated: records that share their noise only below some frequency, such as raw
+and smoothed ones, are seen in the longer ones.
 """
 
 MEANS = 100
+"""Means that there must be: of so few independent ones, no correlation reaches `ALIKE`."""
 
 
 def resemblance(records: tuple[Record, Record]) -> float:
