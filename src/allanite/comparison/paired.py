@@ -25,8 +25,8 @@ FEWEST = 8
 
 
 BLOCKS = (1, 8, 64, 512)
-"""Samples of the means whose steps are correlated: records that share their noise only below some frequency, such as raw
-and smoothed ones, are seen in the longer ones.
+"""Samples of the means whose steps are correlated: records that share their noise only below some frequency, such as
+raw and smoothed ones, are seen in the longer ones.
 """
 
 MEANS = 100
