@@ -18,21 +18,31 @@ from .change import Homogeneity
 from .contrast import chi_square
 
 ALIKE = 0.7
-"""Correlation of the samples, or of their steps, from which on two records are a pair."""
+"""Correlation of the second differences from which on two records are a pair."""
 
 FEWEST = 8
 """Coefficients of the cosine transform in the lowest range of frequencies; the others are octaves above it."""
 
+WINDOWS = 64
+"""Lags in a record, at least, at which the differences of two records are correlated."""
+
 
 def resemblance(records: tuple[Record, Record]) -> float:
-    """Correlation of two records' samples or steps, whichever is larger; 0 where they are not sample by sample."""
+    """Largest correlation of two records' second differences over octaves of lag; 0 where they are not sample by sample.
+
+    Samples themselves correlate wherever both drift, and so do two independent random walks.
+    """
     if records[0].size != records[1].size or records[0].rate != records[1].rate:
         return 0.0
-    first, second = _together(records)
-    if first.size < FEWEST:
+    both = _together(records)
+    if both[0].size < FEWEST:
         return 0.0
-    pairs = ((first, second), (np.diff(first), np.diff(second)))
-    return max(float(np.corrcoef(one, other)[0, 1]) for one, other in pairs)
+    lags = 2 ** np.arange(1 + int(np.log2(max(both[0].size / WINDOWS, 1))))
+    return max(float(np.corrcoef(*(_second_difference(x, lag) for x in both))[0, 1]) for lag in lags.tolist())
+
+
+def _second_difference(x: FloatArray, lag: int) -> FloatArray:
+    return np.asarray(x[2 * lag :] - 2 * x[lag:-lag] + x[: -2 * lag])
 
 
 def _together(records: tuple[Record, Record]) -> tuple[FloatArray, FloatArray]:

@@ -1,5 +1,6 @@
 """What a comparison says beside the coefficients: sinusoids, averaging times, pairs, and lengths that would do."""
 
+import itertools
 import json
 import pickle
 from dataclasses import replace
@@ -92,6 +93,12 @@ def test_pairs_of_one_noise_are_told_from_independent_records():
     assert resemblance(correlated(1)) > 0.85
     assert resemblance((simulated(1), simulated(2))) < 0.1
     assert resemblance((simulated(1), simulated(1, n=8192))) == 0.0
+
+
+@pytest.mark.parametrize("drift", [al.R(1e5, "deg/h^2"), al.K(2e4, "deg/h/sqrt(h)")], ids=lambda term: term.symbol)
+def test_drift_in_both_makes_no_pair(drift):
+    records = [simulated(seed, NB + drift) for seed in range(1, 9)]
+    assert max(resemblance(pair) for pair in itertools.combinations(records, 2)) < 0.5
 
 
 def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
