@@ -28,7 +28,7 @@ WINDOWS = 64
 
 
 def resemblance(records: tuple[Record, Record]) -> float:
-    """Largest correlation of two records' second differences over octaves of lag; 0 where they are not sample by sample.
+    """Largest correlation of two records' second differences over octaves of lag; 0 if they are not sample by sample.
 
     Samples themselves correlate wherever both drift, and so do two independent random walks.
     """
@@ -38,7 +38,11 @@ def resemblance(records: tuple[Record, Record]) -> float:
     if both[0].size < FEWEST:
         return 0.0
     lags = 2 ** np.arange(1 + int(np.log2(max(both[0].size / WINDOWS, 1))))
-    return max(float(np.corrcoef(*(_second_difference(x, lag) for x in both))[0, 1]) for lag in lags.tolist())
+    return max(_correlation(*(_second_difference(x, lag) for x in both)) for lag in lags.tolist())
+
+
+def _correlation(first: FloatArray, second: FloatArray) -> float:
+    return float(np.corrcoef(first, second)[0, 1])
 
 
 def _second_difference(x: FloatArray, lag: int) -> FloatArray:
