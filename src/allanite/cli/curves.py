@@ -76,6 +76,7 @@ def deviation(file: str | None, **choices: Any) -> None:
     click.option("--tapers", type=int, metavar="K", help="Number of tapers.  [default: 2 NW - 3]"),
     click.option("--weights", metavar="NAME", help="Weights of the tapers: eigen or equal.  [default: eigen]"),
     click.option("--fit", is_flag=True, help="Identify the noise and draw its terms in the figure."),
+    click.option("--deviation", metavar="NAME", help="Integrate the density to this deviation: oadev, mdev, ohdev ..."),
     "to",
     *IDENTIFYING,
     *RESULTS,

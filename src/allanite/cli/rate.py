@@ -7,7 +7,6 @@ import click
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import Record
 from allanite.reporting import to_csv
-from allanite.reporting.style import demand_figure_path
 
 from .deliver import Extra, Outputs, carry_out, encoded, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
@@ -80,6 +79,8 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
     """
     out = outputs(choices, [file, second, choices["recipe"]], also=("intervals", "closeup"))
     if "closeup" in out.paths:
+        from allanite.reporting.style import demand_figure_path
+
         demand_figure_path(out.paths["closeup"], force=out.force)
     from allanite.rate.study import measure_rates
 

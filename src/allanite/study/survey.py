@@ -18,6 +18,7 @@ from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
+from allanite.statistics.spectra.from_spectrum import deviation_of_spectrum
 from allanite.statistics.spectra.spectrum import method_named, spectrum
 
 from .channels import Inspected, Job, Progress, Source, run
@@ -103,7 +104,8 @@ class Deviations(Value):
 class Densities(Value):
     """A power spectral density; `fit` also identifies the noise and draws its terms.
 
-    The other attributes are those of `spectrum` and its methods.
+    With `deviation`, the name of a statistic, the deviation that the density amounts to instead. The other attributes
+    are those of `spectrum` and its methods.
     """
 
     estimator: str = "welch"
@@ -115,10 +117,13 @@ class Densities(Value):
     tapers: int | None = None
     weights: str | None = None
     fit: bool = False
+    deviation: str | None = None
     to: str | None = None
 
     def __post_init__(self) -> None:
         side_factor(self.sides)
+        if self.deviation is not None:
+            object.__setattr__(self, "deviation", statistic_named(self.deviation).name)
         self._row()
 
     def _row(self) -> Any:
@@ -131,8 +136,10 @@ class Densities(Value):
         return self.fit
 
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
-        """One spectrum."""
-        yield spectrum(record, self._row(), sides=self.sides, bins=self.bins or None)
+        """One spectrum, or its deviation."""
+        bins = self.bins if self.deviation is None else None
+        found = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
+        yield found if self.deviation is None else deviation_of_spectrum(found, self.deviation)
 
 
 @dataclass(frozen=True, repr=False)
