@@ -6,8 +6,8 @@ from scipy.special import chdtri
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, Ratios
 from allanite.identification.curves.gls import iterated, moments_of, standard_errors
+from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, Ratios
 
 
 def ratios_of(symbols, variance, m):
