@@ -28,19 +28,30 @@ def test_it_says_how_it_was_made():
 
 
 def test_the_curves_of_other_statistics_are_all_there():
-    assert (
-        "command: `python benchmarks/methods.py --sensors MEMS FOG RLG --sizes 65536 --records 40 --ways curves`"
-        in (PAGE.text.split("\n## ")[1])
-    )
+    head = PAGE.text.split("\n## ")[1]
+    assert "`python benchmarks/methods.py --sensors SENSOR --sizes 65536 --records 40 --ways curves`" in head
+    assert re.search(r"MEMS and RLG: commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
+    assert re.search(r"FOG: commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
     terms = [(s, t.symbol) for s in methods.SENSORS for t in methods.SENSORS[s]]
     assert [(r["sensor"], r["term"], r["method"]) for r in CURVES] == [(*t, w) for t in terms for w in methods.CURVES]
 
 
 @pytest.mark.parametrize("row", CURVES, ids=lambda row: "-".join((row["sensor"], row["term"], row["method"])))
 def test_their_limits_cover(row):
-    """But of K of MEMS, at a quarter of the record, which is far from Gaussian; 40 records of 95 %: 80 % or more."""
-    if (row["sensor"], row["term"]) != ("MEMS", "K"):
-        assert float(row["cover %"]) >= 80
+    """40 records of 95 %: 80 % or more."""
+    assert float(row["cover %"]) >= 80
+
+
+def beside(sensor, term):
+    missed = pytest.mark.xfail(strict=True, reason="1.35 beside 0.93, of a bound of 223 %")
+    return pytest.param(sensor, term, marks=[missed] * ((sensor, term) == ("FOG", "R")))
+
+
+@pytest.mark.parametrize(("sensor", "term"), [beside(s, t.symbol) for s in methods.SENSORS for t in methods.SENSORS[s]])
+def test_theoh_is_as_good_as_oadev(sensor, term):
+    """On the same records, within the standard error of 40: 11 %."""
+    rmse = {r["method"]: float(r["rmse"]) for r in CURVES if (r["sensor"], r["term"]) == (sensor, term)}
+    assert rmse["gls of theoh"] <= 1.11 * rmse["gls of oadev"]
 
 
 @pytest.mark.parametrize("row", [r for r in CURVES if float(r["bound %"]) <= 12], ids=lambda r: "-".join(r.values()))

@@ -13,13 +13,14 @@ from allanite.core.errors import DataError
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import join, say
-from allanite.core.limits import Below, quantile
+from allanite.core.limits import Below, Remembered
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.statistics.moments.moments import covariance_by_term, relative
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
+from .inversion import Inverted, Ratios
 from .nonnegative import blind, columns, plain, solve, unit_model, whitened
 from .reading import early, result, rows_of, signal_of
 
@@ -27,7 +28,7 @@ ROUNDS = 8
 """Iterations of the fit and the covariance under it; three to five suffice."""
 
 CLAIM = 4.0
-"""Increase of the quadratic form without a term above which the term is claimed."""
+"""Likelihood ratio of a term against its absence above which it is claimed."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,8 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
 
     ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
     quarter of the record; C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
-    Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``.
+    Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``; limits
+    are the values that the likelihood ratio of `inversion` does not reject.
 
     Parameters
     ----------
@@ -121,21 +123,14 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     theta, covariance = iterated(moments, variance)
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
     notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
-    estimates = _estimates(symbols, moments.columns, variance, (theta, covariance), signal)
-    notes += [_goodness(moments.columns, variance, theta, covariance), GAUSSIAN]
+    estimates = _estimates(symbols, moments, variance, (theta, covariance), signal)
+    notes.append(_goodness(moments.columns, variance, theta, covariance))
     notes += [
         (say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol))
         for e in estimates
         if _unsigned(e)
     ]
     return result(curve, estimates, "gls", notes=notes, model=model)
-
-
-GAUSSIAN = say(
-    "the intervals assume Gaussian errors: that of the slowest term, which depends on averaging times "
-    "with few degrees of freedom, contains the true value too rarely (the intervals of method whittle "
-    "do not assume it)"
-)
 
 
 def octaves(curve: Curve) -> IntArray:
@@ -201,17 +196,15 @@ def _unsigned(estimate: Estimate) -> bool:
 
 
 def _estimates(
-    symbols: Sequence[str], X: FloatArray, variance: FloatArray, found: tuple[FloatArray, FloatArray], signal: Signal
+    symbols: Sequence[str], moments: Moments, variance: FloatArray, found: tuple[FloatArray, FloatArray], signal: Signal
 ) -> list[Estimate]:
     theta, covariance = found
-    error = standard_errors(X, variance, covariance)
-    whole = _misfit(X, variance, theta, covariance)
-    estimates = []
-    for i, symbol in enumerate(symbols):
-        others = np.delete(X, i, axis=1)
-        rise = _misfit(others, variance, solve(others, variance, covariance), covariance) - whole
-        estimates.append(_estimate(symbol, signal, (float(theta[i]), float(error[i])), claimed=rise > CLAIM))
-    return estimates
+    error = standard_errors(moments.columns, variance, covariance)
+    ratios = Ratios(moments.columns, moments.products, variance, theta, error)
+    return [
+        _estimate(symbol, signal, (float(theta[i]), float(error[i])), Inverted(ratios, i))
+        for i, symbol in enumerate(symbols)
+    ]
 
 
 def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
@@ -225,29 +218,22 @@ def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray)
     return error
 
 
-@dataclass(frozen=True)
-class SquareLimits:
-    """Interval of a coefficient with a normally distributed square, with its standard error."""
-
-    square: float
-    error: float
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        half = quantile((1 + level) / 2) * self.error
-        return sqrt(max(self.square - half, 0.0)), sqrt(self.square + half)
-
-    def upper(self, level: float) -> float:
-        """One-sided upper limit."""
-        return sqrt(self.square + quantile(level) * self.error)
-
-
-def _estimate(symbol: str, signal: Signal, square: tuple[float, float], *, claimed: bool) -> Estimate:
+def _estimate(symbol: str, signal: Signal, square: tuple[float, float], limits: Inverted) -> Estimate:
     theta, error = square
-    limits = SquareLimits(theta, error)
-    highest = limits.upper(0.95) if isfinite(error) else None
-    if not claimed:
-        return Estimate(symbol, signal, None, None, "absent", highest, "gls", Below(limits.upper), limits)
+    upper, both = Remembered(limits.upper), Remembered(limits)
+    highest = upper(0.95) if isfinite(error) else None
+    if not theta or limits.ratios.excess(limits.which, 0.0) <= CLAIM:
+        return Estimate(
+            symbol,
+            signal,
+            None,
+            None,
+            "absent",
+            highest,
+            "gls",
+            Below(upper),
+            both,
+        )
     value = sqrt(theta)
     status = "identified" if error <= 2 * theta * WEAK else "weak"
-    return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", limits, limits)
+    return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", both, both)

@@ -66,8 +66,9 @@ EXPLAINED = {
         say(
             "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
             "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
-            "points (generalized least squares, iterated). A term is identified where the quadratic form rises by more "
-            "than 4 without it. Standard errors come from the same covariance and assume Gaussian errors."
+            "points (generalized least squares, iterated). Standard errors come from the same covariance. Limits are "
+            "the coefficients that a likelihood ratio test does not reject, with the covariance and the degrees of "
+            "freedom at the coefficient tested; a term is identified where the ratio against its absence exceeds 4."
         ),
     ),
 }

@@ -20,8 +20,9 @@ def covariance(
 
     Exact for overlapping differences (oadev, ohdev, mdev, tdev), except for the quadrature, and for windows of up to
     400 points together; for longer ones (theo1, pdev, mtotdev, ttotdev, htotdev) below 1 % of the two standard
-    deviations. That of theobr and theoh is of first order in the scatter of their bias ratio. Of a model with
-    sinusoids, that of its noise.
+    deviations. That holds beside a ramp at 1000 samples; what flicker and a ramp add to longer windows is known to 3 %
+    of its own diagonal there, less well in longer records. That of theobr and theoh is of first order in the scatter of
+    their bias ratio. Of a model with sinusoids, that of its noise.
 
     Raises
     ------

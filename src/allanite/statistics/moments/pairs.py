@@ -188,6 +188,12 @@ class Pair(NamedTuple):
         """Whether the windows hold single points of the angle."""
         return any(row.scheme.sharp or (row.differences and not row.summed) for row in self.rows)
 
+    def aside(self, form: Form) -> float:
+        """Distance between the middles of all windows of one and of the other: pdev omits a point, except at m = 1."""
+        first, second = (row.span[0] * m + row.span[1] + 1 - (means.size + 1) // 2
+                         for row, m, means in zip(self.rows, self.m, form.means, strict=True))  # fmt: skip
+        return abs(first - second) / 2
+
     def shortened(self, k: int) -> "Pair":
         """The same with k for the longer window, in a record that is as many times shorter."""
         windows = self.counts[1] * k / self.m[1]
@@ -257,6 +263,8 @@ class Pairs:
         half = float(form.grid[-1]) + 1
         profile = self._profile(pair, m, step, sharp=whole)
         x, weight = pair_lattice(half, step, pair.counts, pair.points % 2 / 2)
+        if whole and (aside := pair.aside(form)):
+            x, weight = np.abs(np.concatenate((x + aside, x - aside))), np.tile(weight / 2, 2)
         T = total(profile, x, weight, between=not whole)
         white = np.array([white_level(term) > 0 for term in self.terms])
         if whole or not pair.sharp or not white.any():
