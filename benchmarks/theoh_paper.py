@@ -20,8 +20,10 @@ SIZE = 7200
 FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
 """A stand-in for the paper's fiber-optic gyro, whose record is not published."""
 
-FITS = [("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("gls", "oadev"), ("gls", "theo1"),
-        ("whittle", None)]  # fmt: skip
+FITS = [
+    ("ls", "oadev"), ("nnls", "oadev"), ("nnls", "theo1"), ("nnls", "theoh"), ("gls", "oadev"), ("gls", "theo1"),
+    ("gls", "theoh"), ("whittle", None),
+]  # fmt: skip
 PROFILES = {
     "constant": np.ones_like,
     "three times in the second half": lambda t: np.where(t < 0.5, 1.0, 3.0),

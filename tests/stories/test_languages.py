@@ -229,7 +229,7 @@ RUNS = {
         "{six} --to datasheet", "--to px4 " + GIVEN, "{six} --to statespace",
     ],
     "convert": ["'1 deg/sqrt(h)' --to gtsam", "{kalibr} --from kalibr", "{kalibr} --from kalibr --to vins-mono"],
-    "explain": ["", *EXPORTS],
+    "explain": ["", *EXPORTS, "theo1", "hdev --samples 100"],
     "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
     "compensate": ["{a} --regressors temp --channels gx"],
     "vertical": [
@@ -258,10 +258,10 @@ def pseudo(monkeypatch):
 
 
 def test_every_verb_is_run():
-    assert list(RUNS) == list(VERBS)
+    assert [verb for verb in VERBS if verb != "example"] == list(RUNS)  # which runs the others
 
 
-@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("verb", RUNS)
 def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monkeypatch):
     values = []
     for name, row in EXPORTS.items():

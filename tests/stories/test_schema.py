@@ -33,6 +33,7 @@ RUNS = {
     "export": f"export {SAMPLE} --to statespace",
     "convert": "convert '0.66 deg/sqrt(h)' --to kalibr",
     "explain": "explain vins-mono",
+    "explain, a statistic": "explain theo1 --taus 9,75",
     "convert, back": "convert --from px4 px4.params",
     "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
     "compensate": "compensate warm.csv --regressors temp",
@@ -95,7 +96,7 @@ def desk(tmp_path, monkeypatch):
 
 
 def test_every_verb_is_tried():
-    assert set(VERBS) <= set(RUNS)
+    assert set(VERBS) - {"example"} <= set(RUNS)  # which runs the others
 
 
 @pytest.mark.parametrize("run", RUNS)

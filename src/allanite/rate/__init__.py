@@ -1,12 +1,12 @@
 """A constant rate measured in a short time: estimators, their accuracy, the experiment that compares them, north."""
 
-from .closeup import Closeup as Closeup
-from .closeup import closeup as closeup
 from .earth import North as North
 from .earth import earth_rate as earth_rate
 from .earth import north as north
 from .estimates import RateEstimate as RateEstimate
 from .experiments import Experiment as Experiment
+from .first_interval import Closeup as Closeup
+from .first_interval import closeup as closeup
 from .measure import estimate as estimate
 from .positions import reversal as reversal
 from .positions import subtract_bias as subtract_bias

@@ -21,8 +21,8 @@ from allanite.statistics.confidence.bias import correction, corrections, demand_
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Later, Supposed, Supposing, supposed
-from allanite.statistics.expectation import Expectation as Expectation
-from allanite.statistics.expectation import expectation as expectation
+from allanite.statistics.model_curves import Expectation as Expectation
+from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.hybrid import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf

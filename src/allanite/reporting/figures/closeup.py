@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Closeup
 from allanite.reporting import style, words
@@ -56,7 +56,8 @@ def _draw_slopes(ax: Axes, found: Closeup) -> None:
     ax.set(xlabel=say("start of the line (s)"), ylabel=with_unit(say("slope less {rate:.7g}", rate=middle), unit))
     ax.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=True)
     when = say("from {start}, {length}", start=words.duration(found.start), length=words.duration(found.duration))
-    ax.set_title(f"{printable(found.name)}   {when}".strip(), loc="left", fontsize=9.5, pad=22, parse_math=False)
+    title = join("   ", [part for part in (printable(found.name), when) if part])
+    ax.set_title(title, loc="left", fontsize=9.5, pad=22, parse_math=False)
     ax.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 

@@ -86,7 +86,7 @@ def noise_profile(record: Record, times: ArrayLike, factors: ArrayLike) -> Recor
     --------
     >>> record = Record([1.0, -1.0, 1.0, -1.0], rate=1.0, unit="deg/s")
     >>> noise_profile(record, [0.0, 3.0], [1.0, 4.0]).values.tolist()
-    [1.5, -1.5, 3.5, -3.5]
+    [1.5, -2.5, 3.5, -4.0]
     """
     t, factor = np.asarray(times, dtype=np.float64), np.asarray(factors, dtype=np.float64)
     if t.shape != factor.shape or t.ndim != 1 or not t.size:

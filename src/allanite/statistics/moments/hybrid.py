@@ -34,7 +34,7 @@ def covariance(
     >>> from allanite.core.model import N
     >>> C = covariance(STATISTICS["theo1"], N(1.0, "rad/sqrt(s)"), np.array([10, 20]), 1000, 1.0)
     >>> (np.sqrt(np.diag(C)) * [7.5, 15]).round(3).tolist()
-    [0.07, 0.099]
+    [0.068, 0.089]
     """
     noise = noise_of(model_of(model))
     if not row.parts:
