@@ -34,7 +34,8 @@ PROFILES = {
 
 def spread(name: str, m: int, draws: int) -> tuple[float, float]:
     """Relative standard deviation of the Allan deviation of white noise: exact, and of simulated records."""
-    edf = properties(name, SIZE, m=[m]).edf[0, 1]
+    found = properties(name, SIZE, m=[m])
+    edf = found.edf[0, found.symbols.index("N")]
     rng = np.random.default_rng(72)
     white = rng.standard_normal((draws, SIZE))
     total = np.concatenate((np.zeros((draws, 1)), np.cumsum(white, axis=1)), axis=1)
