@@ -367,7 +367,7 @@ DRAWN = (
     ("002", "Fig. 3", f"angle simulate sway.csv --latitude 60 --duration 3600 --sway 1,60 {ERRORS} --plot fig.svg"),
     ("003", "Figs. 3, 4, 5", f"rate turned1.npz --bias -0.0948 {GL1} --closeup fig.svg"),
     ("003", "Fig. 10", f"rate turned1.npz --bias -0.0948 {GL1} --plot fig.svg"),
-    ("003", "Table 2", f"rate turned1.npz --bias -0.0948 {GL1} --intervals fig.svg"),
+    ("003", "Table 2", f"rate turned1.npz --bias -0.0948 {GL1} --readings fig.svg"),
     ("004", "Fig. 6", "compare before.npz after.npz --plot fig.svg"),
 )  # fmt: skip
 

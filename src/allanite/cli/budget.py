@@ -25,7 +25,7 @@ from .types import NUMBERS
     ),
     click.option("--scale-factor", type=float, metavar="K", help="Or the scale factor of the torquer, rad/s per A."),
     click.option("--sense", type=float, metavar="V/A", help="Gain of the current sensor, for voltages."),
-    click.option("--axes", type=NUMBERS, metavar="XX,XY,YX,YY",
+    click.option("--coupling", type=NUMBERS, metavar="XX,XY,YX,YY",
         help="Two channels are the currents of the x and y torquers: rates about x and y over the scale factor, "
         "e.g. 0,-1,1,0 with cross-coupling in XX and YY."),
     *IDENTIFYING,
@@ -49,6 +49,6 @@ def budget(file: str, **choices: Any) -> None:
         raise UsageError("the scale factor is given twice: use either --torquer or --scale-factor")
     scale = factor if torquer is None else TorqueScale.parse(torquer)
     settings = PathSettings(tuple(Stage.parse(text) for text in choices["stages"]), scale, choices["sense"],
-                            choices["axes"])  # fmt: skip
+                            choices["coupling"])  # fmt: skip
     extra = Extra(recordings={"rates": lambda study: study.rates})
     carry_out(lambda tell: budget_file(file, recipe_of(choices), settings, progress=tell), out, extra)

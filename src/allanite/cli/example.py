@@ -95,7 +95,7 @@ EXAMPLES: dict[str, Example] = {
             (
                 f"simulate gl1.npz --sensor gl1 {GL1}",
                 "rate gl1.npz --latitude 55.7936 --bias -0.0948 --report gl1.html --plot figure10.png "
-                "--intervals table2.csv --closeup figures3to7.png",
+                "--readings table2.csv --closeup figures3to7.png",
                 f"simulate smooth.npz --sensor gl1-smooth {GL1}",
                 "rate smooth.npz --methods mean --durations 1,5,10,30 --csv table1.csv",
             ),
@@ -123,7 +123,7 @@ EXAMPLES: dict[str, Example] = {
     "lang", "force", "quiet",
 )  # fmt: skip
 def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
-    """Reproduce the main table and figure of a paper.
+    """Reproduce a table and figure of a paper.
 
     Writes simulated input, tables, figures and the page of PAPER into FOLDER, by commands that are printed and that can
     be repeated one by one. Without PAPER, lists the papers.

@@ -13,16 +13,14 @@ from .options import options
 @click.command()
 @options(
     click.argument("name", required=False, default=""),
-    click.option("--samples", type=int, metavar="N",
-                 help="Length of the record that a statistic is explained for.  [default: 7200]"),
-    "taus", "csv", "json", "lang", "force", "quiet",
+    "samples", "taus", "csv", "json", "lang", "force", "quiet",
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """Explain a target or a statistic.
 
     Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
-    Allan variance and its degrees of freedom for each noise, at averaging times in sampling intervals. Without NAME,
-    lists both.
+    Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
+    times in sampling intervals. Without NAME, lists the targets.
     """
     from allanite.exporting.conversion import Explanation
     from allanite.planning.properties import SIZE, properties

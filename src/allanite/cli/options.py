@@ -94,7 +94,7 @@ OPTIONS: dict[str, Decorator] = {
     "sensor": click.option("--sensor", metavar="NAME",
         help="Or a typical gyro: mems, fog or rlg; or a ring laser that counts: gl1 or gl1-smooth."),
     "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
-    "samples": click.option("--samples", type=int, metavar="N", help="Or the number of samples."),
+    "samples": click.option("--samples", type=int, metavar="N", help="Number of samples."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
     "threads": click.option("--threads", type=click.IntRange(1), default=1, show_default=True,

@@ -6,7 +6,6 @@ import click
 
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import Record
-from allanite.reporting import to_csv
 
 from .deliver import Extra, Outputs, carry_out, encoded, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
@@ -62,7 +61,7 @@ if TYPE_CHECKING:
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     click.option(
-        "--intervals", metavar="PATH", type=click.Path(),
+        "--readings", metavar="PATH", type=click.Path(),
         help="Write the rate of every interval by every estimator as CSV.",
     ),
     click.option(
@@ -77,18 +76,19 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
     Measures the rate of every channel of FILE in short intervals with every estimator. Prints the scatter of each
     estimator, the standard error predicted by the noise model, and the recommended estimator.
     """
-    out = outputs(choices, [file, second, choices["recipe"]], also=("intervals", "closeup"))
+    out = outputs(choices, [file, second, choices["recipe"]], also=("readings", "closeup"))
     if "closeup" in out.paths:
         from allanite.reporting.style import demand_figure_path
 
         demand_figure_path(out.paths["closeup"], force=out.force)
     from allanite.rate.study import measure_rates
+    from allanite.reporting import to_csv
 
     recipe = recipe_of(choices)
     settings = _settings(given(choices))
     extra = Extra(
         {
-            "intervals": lambda study: to_csv(study, coefficients=True),
+            "readings": lambda study: to_csv(study, coefficients=True),
             "closeup": lambda study: _closeups(study, out),
         }
     )

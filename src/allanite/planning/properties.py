@@ -1,5 +1,6 @@
 """What a statistic makes of each power law of noise: its bias and its degrees of freedom, without simulation."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +14,9 @@ from allanite.core.plain import Value
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures, unit_term
 from allanite.statistics.grids import checked, factors_of, times
-from allanite.statistics.moments.expect import expected, expected_at
+from allanite.statistics.moments.expect import expected_at
 from allanite.statistics.row import Statistic
-from allanite.statistics.table import STATISTICS, Points, statistic_named
+from allanite.statistics.table import Points, statistic_named
 from allanite.terms import TERMS
 
 SIZE = 7200
@@ -102,9 +103,8 @@ def properties(
     points = _points(row, size, taus, m)
     symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
     models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
-    target = STATISTICS["oadev" if row.order == 2 else "ohdev"]
     tau = times(row, points.m, size, JOIN)
-    ratio = [expected(model, target.name, tau, rate=1.0) / _expected(points, model) for model in models]
+    ratio = [_target(row.order, model, tau) / _expected(points, model) for model in models]
     degrees = [mixtures(points, [model])[0] for model in models]
     return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))
 
@@ -120,3 +120,15 @@ def _points(row: Statistic, size: int, taus: str | Sequence[float] | None, m: Se
 
 def _expected(points: Points, model: Model) -> FloatArray:
     return expected_at(points.row, model, points.m, points.size, 1.0, join=JOIN, divisor=DIVISOR)
+
+
+def _target(order: int, model: Model, tau: FloatArray) -> FloatArray:
+    """Allan or Hadamard variance of one term at any averaging times, by differences of the angle's structure function.
+
+    ``-sum_k (-1)^k C(2d, d + k) D(k tau) / (d! tau^2)`` for k = 1 .. d, the order of the differences.
+    """
+    (term,) = model
+    D = term.sampled(1.0).structure
+    steps = range(1, order + 1)
+    total = -sum((-1) ** k * math.comb(2 * order, order + k) * D(k * tau) for k in steps)
+    return np.asarray(term.power(1.0) * total / (math.factorial(order) * tau**2))

@@ -161,7 +161,7 @@ def open_recording(
 
 
 def _reading(progress: Progress | None) -> Callable[[float], None] | None:
-    """What is told while a file is read: less of a job than is completed when its first channel begins."""
+    """Progress while a file is read: less of a job than is completed when its first channel begins."""
     if progress is not None:
         progress("reading", 0.0)
     return progress and (lambda share: progress(f"reading, {100 * share:.0f} %", 0.04 * share))

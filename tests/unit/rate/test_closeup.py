@@ -72,7 +72,7 @@ def test_every_interval_is_written(record, tmp_path):
     done = CliRunner().invoke(
         main,
         ["rate", str(tmp_path / "gz.npz"), "--interval", "10", "--noise", noise, "--no-times", "--reference", "12.4",
-         "--intervals", str(table), "--closeup", str(figure), "--report", str(page)],
+         "--readings", str(table), "--closeup", str(figure), "--report", str(page)],
     )  # fmt: skip
     assert done.exit_code == 0, done.stderr
     rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))

@@ -56,7 +56,7 @@ def test_a_unit_selects_its_columns(angles):
     recording = al.read(angles, kind="value", unit="deg")
     assert recording.channels == ("az", "tilt")
     assert any("its unit 'degC' does not match deg" in note for note in recording.notes)
-    assert any("overriding the header" in note for note in recording.notes)
+    assert any("according to the file it is arcmin" in str(finding) for finding in recording.findings)
 
 
 def test_columns_without_a_unit_are_asked_for(tmp_path):

@@ -50,7 +50,7 @@ def test_rounding_of_both_converters_adds(currents):
 def test_the_command_line_and_the_recipe(currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
-    asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--axes", "0,-1,1,0", "--terms", "QN")
+    asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", "0,-1,1,0", "--terms", "QN")
     done = run("budget", path, *asked, "--json", "-")
     assert done.exit_code == 0, done.stderr
     data = json.loads(done.stdout)
@@ -65,7 +65,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
 def test_impossible_axes_are_refused(axes, words, currents, tmp_path):
     path = tmp_path / "currents.csv"
     al.write(currents, path)
-    done = run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--axes", axes)
+    done = run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes)
     assert done.exit_code == 2
     assert words in done.stderr
 

@@ -77,7 +77,7 @@ class Shapes(Search):
         return self.coarse
 
     def _covariance(self, best: Subset) -> FloatArray:
-        """Of the logarithms of the parameters, from the curvature of L at its minimum, the terms following."""
+        """Covariance of the logarithms of the parameters: inverse curvature of L at its minimum over the terms."""
         x = np.log(np.array(best.constants))
         steps = np.full(x.size, STEP)
 

@@ -15,7 +15,7 @@ HEAD = 200
 """Number of lines of a sheet that are listed."""
 
 OFTEN = 1000
-"""Number of rows after which the share that has been read is told."""
+"""Rows between two reports of progress."""
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:

@@ -26,7 +26,7 @@ def deviation_of_spectrum(
 ) -> Curve:
     """The deviation that a power spectral density amounts to.
 
-    The variance is the integral of the density times the transfer function of the statistic for sampled rates: of the
+    Its square is the integral of the density times the transfer function of the statistic for sampled rates: of the
     Allan variance ``2 sin^4(pi f tau) / (m sin(pi f tau0))^2``, one-sided.
 
     The bandwidth is that of the spectrum. Above, it ends at half the sampling rate, and aliases are in the density
