@@ -23,13 +23,13 @@ from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
 IMPOSSIBLE = 1e12
-"""Of squares under which the points have no covariance."""
+"""Misfit of squares under which the points have no covariance."""
 
 DOUBLINGS = 60
-"""Of a coefficient, after which it is not limited."""
+"""Doublings of a coefficient after which it has no limit."""
 
 PRECISE = 1e-3
-"""Of a limit, over its distance from the best value, about."""
+"""Relative precision of a limit, over its distance from the best value."""
 
 
 @dataclass(frozen=True, eq=False)

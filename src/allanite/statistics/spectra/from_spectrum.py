@@ -52,7 +52,7 @@ def deviation_of_spectrum(
     Raises
     ------
     UsageError
-        The statistic is not one of differences, or an averaging time is no multiple of the sample interval, or longer
+        The statistic is not one of differences, or an averaging time is not a multiple of the sample interval, or longer
         than the resolution allows.
 
     References
