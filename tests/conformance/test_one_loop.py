@@ -29,7 +29,7 @@ READ = {
 }
 """Verbs that read a recording, and what each needs besides."""
 
-WITHOUT = {"angle", "simulate", "convert", "explain"}
+WITHOUT = {"angle", "simulate", "convert", "explain", "example"}
 """Verbs that read none."""
 
 OF_SIX = {"vertical"}

@@ -25,12 +25,15 @@ from allanite.core.plain import TYPES, Portable, Value
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.imported import noise_in
 from allanite.meaning.meaning import meaning
+from allanite.planning.properties import properties
 from allanite.prepare import inspect
+from allanite.rate import closeup
 from allanite.rate.study import RateSettings, measure_rates
 from allanite.signals import TorqueScale
 from allanite.signals.codes import codes
 from allanite.signals.study import PathSettings
 from allanite.simulation.recording import Simulation
+from allanite.statistics import expectation
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
 from allanite.study.survey import Densities, Deviations, Windows, survey
@@ -315,6 +318,9 @@ MAKERS = {
     "RecordingPlans": planned,
     "RecordingPlans of a given model": lambda: run_model_job(None, PlanSettings(sensor="fog"), GIVEN),
     "Residuals": residuals,
+    "Properties": lambda: properties("theo1", 200),
+    "Closeup": lambda: closeup(al.simulate_ring_laser(al.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))),
+    "Expectation": lambda: expectation(al.parse_model(WHITE), rate=10.0, size=200),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,

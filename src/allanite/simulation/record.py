@@ -11,6 +11,9 @@ from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.record import Record
 from allanite.statistics.row import FloatArray
 
+LONGER = (1, 2, 4, 8, 16)
+"""Lengths of embeddings that are tried, over that of the record."""
+
 
 def simulate(
     model: ModelLike,
@@ -108,19 +111,31 @@ def _rounded(y: FloatArray, step: float, rng: "np.random.Generator") -> FloatArr
 
 def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:
     """A stationary Gaussian series with this covariance as a function of the lag, shape (n,)."""
-    from scipy.fft import irfft, next_fast_len, rfft
+    from scipy.fft import irfft
 
-    half = next_fast_len(n, real=True)
-    ring = covariance(np.arange(half + 1, dtype=np.float64))
-    power = rfft(np.concatenate((ring, ring[half - 1 : 0 : -1]))).real
-    # an embedding is exact only if no eigenvalue is negative; those of quantization are zero to rounding
-    if power.min() < -1e-9 * power.max():
-        raise UsageError("this model's covariance has no circulant embedding at this length; choose another length")
+    half, power = _embedded(covariance, n)
     np.sqrt(np.maximum(power, 0.0, out=power), out=power)
     noise = rng.standard_normal((half + 1, 2)).view(np.complex128)[:, 0]
     noise[[0, half]] = noise[[0, half]].real * np.sqrt(2.0)
     noise *= power
     return np.asarray(irfft(noise, 2 * half)[:n] * np.sqrt(half))
+
+
+def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[int, FloatArray]:
+    """Half the length of a circulant matrix that holds the covariance of n values, and its eigenvalues.
+
+    An embedding is exact only if no eigenvalue is negative; those of quantization are zero to rounding. A longer one
+    may do where the shortest does not.
+    """
+    from scipy.fft import next_fast_len, rfft
+
+    for longer in LONGER:
+        half = next_fast_len(longer * n, real=True)
+        ring = covariance(np.arange(half + 1, dtype=np.float64))
+        power = rfft(np.concatenate((ring, ring[half - 1 : 0 : -1]))).real
+        if power.min() >= -1e-9 * power.max():
+            return half, power
+    raise UsageError("this model's covariance has no circulant embedding at this length; choose another length")
 
 
 def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:

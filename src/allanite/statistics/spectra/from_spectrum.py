@@ -52,8 +52,8 @@ def deviation_of_spectrum(
     Raises
     ------
     UsageError
-        The statistic is not one of differences, or an averaging time is not a multiple of the sample interval, or longer
-        than the resolution allows.
+        The statistic is not one of differences, or an averaging time is not a multiple of the sample interval, or
+        longer than the resolution allows.
 
     References
     ----------
