@@ -94,10 +94,11 @@ EXAMPLES: dict[str, Example] = {
             "V. N. Enin and I. V. Saneev, Science and Education of the Bauman MSTU 2017, no. 2, 52-69",
             (
                 f"simulate gl1.npz --sensor gl1 {GL1}",
-                "rate gl1.npz --latitude 55.7936 --bias -0.0948 --report gl1.html --plot figure10.png "
-                "--readings table2.csv --closeup figures3to7.png",
+                "rate gl1.npz --latitude 55.7936 --bias -0.0948 --noise 'N 0.0002918 deg/sqrt(h), Q 0.2544 arcsec' "
+                "--no-times --report gl1.html --plot figure10.png --readings table2.csv --closeup figures3to7.png",
                 f"simulate smooth.npz --sensor gl1-smooth {GL1}",
-                "rate smooth.npz --methods mean --durations 1,5,10,30 --csv table1.csv",
+                "rate smooth.npz --methods mean --durations 1,5,10,30 --noise 'Q 0.02367 arcsec, GMA 0.29 arcsec 15 s' "
+                "--csv table1.csv",
             ),
         ),
         Example(
