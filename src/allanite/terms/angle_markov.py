@@ -57,7 +57,9 @@ def angle_markov(T: float) -> NoiseTerm:
         },
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the angle, with a time constant T"),
         formula=r"\sigma^2(\tau) = (s^2 / \tau^2) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T))",
-        reference=say("the structure function 2 s^2 (1 - exp(-t/T)); s is the RMS angle"),
+        reference=say(
+            "a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the RMS angle"
+        ),
         power=1.0,
         slope=math.nan,
         read_at=math.nan,

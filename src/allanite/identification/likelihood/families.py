@@ -202,8 +202,11 @@ def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | Non
     return fitted(portion(seen, symbols, used), rival=rival)
 
 
-def fitted(part: Portion, *, rival: bool) -> Found:
-    """Fit every subset of the terms of a portion; see `look`."""
+def fitted(part: Portion, *, rival: bool, shortest: float = SLOW) -> Found:
+    """Fit every subset of the terms of a portion; see `look`.
+
+    `shortest` is the least time constant, in samples, of a Gauss-Markov term that was not requested.
+    """
     asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
     noise = [symbol for symbol in part.noise if symbol not in asked]
     if len(asked) > 1:
@@ -216,7 +219,7 @@ def fitted(part: Portion, *, rival: bool) -> Found:
         best = select(every)
         return Found(part, noise, every, best, None, best, None)
     markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
-    return _with_markov(part.among((*noise, markov)), asked=bool(asked))
+    return _with_markov(part.among((*noise, markov)), 0.0 if asked else shortest, asked=bool(asked))
 
 
 def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
@@ -243,12 +246,12 @@ def _explains(subset: Subset, part: Portion) -> bool:
     return goodness(part.seen, subset.likelihood, subset.theta, part.used).p >= EXPLAINED
 
 
-def _with_markov(part: Portion, *, asked: bool) -> Found:
+def _with_markov(part: Portion, shortest: float, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
     noise, penalty = list(part.noise), penalties(part.noise)
     may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
     kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
-    search = kind(part.likelihood, part, may, 0.0 if asked else SLOW, noise[-1], asked)
+    search = kind(part.likelihood, part, may, shortest, noise[-1], asked)
     every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
     markov = search.best(penalty) if asked or search.coarse.aic - CLOSE < _least_aic(every) else None

@@ -1,8 +1,9 @@
 """For which frequencies a noise model holds, with which filter, and how well.
 
 The terms first have to explain the whole spectrum. If they do not, the following is tried, in this order: a low-pass
-filter; excluding resonances and unsteady lines; both; a misfit of a few per cent of the power, which widens the
-intervals; a band of frequencies; a larger misfit. The first that gives an adequate fit is used.
+filter; Gauss-Markov noise of a few samples; a low-pass filter behind strong angle noise; excluding resonances and
+unsteady lines; both; a misfit of a few per cent of the power, which widens the intervals; a band of frequencies; a
+larger misfit. The first that gives an adequate fit is used.
 """
 
 import math
@@ -93,7 +94,7 @@ def explains(found: Found) -> bool:
 def _candidates(found: Found, rival: bool) -> Iterator[Found]:
     """Ways to read the spectrum, the one that omits least first."""
     whole, best = found.base, found
-    for best in chain(_behind(whole, rival), _behind_angle(whole, rival)):
+    for best in chain(_behind(whole, rival), _quick(whole, rival), _behind_angle(whole, rival)):
         yield best
     for source in (found, best):
         for best in _masked(source, whole, rival):
@@ -149,6 +150,12 @@ def _behind(part: Portion, rival: bool) -> Iterator[Found]:
     rate = part.among(tuple(symbol for symbol in part.noise if not TERMS[symbol].edge))
     if rate.noise and falls(part) > FALL:
         yield from _tuned(rate, rival)
+
+
+def _quick(part: Portion, rival: bool) -> Iterator[Found]:
+    """With Gauss-Markov noise as quick as the samples allow, where no filter explains what falls with frequency."""
+    if rival:
+        yield fitted(part, rival=rival, shortest=0.0)
 
 
 def _behind_angle(part: Portion, rival: bool) -> Iterator[Found]:
