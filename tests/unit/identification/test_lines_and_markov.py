@@ -166,3 +166,13 @@ def test_a_periodic_record_without_noise(n, pattern):
     record = al.Record(np.resize(1e-3 * np.array(pattern), n), RATE, "rad/s", name="z")
     assert spectrum(record, detrend=True).power.min() > 0
     assert al.identify(record).validity == "unexplained"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_of_a_few_samples_is_not_taken_for_a_low_pass_filter(seed):
+    model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)  # 20 samples
+    fit = al.identify(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed)))
+    assert fit.validity == "explained"
+    assert fit.scope.filter is None
+    assert fit["N"].value == pytest.approx(model["N"].value, rel=0.05)
+    assert fit["GM"].value == pytest.approx(model["GM"].value, rel=0.05)
