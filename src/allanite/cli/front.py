@@ -16,6 +16,9 @@ from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
+BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""One thread each unless something else is set: the products here are short, and handing them to threads takes longer."""
+
 LINE = "allanite.line"
 """Key of the command line in the context."""
 
@@ -74,6 +77,8 @@ class Front(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
         extra["standalone_mode"] = False
+        for threads in BLAS:
+            os.environ.setdefault(threads, "1")
         try:
             with command_line():
                 code = super().main(*args, **extra) or 0
