@@ -17,7 +17,7 @@ from allanite.core.wording import command_line
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""One thread each unless something else is set: the products here are short, and handing them to threads takes longer."""
+"""One thread each unless something else is set: products here are short, and handing them to threads takes longer."""
 
 LINE = "allanite.line"
 """Key of the command line in the context."""

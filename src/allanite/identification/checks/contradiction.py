@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
@@ -28,14 +28,15 @@ def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
         Allan deviation of the same record, with limits.
     """
     inside = _inside(fit, curve)
-    if not inside.any():
-        return {}
-    upper = np.where(inside, curve.upper(SURE), np.inf)
     filtered = fit.scope is not None and fit.scope.filter is not None
     # after a filter the curve does not show angle noise
-    shown = (e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge))
-    reasons = ((e.symbol, _exceeds(e, curve, upper)) for e in shown)
-    return {symbol: reason for symbol, reason in reasons if reason}
+    shown = [e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge)]
+    alone = {e.symbol: own for e in shown if (own := _alone(e, curve)) is not None}
+    # an upper limit is above what was measured: without an excess over that, limits need not be computed
+    if not any((inside & (own > curve.deviation)).any() for own in alone.values()):
+        return {}
+    upper = np.where(inside, curve.upper(SURE), np.inf)
+    return {symbol: _words(own / upper, curve) for symbol, own in alone.items() if (own > upper).any()}
 
 
 def _inside(fit: Fit, curve: Curve) -> BoolArray:
@@ -44,16 +45,17 @@ def _inside(fit: Fit, curve: Curve) -> BoolArray:
     return np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
 
 
-def _exceeds(estimate: Estimate, curve: Curve, upper: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:
+    """The deviation that the lower limit of a term gives, without any other noise; None where there is no limit."""
     low = abs(estimate.value or 0.0) if estimate.limits is None else min(map(abs, estimate.interval()))
     if not low > 0 or (TERMS[estimate.symbol].waveform is not None and estimate.limits is None):
-        return ""
+        return None
     model = Model((Term(estimate.symbol, low, estimate.signal, estimate.shape),))
-    own = np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
-    excess = own / upper
+    return np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+
+
+def _words(excess: FloatArray, curve: Curve) -> str:
     at = int(excess.argmax())
-    if not excess[at] > 1:
-        return ""
     return say(
         "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
         "upper limit of the measured one",

@@ -101,7 +101,22 @@ def of_arrow(chunks: Any) -> NDArray[Any]:
         chunks = chunks.cast(pa.timestamp("ns"))
     elif pa.types.is_time(kind):  # time of day
         chunks = chunks.cast(pa.time64("ns")).cast(pa.int64()).cast(pa.duration("ns"))
-    return np.asarray(chunks.to_numpy())
+    kind = chunks.type
+    if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_temporal(kind)):
+        return np.asarray(chunks.to_numpy())
+    parts = [_of_chunk(chunk) for chunk in chunks.chunks]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0)])
+
+
+def _of_chunk(chunk: Any) -> NDArray[Any]:
+    """Numbers or stamps by their buffers, since pyarrow's own conversion imports pandas where it is installed."""
+    dtype = np.dtype(chunk.type.to_pandas_dtype())
+    known, held = chunk.buffers()
+    stored = np.frombuffer(held or b"", dtype, len(chunk), chunk.offset * dtype.itemsize if held else 0)
+    if not chunk.null_count:
+        return stored
+    bits = np.unpackbits(np.frombuffer(known, np.uint8), bitorder="little")[chunk.offset :][: len(chunk)]
+    return np.where(bits.view(bool), stored, np.array("NaT", dtype) if dtype.kind in "mM" else np.nan)
 
 
 def is_number(kind: Any) -> bool:

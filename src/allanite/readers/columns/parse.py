@@ -10,6 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.language import say
 
 from . import dates
+from .arrays import of_arrow
 from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
@@ -115,10 +116,10 @@ def _values(column: Any, layout: Layout, place: int) -> Any:
     if pa.types.is_null(kind):
         return np.full(len(column), np.nan) if layout.names[place] else None
     if pa.types.is_integer(kind) or pa.types.is_floating(kind):
-        return np.asarray(column.to_numpy())
+        return of_arrow(column)
     if pa.types.is_timestamp(kind):
         try:
-            return np.asarray(column.cast(pa.timestamp("ns")).to_numpy(), dtype="datetime64[ns]")
+            return of_arrow(column.cast(pa.timestamp("ns")))
         except pa.ArrowInvalid:
             pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
@@ -159,7 +160,7 @@ def _mended(column: Any, layout: Layout) -> Any:
         text = pc.if_else(pc.is_in(pc.utf8_lower(text), pa.array(sorted(MISSING))), None, text)
         text = pc.replace_substring_regex(text, r"^\+", "")
         text = pc.replace_substring(text, layout.decimal, ".")
-        return np.asarray(text.cast(pa.float64()).to_numpy())
+        return of_arrow(text.cast(pa.float64()))
     except pa.ArrowException:
         return NotImplemented
 
