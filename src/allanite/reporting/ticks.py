@@ -6,6 +6,7 @@ is an ordinary one before and afterwards; what matplotlib draws itself is the re
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis, Tick
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import LayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import NullLocator
@@ -26,16 +28,26 @@ NEAR = 1e-10
 
 @contextmanager
 def drawn_at_once(figure: Figure) -> Iterator[None]:
-    """Draw the ticks of all panels of a figure by `Ticks`."""
+    """Save a figure with its ticks drawn by `Ticks`, and without drawing it for its layout."""
     panels = [axes for axes in _panels(figure.axes) if axes.axison and axes.get_visible()]
     made = [Ticks(axis) for axes in panels for axis in (axes.xaxis, axes.yaxis) if axis.get_visible()]
     try:
         for ticks in made:
             ticks.begin()
+        vars(figure)["draw"] = partial(_draw, figure, figure.get_layout_engine())
         yield
     finally:
+        vars(figure).pop("draw", None)
         for ticks in made:
             ticks.end()
+
+
+def _draw(figure: Figure, layout: LayoutEngine | None, renderer: RendererBase) -> None:
+    """`savefig` draws a figure twice: with its layout and nothing to see, and as it is then, without one."""
+    if layout is None or figure.get_layout_engine() is not layout:
+        type(figure).draw(figure, renderer)
+    else:
+        layout.execute(figure)
 
 
 def _panels(panels: Sequence[object]) -> Iterator[Axes]:

@@ -1,0 +1,141 @@
+"""From a file to a page: a CSV of six channels by the commands that a user types, against reading the file alone.
+
+    python benchmarks/end_to_end.py [--samples 1000000] [--rounds 3] [--write PATH]
+
+Every command is a new process. It runs twice: with nothing set, as users do, and with the threads of BLAS limited to
+one. The unit of the ratios is the time in which pyarrow reads the same file in one thread. Ends with exit code 1 if a
+bound is missed.
+"""
+
+from table import begin, markdown
+
+import cProfile
+import io
+import os
+import pstats
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import redirect_stdout, suppress
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from pyarrow import csv
+
+import allanite as al
+
+PIN = ("OMP", "OPENBLAS", "MKL", "NUMBA", "ARROW")
+GYRO, ACCEL = "N 0.5 deg/sqrt(h), B 5 deg/h, K 20 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz), B 20 ug"
+MOST = {"page": 10.0, "json": 6.0}
+"""Bounds: times the read."""
+
+ALIKE = 0.2
+"""By how much the time with nothing set may differ from the time with threads pinned."""
+
+STAGES = {
+    "reading": "readers/__init__.py:read",
+    "inspection": "prepare/quality.py:inspect",
+    "identification": "identification/front.py:identify",
+    "residuals and their tests": "identification/checks/residuals.py:residuals",
+    "limits of curves": "core/curve.py:_limits",
+    "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
+    "figures: their data and artists": "sheet.py:draw",
+    "figures: to SVG": "reporting/picture.py:svg",
+    "text for the terminal": "reporting/__init__.py:table",
+}
+"""Functions whose time is listed: the end of a path, and a name; a stage may contain another."""
+
+PEER = """
+import sys, numpy, allantools
+data = numpy.loadtxt(sys.argv[1], delimiter=",", skiprows=1)
+for column in data.T[1:]:
+    m = numpy.unique(numpy.geomspace(1, len(column) // 4, 100).astype(int))
+    allantools.oadev(column, rate=100.0, data_type="freq", taus=m / 100)
+"""
+
+
+def make(path: Path, samples: int) -> None:
+    """Stamps, three gyroscopes and three accelerometers."""
+    columns = {"time [s]": np.arange(samples) / 100.0}
+    for i, (name, unit, model) in enumerate(
+        [(f"gyro_{axis}", "deg/s", GYRO) for axis in "xyz"] + [(f"accel_{axis}", "m/s^2", ACCEL) for axis in "xyz"]
+    ):
+        record = al.simulate(al.parse_model(model), samples, 100.0, rng=np.random.default_rng([1, i]))
+        values = np.degrees(record.values) if unit == "deg/s" else record.values
+        columns[f"{name} [{unit}]"] = np.round(values, 9)
+    csv.write_csv(pa.table(columns), path, csv.WriteOptions(quoting_style="none"))
+
+
+def read_alone(path: Path) -> float:
+    """Time of pyarrow's read in one thread, s."""
+    start = time.perf_counter()
+    csv.read_csv(path, read_options=csv.ReadOptions(use_threads=False))
+    return time.perf_counter() - start
+
+
+def seconds(arguments: list[str], *, pinned: bool) -> float:
+    """Time of a command in a process of its own, s."""
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    if pinned:
+        environment |= {f"{library}_NUM_THREADS": "1" for library in PIN}
+    start = time.perf_counter()
+    subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, check=True)
+    return time.perf_counter() - start
+
+
+def stages(path: Path, page: Path) -> list[tuple[str, str, str]]:
+    """Share of each stage of the command that makes the page, by a profile, which makes Python's own work longer."""
+    from allanite.cli import main as command
+
+    profile = cProfile.Profile()
+    with redirect_stdout(io.StringIO()), suppress(SystemExit):
+        profile.runcall(command, ["analyze", str(path), "--report", str(page), "--force"])
+    found = pstats.Stats(profile).stats  # type: ignore[attr-defined]
+    whole = max(entry[3] for entry in found.values())
+    rows = []
+    for stage, place in STAGES.items():
+        end, name = place.split(":")
+        for (file, _, function), entry in found.items():
+            if file.endswith(end) and function == name:
+                rows.append((stage, f"{entry[0]}", f"{entry[3] / whole:.0%}"))
+    return rows
+
+
+def main() -> int:
+    run = begin(__doc__, samples=1_000_000, rounds=3)
+    with tempfile.TemporaryDirectory() as folder:
+        path, page, stored = (Path(folder) / name for name in ("six.csv", "six.html", "six.json"))
+        make(path, run.asked.samples)
+        read = min(read_alone(path) for _ in range(run.asked.rounds + 1))
+        rows = []
+        for name, output in (("page", ["--report", str(page)]), ("json", ["--json", str(stored)])):
+            command = ["-m", "allanite.cli", "analyze", str(path), *output, "--force"]
+            free, pinned = (min(seconds(command, pinned=p) for _ in range(run.asked.rounds)) for p in (False, True))
+            met = free <= MOST[name] * read and abs(free / pinned - 1) <= ALIKE
+            measured = (f"{free:.2f}", f"{pinned:.2f}", f"{free / read:.1f}", f"{MOST[name]:g}")
+            rows.append((name, *measured, f"{free / pinned - 1:+.0%}", "met" if met else "MISSED"))
+        peer = seconds(["-c", PEER, str(path)], pinned=False)
+        run.publish(
+            "From a file to a page",
+            (
+                "seed 1",
+                f"{run.asked.samples} samples of six channels with stamps, {path.stat().st_size / 1e6:.0f} MB; "
+                f"pyarrow reads them in {read:.2f} s with one thread",
+                f"numpy.loadtxt and allantools.oadev at 100 averaging times, and nothing else: {peer:.1f} s",
+            ),
+            (
+                *markdown(("command", "nothing set [s]", "pinned [s]", "over the read", "wanted", "apart", ""), rows),
+                "## Where the time goes",
+                "",
+                "Shares of the whole for the page; a stage may be part of another.",
+                "",
+                *markdown(("stage", "calls", "share"), stages(path, page)),
+            ),
+        )
+    return int(any(row[-1] == "MISSED" for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
