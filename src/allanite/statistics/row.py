@@ -137,7 +137,7 @@ class Statistic:
     limits: str
     cost: str
     order: int
-    norm: Callable[[IntArray], FloatArray]
+    norm: Callable[[IntArray | FloatArray], FloatArray]
     span: tuple[int, int]
     sums: Callable[[FloatArray, IntArray], FloatArray]
     window: Callable[[int], Window] | None
@@ -199,7 +199,7 @@ def seconds(row: Statistic, n: int, m: IntArray) -> float:
     return 1e-9 * row.pace * float(row.count(n, m).sum())
 
 
-def constant(value: float) -> Callable[[IntArray], FloatArray]:
+def constant(value: float) -> Callable[[IntArray | FloatArray], FloatArray]:
     """A norm that is the same for every averaging factor."""
     return lambda m: np.full(np.shape(m), value)
 

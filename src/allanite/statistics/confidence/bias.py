@@ -62,7 +62,7 @@ def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatA
     found = mean_moments(row, m, points.places, points.size).expectation(rows)
     own = power @ found
     # a model may have none of these terms: nothing to correct
-    return np.divide(power @ responses(row, rows, m), own, out=np.ones(len(scale)), where=own > 0)
+    return np.divide(power @ responses(row, rows, np.array([m]))[:, 0], own, out=np.ones(len(scale)), where=own > 0)
 
 
 def _exact(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:

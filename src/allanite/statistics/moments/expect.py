@@ -11,7 +11,7 @@ from allanite.statistics.grids import factors_of, part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
 
-from .moments import by_term
+from .moments import variances
 
 
 def expected(
@@ -61,7 +61,7 @@ def expected(
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     if row.differences and not row.summed and not any(t.row.per_sample or t.row.transient for t in model):
         # no time but tau is in these: let it be the sample interval
-        return np.array([by_term(row, model, 1, None, 1 / t).sum() for t in times])
+        return variances(row, model, times, None, 1.0)
     if rate is None:
         raise UsageError(
             f"the expectation of {row.name} depends on the sampling rate: pass " + spelled("--rate HZ", "rate=...")
@@ -80,9 +80,11 @@ def expected_at(
 ) -> FloatArray:
     """The expected variance at averaging factors, shape of m."""
     if not row.parts:
-        return np.array([by_term(row, model, int(k), size, rate).sum() for k in m])
+        return variances(row, model, m, size, rate)
     which = part_of(row, m, size or 0, join)
-    plain = np.array([by_term(row.parts[i], model, int(k), size, rate).sum() for i, k in zip(which, m, strict=True)])
+    plain = np.empty(len(m))
+    for i in np.unique(which):
+        plain[which == i] = variances(row.parts[i], model, m[which == i], size, rate)
     ratio = expected_ratio(row.parts[-1], model, size or 0, rate, divisor)
     return np.asarray(np.where(which == len(row.parts) - 1, ratio, 1.0) * plain)
 
@@ -91,7 +93,7 @@ def expected_ratio(theo1: Statistic, model: Model, size: int, rate: float, divis
     """Bias ratio of TheoBR, with each of its ratios at its expectation."""
     last = (size + 1) // divisor - 3
     i = np.unique(np.rint(np.linspace(0, max(last, 0), 60)).astype(np.int64))  # the ratio is smooth in i
-    allan = [by_term(STATISTICS[theo1.target], model, int(9 + 3 * k), size, rate).sum() for k in i]
-    theo = [by_term(theo1, model, int(12 + 4 * k), size, rate).sum() for k in i]
+    allan = variances(STATISTICS[theo1.target], model, 9 + 3 * i, size, rate)
+    theo = variances(theo1, model, 12 + 4 * i, size, rate)
     everywhere = np.arange(max(last, 0) + 1)
-    return float(np.mean(np.interp(everywhere, i, np.array(allan) / np.array(theo))))
+    return float(np.mean(np.interp(everywhere, i, allan / theo)))

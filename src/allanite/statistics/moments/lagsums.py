@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Statistic, binomials
+from allanite.statistics.row import FloatArray, IntArray, Statistic, binomials
 from allanite.terms import NoiseTerm
 
 from .lags import lag_nodes
@@ -56,11 +56,13 @@ def field_of(row: Statistic, term: NoiseTerm) -> Field:
     return Field(lambda t: np.asarray(-term.summed(t)), second_sum)
 
 
-def responses(row: Statistic, terms: Sequence[NoiseTerm], m: int) -> FloatArray:
-    """Expected variance of each term with coefficient 1 for a unit sample interval, shape (t,)."""
-    zero = np.zeros(1)
-    C = np.array([_covariance(field_of(row, term), row.differences, (m, m), zero)[0] for term in terms])
-    return np.asarray(C / (row.norm(np.array([m])) * float(m) ** 2))
+def responses(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray | FloatArray) -> FloatArray:
+    """Expected variance of each term with coefficient 1 for a unit sample interval, shape (t, k); m of shape (k,)."""
+    order = row.differences
+    lags = np.abs(np.arange(-order, order + 1.0))[:, None] * m
+    twice = (-0.5 if order % 2 == 0 else 0.5) * np.convolve(binomials(order), binomials(order))
+    C = np.array([twice @ field_of(row, term).value(lags) for term in terms])
+    return np.asarray(C / (row.norm(m) * np.square(m, dtype=np.float64)))
 
 
 def products(

@@ -29,6 +29,16 @@ DISTINCT = 40
 """Different lengths of runs that are processed one by one."""
 
 
+def variances(row: Statistic, model: Model, m: FloatArray | IntArray, size: int | None, rate: float) -> FloatArray:
+    """Expected variance of a model at averaging factors, SI, shape of m; errors as of `by_term`."""
+    if not row.differences or any(t.row.transient for t in model):
+        return np.array([by_term(row, model, int(k), size, rate).sum() for k in m])
+    terms = [t.sampled(rate) for t in model]
+    _demand_stationary(row, terms)
+    E = np.array([t.power(rate) for t in model]) @ lagsums.responses(row, terms, m)
+    return np.asarray(E * (m * row.tau_factor / rate) ** (2.0 * row.power))
+
+
 def by_term(row: Statistic, model: Model, m: int, size: int | None, rate: float) -> FloatArray:
     """Expected variance of each term of a model, SI, shape (t,).
 
@@ -48,10 +58,8 @@ def _responses(row: Statistic, terms: Sequence[NoiseTerm], m: int, size: int | N
         E[~alone] = _responses(row, [term for term in terms if not term.transient], m, size) if not alone.all() else 0
         return E
     if row.differences:
-        free = [term.symbol for term in terms if not _stationary(row.order, term)]
-        if free:
-            raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
-        return lagsums.responses(row, terms, m)
+        _demand_stationary(row, terms)
+        return lagsums.responses(row, terms, np.array([m]))[:, 0]
     if size is None and not row.span[0]:
         raise UsageError(f"the expectation of {row.name} depends on the length of the record: pass size=...")
     E = np.empty(len(terms))
@@ -88,6 +96,12 @@ def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:
     sums: list[FloatArray] = [row.sums(wave / w, factors) for wave in (np.cos(angle), np.sin(angle))]
     scale = row.norm(factors)[0] * float(m) ** 2 * row.count(n, factors)[0]
     return float((sums[0][0] + sums[1][0]) / 2 / scale)
+
+
+def _demand_stationary(row: Statistic, terms: Sequence[NoiseTerm]) -> None:
+    free = [term.symbol for term in terms if not _stationary(row.order, term)]
+    if free:
+        raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
 
 
 def _stationary(order: int, term: NoiseTerm) -> bool:
