@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 MARGIN = 0.015
 
 ENOUGH = 1.25
 """Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
 
-NEAR = [(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)]
+NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)])
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
 GRID = np.array(np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 15))).reshape(2, -1).T
@@ -43,10 +44,16 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
     taken : sequence of Box
         Labels that are placed already.
     """
-    width, height = size
-    wanted = [(x + dx * width, y + dy * height) for x, y in anchors for dx, dy in NEAR]
-    boxes = [Box(*_inside(x, y, width, height), width, height) for x, y in (*wanted, *GRID.tolist())]
-    return max(boxes, key=lambda box: _worth(box, anchors, obstacles, taken))
+    shape = np.array(size)
+    wanted = (anchors[:, None] + NEAR * shape).reshape(-1, 2)
+    low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2
+    centres = np.minimum(np.maximum(np.concatenate((wanted, GRID)), low), high)
+    away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
+    at = anchors[away.argmin(axis=1)]
+    far = np.hypot(*(at - centres).T)
+    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * _crossed(centres, at, taken)
+    x, y = centres[int(worth.argmax())].tolist()
+    return Box(x, y, *size)
 
 
 def nearest(anchors: FloatArray, box: Box) -> FloatArray:
@@ -55,34 +62,29 @@ def nearest(anchors: FloatArray, box: Box) -> FloatArray:
     return np.asarray(anchors[int(away.argmin())])
 
 
-def _worth(box: Box, anchors: FloatArray, obstacles: FloatArray, taken: Sequence[Box]) -> float:
-    """How good a place is: free, near its anchor, and no label on the way."""
-    x, y = nearest(anchors, box)
-    far = 0.5 * float(np.hypot(x - box.x, y - box.y))
-    return freedom(box, obstacles, taken) - far - 0.4 * _crossed(box, (x, y), taken)
-
-
-def _inside(x: float, y: float, width: float, height: float) -> tuple[float, float]:
-    low, high = MARGIN + width / 2, 1 - MARGIN - width / 2
-    return min(max(x, low), high), min(max(y, MARGIN + height / 2), 1 - MARGIN - height / 2)
-
-
-def _crossed(box: Box, anchor: tuple[float, float], taken: Sequence[Box]) -> bool:
-    """Whether the line from a label to its anchor runs across another label."""
-    share = np.linspace(0.0, 1.0, 12)
-    x, y = (start + share * (end - start) for start, end in zip(anchor, (box.x, box.y), strict=True))
-    return any(bool(((np.abs(x - b.x) < b.width / 2) & (np.abs(y - b.y) < b.height / 2)).any()) for b in taken)
-
-
 def freedom(box: Box, obstacles: FloatArray, taken: Sequence[Box]) -> float:
     """Distance to the nearest thing in label sizes, at most `ENOUGH`."""
-    free = ENOUGH
+    return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), obstacles, taken)[0])
+
+
+def _crossed(centres: FloatArray, anchors: FloatArray, taken: Sequence[Box]) -> BoolArray:
+    """Whether the line from a label to its anchor runs across another label, shape (n,)."""
+    share = np.linspace(0.0, 1.0, 12)[:, None, None]
+    line = anchors + share * (centres - anchors)
+    crossed = np.zeros(len(centres), np.bool_)
+    for b in taken:
+        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
+    return crossed
+
+
+def _freedom(centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[Box]) -> FloatArray:
+    """Distance of labels of a size to the nearest thing in label sizes, at most `ENOUGH`, shape (n,)."""
+    free, half = np.full(len(centres), ENOUGH), np.array(size) / 2
     if obstacles.size:
-        away = np.abs(obstacles - (box.x, box.y)) / (box.width / 2, box.height / 2)
-        free = min(free, float(away.max(axis=1).min()))
+        away = np.abs(obstacles[:, None] - centres) / half
+        free = np.minimum(free, away.max(axis=2).min(axis=0))
     for other in taken:
-        x = abs(other.x - box.x) / ((other.width + box.width) / 2)
-        y = abs(other.y - box.y) / ((other.height + box.height) / 2)
+        apart = np.abs(centres - (other.x, other.y)) / (half + np.array([other.width, other.height]) / 2)
         # labels on labels are worse than labels on lines
-        free = min(free, 3 * max(x, y) - 2)
+        free = np.minimum(free, 3 * apart.max(axis=1) - 2)
     return free
