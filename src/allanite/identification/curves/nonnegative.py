@@ -21,7 +21,7 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Non-negative squares of the coefficients that fit the variance with equal relative weights, up to tau = T/10.
 
     The much larger scatter of points at long tau is not taken into account. Farther out the well determined terms only
-    become worse, whichever the statistic (docs/theoh_paper.md).
+    become worse, whichever the statistic (docs/methods.md).
 
     Parameters
     ----------
