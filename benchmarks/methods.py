@@ -94,7 +94,12 @@ def main() -> None:
         f"{100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
         f"{100 * math.sqrt(0.05 * 0.95 / asked.records):.0f} % of a coverage of 95 %.",
     ]
-    run.publish("Methods of identification against the Cramer-Rao bound", notes, markdown(HEADINGS, rows))
+    title = (
+        "Generalized least squares of the curve of each statistic"
+        if asked.ways == "curves"
+        else ("Methods of identification against the Cramer-Rao bound")
+    )
+    run.publish(title, notes, markdown(HEADINGS, rows))
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
 
 def write_pages(docs: Path) -> None:
     """Everything below ``generated``, anew."""
-    root = docs / "generated"
+    root, results = docs / "generated", beside(docs, RESULTS).parent
     shutil.rmtree(root, ignore_errors=True)
     for name in ("terms", "statistics", "tutorial", "api"):
         (root / name).mkdir(parents=True)
@@ -50,11 +50,11 @@ def write_pages(docs: Path) -> None:
     _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
     _write(root / "accuracies.md", accuracies())
-    _write(root / "efficiencies.md", efficiencies(beside(docs, RESULTS), 0))
-    _write(root / "curve_efficiencies.md", efficiencies(beside(docs, RESULTS), 1))
+    _write(root / "efficiencies.md", efficiencies(results / "methods.md"))
+    _write(root / "curve_efficiencies.md", efficiencies(results / "curves.md"))
     _write(root / "devices.md", devices_page())
     _write(root / "exports.md", exports_page())
-    benchmark_pages(beside(docs, RESULTS).parent, root / "benchmarks")
+    benchmark_pages(results, root / "benchmarks")
     slopes_figure(root)
     _write(root / "gallery.md", gallery_page(docs, root / "gallery"))
     run_tutorial(docs, root / "tutorial")

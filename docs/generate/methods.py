@@ -95,10 +95,9 @@ def _dots(ax, row: int, model: al.Model, fit: al.Fit) -> None:
             ax.plot(np.nan, np.nan, "o", ms=3.5, mew=0, color=color, label=t.symbol)
 
 
-def efficiencies(results: Path, section: int) -> list[str]:
-    """Error over the bound from a section of the table of benchmarks, a row a term and a column a method."""
-    text = results.read_text(encoding="utf-8").split("\n## ")[section]
-    lines = [line for line in text.splitlines() if line.startswith("| ")]
+def efficiencies(results: Path) -> list[str]:
+    """Error over the bound from a table of benchmarks, a row a term and a column a method."""
+    lines = [line for line in results.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
     headings, *cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     rows = [dict(zip(headings, row, strict=True)) for row in cells]
     ways = list(dict.fromkeys(row["method"] for row in rows))

@@ -62,9 +62,9 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
 
 @cache
 def reduced(name):
-    """Largest difference from the full matrix where windows are replaced."""
+    """Largest difference from the full matrix where windows are replaced, up to the longest window."""
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
-    m = np.array([2, 16, 64, 150, 240])
+    m = np.array([2, 16, 64, 150, 240, row.largest(size)])
     forms = [quadratic_form(row, k, size) for k in m.tolist()]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     return correlated(covariance(row, model, m, size, 1.0), wanted)
@@ -85,6 +85,16 @@ def test_reduced_windows_equal_the_full_matrix(name):
 @pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev", "htotdev"])
 def test_reduced_windows_are_near_the_full_matrix(name):
     assert reduced(name) < 0.006
+
+
+@pytest.mark.parametrize("mixture", [MIXTURES[4], {"N": 1.0, "B": 0.1}], ids="".join)
+def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
+    """The points of theoh that are fitted, and the longest one."""
+    rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
+    size, m, model = 1000, np.array([16, 64, 200, 256, 512, 1000]), model_of(mixture)
+    forms = [quadratic_form(row, k, size) for row, k in zip(rows, m.tolist(), strict=True)]
+    wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
+    assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
 
 WITH_RAMP = {

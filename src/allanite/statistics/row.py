@@ -177,6 +177,11 @@ class Statistic:
         plain = self.differences == 2 and not self.summed and not self.power
         return plain and float(self.norm(np.ones(1, dtype=np.int64))[0]) == 2.0
 
+    @property
+    def longest(self) -> float:
+        """The longest averaging time, as a share of the record."""
+        return self.tau_factor / max(self.span[0], 1)
+
     def largest(self, n: int) -> int:
         """The largest averaging factor of a record of n intervals; 0 if there is none."""
         if self.parts:

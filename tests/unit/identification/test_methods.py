@@ -11,6 +11,7 @@ from allanite.core.model import term
 from allanite.identification.curves.allan_hadamard import drift
 from allanite.identification.curves.gls import moments_of, octaves, standard_errors
 from allanite.identification.curves.nonnegative import solve
+from allanite.identification.curves.reading import rows_of
 from allanite.statistics import covariance, edf, statistic_named
 from allanite.statistics.moments.expect import expected_ratio
 from allanite.study.analysis import Recipe
@@ -32,9 +33,11 @@ def exact(statistic, model=None, taus="octave"):
     """A curve without scatter: the expectation of the model."""
     model = model or model_of(**TRUTH)
     curve = al.deviation(record_of(model), statistic, taus=taus, noise=None)
-    variance = al.expected(model, statistic, curve.tau, rate=RATE, size=SIZE)
     ratio = expected_ratio(al.STATISTICS["theo1"], model, SIZE, RATE, 30)
-    return replace(curve, variance=variance, factor=np.where(curve.factor != 1, ratio, 1.0))
+    factor = np.where(curve.factor != 1, ratio, 1.0)
+    points = zip(rows_of(curve), curve.tau, strict=True)
+    plain = [float(al.expected(model, row.name, [tau], rate=RATE, size=SIZE)[0]) for row, tau in points]
+    return replace(curve, variance=plain * factor, factor=factor)
 
 
 READING = [(name, statistic) for name, row in al.METHODS.items() for statistic in row.allowed]
@@ -160,6 +163,18 @@ def test_a_dense_curve_is_read_at_octaves():
     assert np.array_equal(sparse.m[octaves(sparse)], 2 ** np.arange(13))
     reference = al.identify(sparse, "gls")
     assert fit["N"].value == pytest.approx(reference["N"].value, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("statistic", "share"), [("oadev", 0.25), ("pdev", 0.25), ("mdev", 0.25), ("htotdev", 0.25), ("theo1", 0.375),
+                             ("theobr", 0.375), ("theoh", 0.375)],
+)  # fmt: skip
+@pytest.mark.parametrize("taus", ["octave", "log"])
+def test_gls_reads_as_far_as_a_statistic_is_known_well(statistic, share, taus):
+    """In 2^14 samples an octave grid meets the last averaging time, 3/8 or a quarter of the record, itself."""
+    curve = al.deviation(record_of(model_of(N=1.0)), statistic, taus=taus, noise=None)
+    last = curve.tau[octaves(curve)][-1] / (SIZE / RATE)
+    assert share * (1 - 1e-9 if taus == "octave" else 0.9) < last <= share * (1 + 1e-9)
 
 
 def test_gls_of_a_curve_with_gaps_scatters_more():

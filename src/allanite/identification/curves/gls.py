@@ -27,6 +27,13 @@ from .reading import early, result, rows_of, signal_of
 ROUNDS = 8
 """Iterations of the fit and the covariance under it; three to five suffice."""
 
+REACH = 0.25
+"""Share of the record up to which averaging times are read; half of the longest one where that is more.
+
+There Theo1 has about as many degrees of freedom as the Allan variance at a quarter of the record. Farther out
+the limits hold the truth less often, and what is gained are coefficients that remain unknown (docs/methods.md).
+"""
+
 CLAIM = 4.0
 """Likelihood ratio of a term against its absence above which it is claimed."""
 
@@ -88,7 +95,8 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Generalized least squares of the variance with the covariance of the points under the model itself.
 
     ``min (V - X theta)' C(theta)^-1 (V - X theta)``, theta >= 0 the squares of the coefficients, at octaves up to a
-    quarter of the record; C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
+    quarter of the record, or to half of the longest averaging time of the statistic (3/8 of the record for theo1,
+    theobr and theoh); C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
     Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``; limits
     are the values that the likelihood ratio of `inversion` does not reject.
 
@@ -110,8 +118,9 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     if which.size < len(symbols):
         raise DataError(
             say(
-                "{size} octaves up to a quarter of the record are too few for {count} terms",
+                "{size} octaves up to {percent:g} % of the record are too few for {count} terms",
                 size=which.size,
+                percent=100 * reach(curve),
                 count=len(symbols),
             )
         )
@@ -134,12 +143,17 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
 
 
 def octaves(curve: Curve) -> IntArray:
-    """Indices of the points nearest to octaves of the first tau, up to a quarter of the record."""
-    log_tau = np.log2(curve.tau[early(curve, 0.25)] / curve.tau[0])
+    """Indices of the points nearest to octaves of the first tau, as far as averaging times are read."""
+    log_tau = np.log2(curve.tau[early(curve, reach(curve))] / curve.tau[0])
     if not log_tau.size:
         return np.empty(0, np.int64)
-    wanted = np.arange(int(log_tau[-1] + 1e-9) + 1)
+    wanted = np.arange(round(log_tau[-1]) + 1)
     return np.unique(np.abs(log_tau[:, None] - wanted).argmin(axis=0))
+
+
+def reach(curve: Curve) -> float:
+    """Share of the record up to which averaging times are read."""
+    return max(REACH, STATISTICS[curve.statistic].longest / 2)
 
 
 def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
@@ -162,7 +176,7 @@ def _gaps(curve: Curve) -> list[str]:
 
 
 def _read_from(curve: Curve, which: IntArray) -> str:
-    left = int(early(curve, 0.25).sum()) - which.size
+    left = int(early(curve, reach(curve)).sum()) - which.size
     tau = curve.tau[which]
     read = say("fitted to {count} points of {statistic}, {start:g} to {end:g} s",
                count=which.size, statistic=curve.statistic, start=tau[0], end=tau[-1])  # fmt: skip

@@ -20,7 +20,8 @@ from .reading import early, reported, result, rows_of, signal_of
 def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
     """Non-negative squares of the coefficients that fit the variance with equal relative weights, up to tau = T/10.
 
-    The much larger scatter of points at long tau is not taken into account.
+    The much larger scatter of points at long tau is not taken into account. Farther out the well determined terms only
+    become worse, whichever the statistic (docs/methods.md).
 
     Parameters
     ----------

@@ -65,10 +65,11 @@ EXPLAINED = {
     "gls": (
         say(
             "The squares of the noise coefficients, none below zero, are fitted to the variance at octaves of the "
-            "averaging time up to a quarter of the record, with the covariance that the fitted model itself gives the "
-            "points (generalized least squares, iterated). Standard errors come from the same covariance. Limits are "
-            "the coefficients that a likelihood ratio test does not reject, with the covariance and the degrees of "
-            "freedom at the coefficient tested; a term is identified where the ratio against its absence exceeds 4."
+            "averaging time up to a quarter of the record, or up to half of the longest one of the statistic if that "
+            "is more, with the covariance that the fitted model itself gives the points (generalized least squares, "
+            "iterated). Standard errors come from the same covariance. Limits are the coefficients that a likelihood "
+            "ratio test does not reject, with the covariance and the degrees of freedom at the coefficient tested; a "
+            "term is identified where the ratio against its absence exceeds 4."
         ),
     ),
 }
