@@ -74,7 +74,7 @@ VIEWS: dict[str, str] = {
     "Simulation": "simulation.SIMULATION",
     "RateStudy": "rate.STUDY",
     "Closeup": "closeup.CLOSEUP",
-    "Experiment": "rate.EXPERIMENT",
+    "Experiment": "rate_experiment.EXPERIMENT",
     "Ranking": "rate.RANKING",
     "RateEstimate": "rate.ESTIMATE",
     "AngleStudy": "angle.STUDY",
