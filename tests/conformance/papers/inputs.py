@@ -12,7 +12,6 @@ FIVE = "Q 1 arcsec, N 1 deg/sqrt(h), B 1 deg/h, K 1 deg/h/sqrt(h), R 1 deg/h^2"
 ERRORS = "--error h:128=3,-1.5 --error h:256=1,2 --error q:128=-2,1 --error q:256=1.5,1"
 
 COMMANDS = (
-    f"simulate short.csv --model '{ANGLE}' --unit arcmin --rate 40 --duration '10 min'",
     f"simulate run1.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '60 min'",
     f"simulate run2.csv --model '{ANGLE}' --unit arcmin --rate 10 --duration '30 min' --seed 3",
     "simulate white.npz --model 'N 1 deg/sqrt(h)' --rate 1 --samples 7200",
@@ -46,8 +45,8 @@ def _columns(name, header, *columns):
 
 
 def resolver(name):
-    """Sine and cosine of the angle of the first run."""
-    angle = np.radians(al.read("run1.csv").records[0].values / 60)
+    """Sine and cosine of the angle of the second run."""
+    angle = np.radians(al.read("run2.csv").records[0].values / 60)
     _columns(name, "time [s],az_sin,az_cos", np.arange(angle.size) / 10, np.sin(angle), np.cos(angle))
 
 

@@ -47,7 +47,7 @@ TOLD = (
 )  # fmt: skip
 
 DRAWN = (
-    Drawn("Figs. 3, 4, 5", f"rate turned1.npz --bias -0.0948 {GL1} --closeup 003-3.svg"),
-    Drawn("Fig. 10", f"rate turned1.npz --bias -0.0948 {GL1} --plot 003-10.svg"),
-    Drawn("Table 2", f"rate turned1.npz --bias -0.0948 {GL1} --readings 003-2.csv"),
+    Drawn("Figs. 3, 4, 5", f"rate turned1.npz --bias -0.0948 {GL1} --closeup fig.svg"),
+    Drawn("Fig. 10", f"rate turned1.npz --bias -0.0948 {GL1} --plot fig.svg"),
+    Drawn("Table 2", f"rate turned1.npz --bias -0.0948 {GL1} --readings fig.csv"),
 )

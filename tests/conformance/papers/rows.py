@@ -54,8 +54,9 @@ class Drawn:
         return self.item
 
 
-def number(text, cell):
-    """The number of a cell in CSV or JSON output; those of all rows if the cell begins with ``all``."""
+def number(path, cell):
+    """The number of a cell in a CSV or JSON file; those of all rows if the cell begins with ``all``."""
+    text = path.read_text(encoding="utf-8")
     if cell.startswith("/"):
         found = json.loads(text)
         for key in cell[1:].split("/"):

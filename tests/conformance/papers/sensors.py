@@ -42,6 +42,6 @@ TOLD = (
 )  # fmt: skip
 
 DRAWN = (
-    Drawn("Fig. 2", "angle estimate hour.csv --difference difference --latitude 60 --rho rho --plot 002-2.svg"),
-    Drawn("Fig. 3", f"angle simulate sway.csv --latitude 60 --duration 3600 --sway 1,60 {ERRORS} --plot 002-3.svg"),
+    Drawn("Fig. 2", "angle estimate hour.csv --difference difference --latitude 60 --rho rho --plot fig.svg"),
+    Drawn("Fig. 3", f"angle simulate sway.csv --latitude 60 --duration 3600 --sway 1,60 {ERRORS} --plot fig.svg"),
 )

@@ -94,7 +94,7 @@ TOLD = (
 )
 
 DRAWN = (
-    Drawn("Fig. 5", "deviation white.npz --statistic adev,theo1 --taus all --no-intervals --plot 001-5.svg"),
-    Drawn("Fig. 7", "deviation step.npz --statistic adev,theo1 --taus log --no-intervals --plot 001-7.svg"),
-    Drawn("Fig. 9", "deviation fog.npz --statistic adev,theo1,theobr,theoh --taus log --no-intervals --plot 001-9.svg"),
+    Drawn("Fig. 5", "deviation white.npz --statistic adev,theo1 --taus all --no-intervals --plot fig.svg"),
+    Drawn("Fig. 7", "deviation step.npz --statistic adev,theo1 --taus log --no-intervals --plot fig.svg"),
+    Drawn("Fig. 9", "deviation fog.npz --statistic adev,theo1,theobr,theoh --taus log --no-intervals --plot fig.svg"),
 )

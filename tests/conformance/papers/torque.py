@@ -50,4 +50,4 @@ TOLD = (
     Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 %"),
 )  # fmt: skip
 
-DRAWN = (Drawn("Fig. 6", "compare before.npz after.npz --plot 004-6.svg"),)
+DRAWN = (Drawn("Fig. 6", "compare before.npz after.npz --plot fig.svg"),)

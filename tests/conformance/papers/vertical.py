@@ -6,6 +6,7 @@ VERTICAL = "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(H
 COLOURED = (
     "vertical --gyro 'N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz), B 50 ug'"
 )
+HOUR = f"{COLOURED} --duration '1 h'"
 SCENARIOS = f"{VERTICAL} --scenarios --rate 50 --csv -"
 
 ROWS = (
@@ -25,9 +26,9 @@ ROWS = (
         "/optimum/time_constant", 0.762, 0.02),
     Row("flicker, 10 min: error", f"{COLOURED} --duration '10 min' --json -", "/optimum/first/rms", 26.3,
         0.01, read=arcsec),
-    Row("flicker, 1 h: time constant, s", f"{COLOURED} --duration '1 h' --json -",
+    Row("flicker, 1 h: time constant, s", f"{HOUR} --json -",
         "/optimum/time_constant", 0.691, 0.03),
-    Row("flicker, 1 h: error", f"{COLOURED} --duration '1 h' --json -", "/optimum/first/rms", 28.3, 0.01,
+    Row("flicker, 1 h: error", f"{HOUR} --json -", "/optimum/first/rms", 28.3, 0.01,
         read=arcsec),
     *(Row(f"scenario {scenario}, {name}: error, deg", SCENARIOS, f"{scenario} rms @ filter={name}", error, 0.06)
       for name, scenario, error in (
@@ -44,9 +45,9 @@ ROWS = (
 )  # fmt: skip
 
 TOLD = (
-    Told("what no time constant removes", COLOURED, "floor: 15.9 arcsec from flicker and bias of the accelerometer"),
-    Told("random walk of the rate wants a second order", COLOURED, "use the filter of second order"),
-    Told("structure: the error by source", COLOURED, "accelerometer B = 50 ug"),
+    Told("what no time constant removes", HOUR, "floor: 15.9 arcsec from flicker and bias of the accelerometer"),
+    Told("random walk of the rate wants a second order", HOUR, "use the filter of second order"),
+    Told("structure: the error by source", HOUR, "accelerometer B = 50 ug"),
 )
 
-DRAWN = (Drawn("transfer functions", f"{VERTICAL} --plot 000-vertical.svg"),)
+DRAWN = (Drawn("transfer functions", f"{VERTICAL} --plot fig.svg"),)
