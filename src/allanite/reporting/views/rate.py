@@ -65,6 +65,7 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
         return
     yield from sentences(found)
     if channel.bias is not None:
+        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
         yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
