@@ -10,7 +10,7 @@ import numpy as np
 from allanite.core.estimate import STATUS_WORDS, Estimate
 from allanite.core.header import Header
 from allanite.core.language import Phrase, join, say, say_count
-from allanite.core.readings import MINIMUM, MINIMUM_TITLE
+from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert, readable_unit
@@ -226,7 +226,7 @@ def _coefficients(study: Study, level: float) -> Rows:
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
-            term = MINIMUM if title == MINIMUM_TITLE else ""
+            term = MINIMUM if title == minimum_title(channel.record.signal) else ""
             rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])
         for entry in (entry for entry in channel.data_sheet(level) if not entry.coefficient):
             size = [entry.value, entry.low, entry.high, entry.unit]
