@@ -11,8 +11,9 @@ from .encoding import finite, plain
 from .language import Phrase, say
 from .limits import demand_level, quantile
 from .plain import Value
+from .shown import shown_unit
 from .titles import title_of
-from .units import Signal, convert, shown_unit
+from .units import Signal, convert
 
 WHITE = 0.1
 """Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""

@@ -48,7 +48,7 @@ VIEWS: dict[str, str] = {
     "Spectrum": "values.SPECTRUM",
     "Surface": "values.SURFACE",
     "Comparison": "comparison.COMPARISON",
-    "Pool": "comparison.POOL",
+    "Pool": "pool.POOL",
     "Fit": "fit.FIT",
     "Readings": "readings.READINGS",
     "Residuals": "fit.RESIDUALS",
