@@ -70,6 +70,14 @@ def test_a_study_of_values_is_read_again(study):
     assert again.to_dict()["channels"] == study["channels"]
 
 
+@pytest.mark.parametrize("method", ["nnls", "gls"])
+def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
+    said = run("analyze", folder / "run1.csv", "--kind", "value", "--method", method, "--statistic", "ohdev").stdout
+    assert "R: ohdev is insensitive to ramp of the angle" in said
+    assert "flicker of the angle" in said
+    assert "bias" not in said
+
+
 def test_a_voltage_has_no_angle(folder):
     said = run("analyze", folder / "volts.csv", "--kind", "value").stdout
     assert "white noise of the voltage" in said

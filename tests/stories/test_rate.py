@@ -1,5 +1,6 @@
 """An engineer with a ring laser gyro: which method, how accurate, where is north."""
 
+import csv
 import json
 import pickle
 from dataclasses import replace
@@ -80,6 +81,23 @@ def test_everything_is_written(vertical, tmp_path):
     again = run(vertical, *HOW, *NOISE, "--report", paths["report"])
     assert again.exit_code == 2
     assert "--force" in again.stderr
+
+
+def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
+    page, numbers = tmp_path / "rate.html", tmp_path / "rate.csv"
+    options = ("--methods", "mean,staircase", "--durations", "3,10", "--report", page, "--csv", numbers)
+    result = run(vertical, *HOW, *NOISE, *options)
+    lines = result.stdout.splitlines()
+    rows = {(r["method"], float(r["duration_s"])): r for r in csv.DictReader(numbers.read_text().splitlines())}
+    first, second = (lines.index(f"  {title} [deg/h]") for title in (
+        "std against the measuring time", "predicted std against the measuring time",
+    ))  # fmt: skip
+    for i, (name, duration) in enumerate((("3 s", 3.0), ("10 s", 10.0), ("2 min", 120.0)), 2):
+        mean, staircase = (rows[method, duration] for method in ("mean", "staircase"))
+        for line, key, more in ((first, "std", [mean["intervals"]]), (second, "predicted", [])):
+            cells = (f"{float(row[key]):.3g}" for row in (mean, staircase))
+            assert lines[line + i].split() == [*name.split(), *cells, *more]
+    assert page.read_text(encoding="utf-8").count("td against the measuring time") == 2
 
 
 def test_json_alone_on_standard_output(vertical):

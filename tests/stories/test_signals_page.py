@@ -2,6 +2,7 @@
 
 from table import read
 
+import json
 import re
 import shlex
 import subprocess
@@ -54,7 +55,7 @@ def test_python_prints_what_it_says(block):
 
 def test_commands_run_one_after_the_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
-    assert len(COMMANDS) == 3
+    assert len(COMMANDS) == 8
     for command in COMMANDS:
         words = shlex.split(command)[1:]
         done = CliRunner().invoke(main, words)
@@ -62,6 +63,30 @@ def test_commands_run_one_after_the_other(desk, monkeypatch):
         for option in ("--report", "--save", "--corrected"):
             if option in words:
                 assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
+
+
+TURNED = [line for line in COMMANDS if "up." in line or "down." in line]
+"""From two currents in each of two positions to rates without bias."""
+
+
+def test_two_positions_remove_the_bias_of_both_axes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for command in TURNED:
+        done = CliRunner().invoke(main, shlex.split(command)[1:])
+        assert done.exit_code == 0, done.output
+    assert "rate by reversal: 28.9 (" in done.stdout
+    assert "bias by reversal: 12.4 (" in done.stdout
+    part = CliRunner().invoke(main, [*shlex.split(TURNED[-1])[1:], "--until", "300", "--json", "-"])
+    channels = json.loads(part.stdout)["channels"]
+    assert [channel["name"] for channel in channels] == ["wx", "wy"]
+    for channel, sign in zip(channels, (-1, 1), strict=True):
+        for found, truth in ((channel["estimates"][0], 28.878), (channel["bias"], 12.376)):
+            value, low, high, error = (np.degrees(found[key]) * 3600 for key in (
+                "value", "low", "high", "standard_error",
+            ))  # fmt: skip
+            assert low < sign * truth < high
+            assert value != pytest.approx(sign * truth, abs=0.1)  # five minutes have an error
+            assert error == pytest.approx(2.544 * 60 / 600**0.5, rel=0.05)
 
 
 def test_the_figures_of_the_page_are_those_of_the_formula():

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from allanite.study.channels import provenance_of
+from allanite.study.provenance import provenance_of
 
 from .calibration import Calibration
 from .harmonics import Harmonics

@@ -12,8 +12,9 @@ from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
-from allanite.study.channels import Inspected, Progress, Source, each_channel, open_recording, provenance_of
+from allanite.study.channels import Inspected, Progress, Source, each_channel, open_recording
 from allanite.study.noise import noise_of
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 from .axes import Axes

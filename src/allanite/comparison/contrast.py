@@ -12,7 +12,8 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 
 from .change import Homogeneity
-from .joint import Joint, drawn, least, tied
+from .joint import Joint
+from .likelihoods import drawn, least, tied
 
 DRAWS = 199
 """Draws of a bootstrap at most."""

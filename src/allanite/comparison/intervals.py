@@ -7,7 +7,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import say
-from allanite.study.channels import provenance_of
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 from .change import alpha_of, changes_of

@@ -20,7 +20,8 @@ from allanite.study.recipe import Recipe
 from .change import alpha_of, holm
 from .contrast import homogeneity, outlying, spread
 from .joining import join_records
-from .joint import Joint, least
+from .joint import Joint
+from .likelihoods import least
 from .pooled import PooledChannel, PooledTerm
 from .ratio import shared_curves
 

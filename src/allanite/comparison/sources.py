@@ -10,16 +10,8 @@ from allanite.core.finding import Finding
 from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
-from allanite.study.channels import (
-    Inspected,
-    Job,
-    Progress,
-    Source,
-    demand_result,
-    each_channel,
-    open_recording,
-    provenance_of,
-)
+from allanite.study.channels import Inspected, Job, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 Result = TypeVar("Result")
@@ -75,7 +67,11 @@ def run_together(
 
 
 def open_sources(
-    sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None
+    sources: Sequence[Source | Job[Any]],
+    recipe: Recipe,
+    *,
+    against: Sequence[str] | None = None,
+    progress: Progress | None = None,
 ) -> Sources:
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
 
@@ -88,12 +84,12 @@ def open_sources(
     """
     last = recipe if against is None else replace(recipe, channels=tuple(against))
     recipes = [*[recipe] * (len(sources) - 1), last]
-    recordings = tuple(open_source(source, r) for source, r in zip(sources, recipes, strict=True))
+    recordings = tuple(open_source(source, r, progress) for source, r in zip(sources, recipes, strict=True))
     channels, notes = pair_channels(recordings, ordered=against is not None)
     return Sources(recordings, name_sources(*sources), channels, notes)
 
 
-def open_source(source: Source | Job[Any], recipe: Recipe) -> Recording:
+def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | None = None) -> Recording:
     """The recording of whatever holds one, as far as the recipe selects it."""
     if isinstance(source, Job):
         made = source.provenance.get("source", ""), source.provenance.get("sha256", "")
@@ -103,7 +99,7 @@ def open_source(source: Source | Job[Any], recipe: Recipe) -> Recording:
         source = Recording(records, *made, source.notes, source.findings)
     if not isinstance(source, (Recording, Record, str, os.PathLike)):
         raise UsageError(f"a {type(source).__name__} cannot be compared; give records, recordings, studies or paths")
-    return open_recording(source, recipe)
+    return open_recording(source, recipe, progress=progress)
 
 
 def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:

@@ -83,10 +83,10 @@ def compare(
     >>> found["N"].outcome, round(found["N"].percent), found["K"].outcome
     ('smaller', -20, 'not resolvable')
     """
-    recipe = _ready(recipe, progress)
+    recipe = _ready(recipe)
     if isinstance(before, Fit) or isinstance(after, Fit):
         return compare_fits(before, after, recipe)
-    sources = open_sources((before, after), recipe, against=against)
+    sources = open_sources((before, after), recipe, against=against, progress=progress)
     settings = ComparisonSettings(against=None if against is None else tuple(against))
     return _compare(sources, recipe, settings, rng=rng, progress=progress)
 
@@ -102,8 +102,8 @@ def compare_channels(
 
     Parameters, errors and result are those of `compare` and `pool`.
     """
-    recipe = _ready(recipe, progress)
-    recording = open_source(source, recipe)
+    recipe = _ready(recipe)
+    recording = open_source(source, recipe, progress)
     if len(recording) == 1:
         raise UsageError(
             f"there is only one channel, {recording[0].name!r}; "
@@ -163,10 +163,10 @@ def pool(
     >>> list(found.channels[0].apart)
     ['run 3']
     """
-    recipe = _ready(recipe, progress)
+    recipe = _ready(recipe)
     if len(runs) < 3:
         raise UsageError(f"pooling needs at least three runs, not {len(runs)}; use compare(before, after) for two")
-    return _pool(open_sources(runs, recipe), recipe, rng=rng, progress=progress)
+    return _pool(open_sources(runs, recipe, progress=progress), recipe, rng=rng, progress=progress)
 
 
 def truncation(
@@ -203,8 +203,8 @@ def truncation(
     >>> found.pairs[0].changed, found.pairs[0].whole["N"].status
     (False, 'identified')
     """
-    recipe = _ready(recipe, progress)
-    recording = open_source(source, recipe)
+    recipe = _ready(recipe)
+    recording = open_source(source, recipe, progress)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
     sources = Sources((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
@@ -222,13 +222,11 @@ def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
     return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
 
 
-def _ready(recipe: Recipe | None, progress: Progress | None) -> Recipe:
+def _ready(recipe: Recipe | None) -> Recipe:
     """The recipe of a comparison, before anything is read."""
     recipe = recipe or Recipe(taus="octave")
     if recipe.method != "whittle":
         raise UsageError(f"records are compared by their likelihood, method 'whittle', not {recipe.method!r}")
-    if progress is not None:
-        progress("reading", 0.0)
     return recipe
 
 

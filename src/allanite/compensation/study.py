@@ -22,9 +22,9 @@ from allanite.study.channels import (
     demand_result,
     each_channel,
     open_recording,
-    provenance_of,
 )  # fmt: skip
 from allanite.study.noise import Noise, noise_of
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 from .clocks import aligned

@@ -12,7 +12,8 @@ from .language import Phrase, say
 from .limits import demand_level
 from .model import coefficient_factor
 from .plain import Value
-from .units import Signal, shown_unit
+from .shown import shown_unit
+from .units import Signal
 
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""

@@ -11,8 +11,9 @@ from .encoding import finite, plain
 from .language import Phrase, say
 from .limits import demand_level, quantile
 from .plain import Value
+from .shown import shown_unit
 from .titles import title_of
-from .units import Signal, convert, shown_unit
+from .units import Signal, convert
 
 WHITE = 0.1
 """Largest difference of the slope from -1/2 at which the deviation at 1 s is read as an angle random walk."""
@@ -83,7 +84,10 @@ class Quantity(NamedTuple):
 MINIMUM = "minimum"
 """Stands for the minimum of the Allan deviation where a coefficient has its symbol."""
 
-MINIMUM_TITLE = say("minimum (in-run bias stability)")
+
+def minimum_title(signal: Signal) -> str:
+    """What the minimum of the Allan deviation is called: data sheets of inertial sensors have a name for it."""
+    return say("minimum (in-run bias stability)") if signal.inertial else say("minimum of the Allan deviation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -160,8 +164,10 @@ class Readings(Value):
                 say("at {tau:.4g} s", tau=tau),
                 say("at {tau:.4g} s, the last point: an upper limit", tau=tau),
             )
-            found.append(_quantity(MINIMUM_TITLE, self.minimum, level, 1.0, inside if self.inside else last))
-            most = say("bias instability at most")
+            found.append(
+                _quantity(minimum_title(self.signal), self.minimum, level, 1.0, inside if self.inside else last)
+            )
+            most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
         found += [
             Quantity(

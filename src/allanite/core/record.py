@@ -11,78 +11,13 @@ from .arrays import FloatArray
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
-from .language import join, say
+from .kinds import KINDS, explain_kinds, offered, signal_of_kind
+from .language import say
 from .plain import Value
-from .units import Signal, signal_with, unit_of
-from .wording import spelled
-
-# kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
-KINDS: dict[str, tuple[int, int, str]] = {
-    "rate": (0, 0, say("the mean rate over each sample interval (deg/s, rad/s, g, m/s^2)")),
-    "increment": (
-        1,
-        0,
-        say("the angle increment over each sample interval (delta-theta: arcsec, rad; m/s for an accelerometer)"),
-    ),
-    "angle": (
-        1,
-        1,
-        say("the integrated angle at each instant, whose rate is analyzed; one point more than there are intervals"),
-    ),
-    "count": (1, 0, say("integer pulses per sample interval, each with the size `scale` (for example 0.1 arcsec)")),
-    "value": (0, 0, say("the quantity itself, whose own noise is wanted (an angle error, a voltage, a temperature)")),
-}
-
-KIND_WORDS = {
-    "rate": say("rate"),
-    "increment": say("increment"),
-    "angle": say("angle"),
-    "count": say("count"),
-    "value": say("value"),
-}
-"""What each kind of record is called."""
-
+from .units import Signal, unit_of
 
 SHORTEST = 200
 """Number of samples below which no noise coefficient is reported."""
-
-
-def explain_kinds() -> str:
-    """One sentence for each kind of record, for error messages."""
-    return join("; ", (say("{kind!r} is {meaning}", kind=kind, meaning=row[2]) for kind, row in KINDS.items()))
-
-
-def signal_of_kind(unit: str, kind: str) -> Signal | None:
-    """The signal whose samples of this kind have this unit; None if there is none.
-
-    Examples
-    --------
-    >>> signal_of_kind("arcsec", "increment").name, signal_of_kind("arcsec", "value").name
-    ('gyro', 'angle')
-    >>> signal_of_kind("arcsec", "rate") is None
-    True
-    """
-    return signal_with(unit_of(unit).dimension, KINDS[kind][0], values=kind == "value")
-
-
-def kinds_of(unit: str) -> tuple[str, ...]:
-    """The kinds that samples in this unit may have."""
-    return tuple(kind for kind in KINDS if signal_of_kind(unit, kind))
-
-
-def offered(unit: str, *, integers: bool = True) -> str:
-    """The meanings that samples in this unit may have, each with the choice that states it; none is advised.
-
-    Counts are offered for `integers` only.
-    """
-    kinds = [kind for kind in kinds_of(unit) if integers or kind != "count"]
-    scale = {"count": spelled(" --scale 1", ", scale=1")}
-    named = ((spelled(f"--kind {kind}", f"kind={kind!r}") + scale.get(kind, ""), KINDS[kind][2]) for kind in kinds)
-    choices = [say("{option}: {meaning}", option=option, meaning=meaning) for option, meaning in named]
-    if kinds and "rate" not in kinds and signal_of_kind(f"({unit})/s", "rate"):
-        option = spelled(f"--unit {unit}/s", f"unit={f'{unit}/s'!r}")
-        choices.append(say("{option}: the mean rate, if the unit was written without its time", option=option))
-    return join("; ", choices)
 
 
 def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from .units import Signal
 _TITLES: dict[str, Callable[[str], str]] = {
     "Q": lambda quantity: say("white noise of the integrated {quantity}", quantity=quantity),
     "N": lambda quantity: say("white noise of the {quantity}", quantity=quantity),
+    "B": lambda quantity: say("flicker of the {quantity}", quantity=quantity),
     "K": lambda quantity: say("random walk of the {quantity}", quantity=quantity),
     "R": lambda quantity: say("ramp of the {quantity}", quantity=quantity),
     "F": lambda quantity: say("flicker of the integrated {quantity}", quantity=quantity),

@@ -51,10 +51,8 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
 
 
 def _title(estimate: Estimate) -> str:
-    if estimate.signal.name == "gyro" or estimate.symbol not in "NKR":
-        return TERMS[estimate.symbol].title
-    if estimate.symbol == "N":
-        return title_of("N", estimate.signal)
+    if estimate.signal.name == "gyro" or estimate.symbol not in "KR":
+        return title_of(estimate.symbol, estimate.signal)
     return say("random walk") if estimate.symbol == "K" else say("ramp")
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.errors import UsageError, given
+from allanite.core.kinds import KINDS
 from allanite.core.language import say
-from allanite.core.record import KINDS, Record, Recording
+from allanite.core.record import Record, Recording
 from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers

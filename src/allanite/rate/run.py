@@ -8,10 +8,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
+from allanite.core.kinds import KINDS
 from allanite.core.language import join, say, say_count
 from allanite.core.model import ModelLike
 from allanite.core.plain import Value
-from allanite.core.record import KINDS, Record
+from allanite.core.record import Record
 from allanite.core.wording import spelled
 
 from .experiments import Experiment

@@ -31,17 +31,9 @@ from allanite.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.study.channels import (
-    Inspected,
-    Job,
-    Progress,
-    Source,
-    demand_result,
-    each_channel,
-    open_recording,
-    provenance_of,
-)
+from allanite.study.channels import Inspected, Job, Progress, Source, demand_result, each_channel, open_recording
 from allanite.study.noise import Noise, noise_dict, noise_from
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 from .noise import noise_of_rates

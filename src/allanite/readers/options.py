@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from allanite.core.errors import UsageError
-from allanite.core.record import KINDS, explain_kinds
+from allanite.core.kinds import KINDS, explain_kinds
 from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
 from allanite.core.wording import spelled

@@ -7,9 +7,10 @@ from typing import Any, Self
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
+from allanite.core.kinds import KIND_WORDS
 from allanite.core.language import Catalogue, Phrase, join, say, say_count
 from allanite.core.model import coefficient_factor
-from allanite.core.record import KIND_WORDS, Record
+from allanite.core.record import Record
 from allanite.core.scope import UNEXPLAINED, graded
 from allanite.core.titles import title_of
 from allanite.core.wording import duration as duration  # noqa: PLC0414 - of this module too

@@ -18,10 +18,14 @@ NAMES = ("wx", "wy")
 
 
 class Mixed(NamedTuple):
-    """The current that a torquer of one axis would have needed, and its scale over that of a torquer."""
+    """The current that a torquer of one axis would have needed, and its scale over that of a torquer.
+
+    `clipped` counts the samples of both currents at the ends of each stage, which cannot be seen in their sum.
+    """
 
     record: Record
     gain: float
+    clipped: tuple[int, ...]
 
 
 def demand_axes(axes: Sequence[float]) -> tuple[float, float, float, float]:
@@ -54,7 +58,7 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     axes : sequence of 4 float
         xx, xy, yx, yy.
     stages : sequence of Stage
-        What rounded them: clipping is checked here, since it cannot be seen in the sum.
+        What rounded them.
 
     Raises
     ------
@@ -78,9 +82,7 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     first, second = currents
     if first.signal is not second.signal or first.signal.inertial:
         raise DataError(say("the axes of two torquers need two currents of one kind, not {channels}", channels=names))
-    for stage in stages:
-        demand_unclipped(first, stage)
-        demand_unclipped(second, stage)
+    clipped = tuple(demand_unclipped(first, stage) + demand_unclipped(second, stage) for stage in stages)
     x, y = (record.rate_values / unit_of(first.unit).factor for record in currents)
     found = []
     for name, row in zip(NAMES, ((xx, xy), (yx, yy)), strict=True):
@@ -89,5 +91,5 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
                    second=second.name)  # fmt: skip
         values = np.asarray((row[0] * x + row[1] * y) / gain + 0.0)
         record = Record(values, first.rate, first.unit, name=name, start=first.start, history=(*first.history, said))
-        found.append(Mixed(record, gain))
+        found.append(Mixed(record, gain, clipped))
     return found[0], found[1]

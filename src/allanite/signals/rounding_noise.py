@@ -22,7 +22,7 @@ from allanite.terms import TERMS
 
 from .codes import Codes, codes
 from .stage import Stage, demand_unclipped
-from .torque import TorqueScale, electric, factor_of, gain_of, rate_from_current
+from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
 
 MATTERS = 0.01
 """Share of the measured variance below which a stage does not matter."""
@@ -123,6 +123,7 @@ def budget(
     scale: TorqueScale | float | None = None,
     sense: float | None = None,
     recipe: Recipe | None = None,
+    clipped: Sequence[int] | None = None,
 ) -> Budget:
     r"""Compute the noise that the quantization of each stage adds to a record.
 
@@ -142,6 +143,8 @@ def budget(
         Gain of the current sensor, V per A; required for voltages.
     recipe : Recipe, optional
         How the rate noise is identified.
+    clipped : sequence of int, optional
+        Samples at the ends of each stage, where they cannot be counted in the record because it combines others.
 
     Returns
     -------
@@ -170,23 +173,24 @@ def budget(
         raise UsageError(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
-    rate = _rate(record, stages[0], scale, sense)
+    counts = [demand_unclipped(record, stage) for stage in stages] if clipped is None else clipped
+    rate = record
+    if not record.signal.inertial:
+        rate = converted(record, _factor(record, scale), ampere_of(record, sense, stages[0]), counts[0])
     noise = noise_of(rate, recipe or Recipe())
-    counts = [demand_unclipped(record, stage) for stage in stages]
     pers = [_per(stage, scale, sense) for stage in stages]
     rows = tuple(_noise(rate, noise.fit, *row) for row in zip(stages, pers, counts, strict=True))
     return Budget(rate, noise, rows, tuple(f for row in rows for f in _findings(row, rate)))
 
 
-def _rate(record: Record, first: Stage, scale: TorqueScale | float | None, sense: float | None) -> Record:
-    if record.signal.inertial:
-        return record
+def _factor(record: Record, scale: TorqueScale | float | None) -> float:
+    """Rad/s per A of what a record that is no rate was measured by."""
     if scale is None:
         raise UsageError(
             f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
             f"scale factor ({spelled('--torquer or --scale-factor', 'scale=...')})"
         )
-    return rate_from_current(record, scale, sense=sense, stage=first)
+    return factor_of(scale)
 
 
 def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -> float:

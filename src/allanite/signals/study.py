@@ -11,7 +11,7 @@ from allanite.study.channels import Inspected, Job, Progress, Source, run
 from allanite.study.noise import Noise, RecordResult
 from allanite.study.recipe import READING, Recipe
 
-from .axes import mixed
+from .axes import Mixed, mixed
 from .rounding_noise import Budget, budget
 from .stage import Stage
 from .torque import TorqueScale, factor_of
@@ -44,7 +44,7 @@ class PathSettings(Value):
         if isinstance(self.torquer, TorqueScale):
             scale = {"torquer": self.torquer.text}
         found = {"stages": [stage.text for stage in self.stages], **scale, "sense": self.sense,
-                 "axes": None if self.axes is None else list(self.axes)}  # fmt: skip
+                 "coupling": None if self.axes is None else list(self.axes)}  # fmt: skip
         return {key: value for key, value in found.items() if value is not None}
 
 
@@ -106,15 +106,17 @@ def budget_file(
     recipe, whole = recipe or Recipe(), source
     if not isinstance(source, Recording | Record):
         whole = read(source, **recipe.to_dict(READING), otherwise=("current", "voltage"))
-    gains: dict[str, float] = {}
+    axes: dict[str, Mixed] = {}
     if settings.axes is not None:
-        whole, gains = _mixed(whole, settings)
+        whole, axes = _mixed(whole, settings)
 
     def work(seen: Inspected) -> BudgetChannel:
         scale: TorqueScale | float | None = settings.torquer
-        if seen.name in gains and scale is not None:
-            scale = factor_of(scale) * gains[seen.name]
-        found = budget(seen.record, settings.stages, scale=scale, sense=settings.sense, recipe=recipe)
+        axis = axes.get(seen.name)
+        if axis is not None and scale is not None:
+            scale = factor_of(scale) * axis.gain
+        found = budget(seen.record, settings.stages, scale=scale, sense=settings.sense, recipe=recipe,
+                       clipped=None if axis is None else axis.clipped)  # fmt: skip
         told = {f.name for f in found.findings}
         alerts = tuple(str(f) for f in seen.quality.warnings if f.name not in told)
         return BudgetChannel(seen.record, found, (*found.alerts, *alerts))
@@ -126,10 +128,10 @@ def budget_file(
                progress=progress)  # fmt: skip
 
 
-def _mixed(whole: Source, settings: PathSettings) -> tuple[Recording, dict[str, float]]:
-    """The currents of both axes combined, and the gain of each by its name."""
+def _mixed(whole: Source, settings: PathSettings) -> tuple[Recording, dict[str, Mixed]]:
+    """The currents of both axes combined, and what is known of each by its name."""
     assert isinstance(whole, Recording | Record) and settings.axes is not None  # noqa: S101, PT018 - it was read
     recording = whole if isinstance(whole, Recording) else Recording((whole,))
     found = mixed(recording, settings.axes, settings.stages)
     records = tuple(one.record for one in found)
-    return replace(recording, records=records), {one.record.name: one.gain for one in found}
+    return replace(recording, records=records), {one.record.name: one for one in found}

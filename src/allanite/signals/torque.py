@@ -145,9 +145,13 @@ def rate_from_current(
     >>> rate.values.round(12).tolist(), rate.unit, rate.history
     ([0.0002, -0.0004, 0.0001], 'rad/s', ('rate from current: 0.2 rad/s per A',))
     """
-    factor = factor_of(scale)
-    per_unit, said = _ampere(record, sense, stage)
     clipped = 0 if stage is None else demand_unclipped(record, stage)
+    return converted(record, factor_of(scale), ampere_of(record, sense, stage), clipped)
+
+
+def converted(record: Record, factor: float, ampere: tuple[float, str], clipped: int) -> Record:
+    """The rate of a current, once its clipped samples have been counted; `ampere` is that of `ampere_of`."""
+    per_unit, said = ampere
     words = say("rate from {source}: {factor:.6g} rad/s per A", source=said, factor=factor)
     if clipped:
         words = join(", ", (words, say_count(clipped, "{count} reading clipped", "{count} readings clipped")))
@@ -159,7 +163,7 @@ def rate_from_current(
     )  # fmt: skip
 
 
-def _ampere(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
+def ampere_of(record: Record, sense: float | None, stage: Stage | None) -> tuple[float, str]:
     """A per unit of the samples, and where that is known from."""
     if record.signal.name in ("current", "voltage"):
         per = unit_of(record.unit).factor / gain_of(record.unit, sense)

@@ -6,9 +6,10 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
+from allanite.core.kinds import KINDS
 from allanite.core.language import say
 from allanite.core.model import ModelLike
-from allanite.core.record import KINDS, Record
+from allanite.core.record import Record
 from allanite.core.surface import Surface
 from allanite.statistics import deviation
 

@@ -15,7 +15,6 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.language import join, say
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.record import Record, Recording
-from allanite.core.version import __version__
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_outliers
@@ -25,6 +24,7 @@ from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
+from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
 
 Source = Recording | Record | str | os.PathLike[str]
@@ -290,14 +290,3 @@ def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
                 (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items()),
             )
         )
-
-
-def provenance_of(*recordings: Recording) -> dict[str, str]:
-    """Version and input files, for reproducing the result."""
-    import platform
-
-    made = {"allanite": __version__, "python": platform.python_version()}
-    for i, recording in enumerate(recordings, 1):
-        which = "" if i == 1 else f" {i}"
-        made |= {f"source{which}": recording.source, f"sha256{which}": recording.digest}
-    return made

@@ -24,9 +24,10 @@ from allanite.simulation.recording import readings
 from allanite.statespace import StateSpace, state_space
 from allanite.statistics import deviation
 
-from .channels import Inspected, Job, Progress, Source, provenance_of, run
+from .channels import Inspected, Job, Progress, Source, run
 from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
 from .noise import Noise, noise_dict, noise_from, noise_of
+from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 
 Random = np.random.Generator

@@ -11,9 +11,9 @@ from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.record import Record
+from allanite.core.shown import readable_unit
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
-from allanite.core.units import readable_unit
 from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing

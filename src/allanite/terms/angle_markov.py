@@ -7,10 +7,10 @@ import numpy as np
 from allanite.core.language import say
 
 from .exponential import Exponential, rest
-from .row import Block, FloatArray, NoiseTerm, Parameter
+from .row import Block, FloatArray, NoiseTerm, time_constant
 
-SHORTEST, LONGEST = 0.5, 0.1
-"""Time constants that can be distinguished from quantization and from angle random walk: samples, share of a record."""
+SHORTEST = 0.5
+"""Samples from which a time constant is told from quantization."""
 
 LEAST = 0.02
 """Power of a coefficient over that of the spectrum, at least."""
@@ -71,18 +71,7 @@ def angle_markov(T: float) -> NoiseTerm:
         spectrum=spectrum,
         dct=dct,
         ends=1.0,
-        parameters=(
-            Parameter(
-                "time_constant",
-                say("time constant"),
-                "s",
-                least=0.0,
-                letter="T",
-                typical=2.0,
-                time=1.0,
-                search=lambda n: (SHORTEST, max(LONGEST * n, 2 * SHORTEST)),
-            ),
-        ),
+        parameters=(time_constant(2.0, SHORTEST),),
         shape=(T,),
         shaped=lambda shape, rate: angle_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T (2 \pi f)^2}{1 + (2 \pi f T)^2}",

@@ -7,12 +7,10 @@ import numpy as np
 from allanite.core.language import say
 
 from .exponential import Exponential
-from .row import Block, NoiseTerm, Parameter
+from .row import Block, NoiseTerm, time_constant
 
-SHORTEST, LONGEST = 3.0, 0.1
-"""Time constants that can be distinguished from white noise and from a random walk: samples, and share of the
-record.
-"""
+SHORTEST = 3.0
+"""Samples from which a time constant is told from white noise."""
 
 
 def gauss_markov(T: float) -> NoiseTerm:
@@ -34,18 +32,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         increments=functions.increments,
         spectrum=functions.spectrum,
         dct=functions.dct,
-        parameters=(
-            Parameter(
-                "time_constant",
-                say("time constant"),
-                "s",
-                least=0.0,
-                letter="T",
-                typical=20.0,
-                time=1.0,
-                search=lambda n: (SHORTEST, max(LONGEST * n, 2 * SHORTEST)),
-            ),
-        ),
+        parameters=(time_constant(20.0, SHORTEST),),
         shape=(T,),
         shaped=lambda shape, rate: gauss_markov(shape[0] * rate),
         density=r"S(f) = \frac{2 s^2 T}{1 + (2 \pi f T)^2}",

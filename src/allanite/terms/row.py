@@ -6,10 +6,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.language import say
+
 FloatArray = NDArray[np.float64]
 
 WHITE = -0.5
 """Slope of white rate noise."""
+
+LONGEST = 0.1
+"""Share of a record up to which a time constant is told from a random walk."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,14 @@ class Parameter:
     time: float = 0.0
     search: Callable[[int], tuple[float, float]] | None = None
     steps: int = 4
+
+
+def time_constant(typical: float, shortest: float = 0.0) -> Parameter:
+    """The time constant T of a term; looked for from `shortest` sample intervals on, where that is given."""
+    return Parameter(
+        "time_constant", say("time constant"), "s", least=0.0, letter="T", typical=typical, time=1.0,
+        search=(lambda n: (shortest, max(LONGEST * n, 2 * shortest))) if shortest else None,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.language import say
 
-from .row import FloatArray, NoiseTerm, Parameter
+from .row import FloatArray, NoiseTerm, time_constant
 
 
 def _none(*_: Any) -> FloatArray:
@@ -44,9 +44,7 @@ def warm_up(T: float) -> NoiseTerm:
         dct=lambda k, _: np.zeros_like(k),
         waveform=waveform,
         transient=True,
-        parameters=(
-            Parameter("time_constant", say("time constant"), "s", least=0.0, letter="T", typical=200.0, time=1.0),
-        ),
+        parameters=(time_constant(200.0),),
         shape=(T,),
         shaped=lambda shape, rate: warm_up(shape[0] * rate),
         origin="The sensor comes to its temperature after it is switched on. It is not a noise: it begins with the "

@@ -149,3 +149,15 @@ def test_a_length_that_would_do_is_named_and_does():
     m = n // 8
     shorter = [al.compare(simulated(30 + 2 * i, model, m), simulated(31 + 2 * i, model, m))["K"] for i in range(3)]
     assert sum(found.outcome == "not resolvable" for found in shorter) >= 2
+
+
+def test_reading_both_files_is_told(tmp_path):
+    paths = [tmp_path / "before.csv", tmp_path / "after.csv"]
+    for seed, path in enumerate(paths):
+        noise = al.simulate(al.N(0.3, "deg/sqrt(h)"), 4096, 100.0, rng=np.random.default_rng(seed))
+        al.write(al.Recording((noise,)), path)
+    said = []
+    al.compare(*paths, al.Recipe(terms="N"), progress=lambda what, share: said.append((what, share)))
+    assert said[0] == ("reading", 0.0)
+    assert [what for what, _ in said].count("reading") == 2
+    assert said[-1][1] == 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.core.record import kinds_of
+from allanite.core.kinds import kinds_of
 from allanite.core.units import SIGNALS
 
 NUMBERS = np.random.default_rng(1).integers(-50, 50, 1000)

@@ -61,7 +61,7 @@ def test_an_exact_curve_gives_its_coefficients(method, statistic):
         assert seen[symbol] == pytest.approx(value, rel=2e-3)
     if len(wanted) < len(TRUTH):
         assert (fit["R"].status, fit["R"].value, fit["R"].upper) == ("absent", None, None)
-        assert any(note == f"R: {statistic} is insensitive to rate ramp" for note in fit.notes)
+        assert any(note == f"R: {statistic} is insensitive to signal ramp" for note in fit.notes)
 
 
 @pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "theo1", "pdev", "mtotdev", "htotdev"])

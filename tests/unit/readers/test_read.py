@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
-from allanite.core.record import KINDS
+from allanite.core.kinds import KINDS
 from allanite.readers import read
 from allanite.readers.formats.table import READERS, reader_named
 

@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as arrays
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import KINDS
+from allanite.core.kinds import KINDS
 from allanite.readers.formats.table import WRITERS
 
 UNITS = {

@@ -25,7 +25,7 @@ from allanite.reporting.figures.goodness import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.sheet import printed_unit, toml
 from allanite.reporting.style import encode
-from allanite.reporting.views.analysis import verdict
+from allanite.reporting.views.verdict import verdict
 from allanite.reporting.words import title
 from allanite.statistics import expected
 from allanite.study.analysis import Channel, Study

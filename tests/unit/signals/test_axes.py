@@ -9,6 +9,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.core.record import Recording
+from allanite.reporting.sheet import toml
 from allanite.signals import mixed
 from allanite.signals.study import PathSettings
 
@@ -55,6 +56,10 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
     assert done.exit_code == 0, done.stderr
     data = json.loads(done.stdout)
     assert data["settings"]["axes"] == [0, -1, 1, 0]
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(toml(data["recipe"]), encoding="utf-8")
+    again = run("budget", path, "--recipe", recipe, "--json", "-")
+    assert json.loads(again.stdout)["settings"] == data["settings"]
     assert al.from_dict(data).settings == PathSettings((STAGE,), 0.2, 5.0, (0, -1, 1, 0))
 
 
@@ -83,6 +88,19 @@ def test_clipping_of_one_current_is_not_hidden_by_the_sum(currents):
     stage = al.Stage("ADC", 12, 10.0, "mA")
     with pytest.raises(al.DataError, match=r"'ix'.*clipped"):
         mixed(Recording((clipped, currents.records[1])), AXES, (stage,))
+
+
+def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
+    """Each is within +-2.5 V, their sum over the square root of two is not; one sample of each is clipped."""
+    x = np.random.default_rng(1).uniform(-2.4, 2.4, 5000)
+    y = x + np.random.default_rng(2).uniform(-0.05, 0.05, 5000)
+    x[10], y[20] = 2.5, -2.5
+    both = Recording(tuple(al.Record(v, 100.0, "V", name=name) for v, name in ((x, "ix"), (y, "iy"))))
+    found = al.budget_file(
+        both, al.Recipe(terms="QN"), PathSettings((al.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
+    )
+    assert [channel.refusal for channel in found] == ["", ""]
+    assert [channel.budget.stages[0].clipped for channel in found] == [2, 2]
 
 
 def test_a_gain_before_the_converter_makes_its_steps_smaller(currents):

@@ -131,7 +131,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     variance = plain(curve)[which]
     theta, covariance = iterated(moments, variance)
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
-    notes = [_read_from(curve, which), *blind(curve.statistic, symbols, moments.columns), *_gaps(curve)]
+    notes = [_read_from(curve, which), *blind(curve.statistic, signal, symbols, moments.columns), *_gaps(curve)]
     estimates = _estimates(symbols, moments, variance, (theta, covariance), signal)
     notes.append(_goodness(moments.columns, variance, theta, covariance))
     notes += [

@@ -10,6 +10,8 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model, Term
+from allanite.core.titles import title_of
+from allanite.core.units import SIGNALS, Signal
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
@@ -48,7 +50,7 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
             statistic=curve.statistic,
             tau=curve.tau[which][-1],
         ),
-        *blind(curve.statistic, symbols, X),
+        *blind(curve.statistic, signal, symbols, X),
     ]
     return result(curve, reported(symbols, squares, X, signal=signal, method="nnls"), "nnls", notes=notes)
 
@@ -72,15 +74,18 @@ def columns(names: Sequence[str], symbols: Sequence[str], m: Sequence[int], size
 
 def unit_model(symbols: Sequence[str]) -> Model:
     """Every term with a coefficient of 1 in SI; the type of sensor does not affect the numbers."""
-    from allanite.core.units import SIGNALS
-
     return Model(tuple(Term(s, 1.0, SIGNALS[0]) for s in symbols))
 
 
-def blind(statistic: str, symbols: Sequence[str], X: FloatArray) -> list[str]:
+def blind(statistic: str, signal: Signal, symbols: Sequence[str], X: FloatArray) -> list[str]:
     """Notes about the terms to which a statistic is insensitive."""
     return [
-        say("{symbol}: {statistic} is insensitive to {term}", symbol=s, statistic=statistic, term=TERMS[s].title)
+        say(
+            "{symbol}: {statistic} is insensitive to {term}",
+            symbol=s,
+            statistic=statistic,
+            term=title_of(s, signal),
+        )
         for s, column in zip(symbols, X.T, strict=True)
         if not column.any()
     ]

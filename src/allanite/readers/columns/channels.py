@@ -9,8 +9,8 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
 from allanite.core.language import join, say
-from allanite.core.record import KIND_WORDS, kinds_of, offered, signal_of_kind
 from allanite.core.units import BASES, unit_of
 from allanite.core.wording import spelled
 from allanite.readers.options import Options
@@ -281,7 +281,7 @@ def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
 
 def _ask_unit() -> str:
     return say(
-        "pass the unit of the samples with {unit}, or write it in the header as in 'gx [deg/s]'; a unit of angle or "
-        "velocity (arcsec, m/s) also needs {kind}: increment, angle, count or value",
-        unit=spelled("--unit deg/s", "unit=..."), kind=spelled("--kind", "kind=..."),
+        "pass the unit of the samples, such as {unit}, or write it in the header as in 'gx [deg/s]'; a unit of angle "
+        "or velocity (arcsec, m/s) also needs {kind}: increment, angle, count or value",
+        unit=spelled("--unit deg/s", "unit='deg/s'"), kind=spelled("--kind", "kind=..."),
     )  # fmt: skip

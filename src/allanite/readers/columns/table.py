@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.kinds import signal_of_kind
 from allanite.core.language import join, say
-from allanite.core.record import Record, Recording, signal_of_kind
+from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
 from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks

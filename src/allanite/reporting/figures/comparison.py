@@ -13,7 +13,7 @@ from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.language import say
-from allanite.core.units import readable_unit
+from allanite.core.shown import readable_unit
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS

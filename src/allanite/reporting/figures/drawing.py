@@ -115,8 +115,8 @@ def _size(ax: Axes, text: str) -> tuple[float, float]:
 
 
 def pairs(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Points, shape (k, 2), where there is a value."""
-    return np.column_stack([x, y])[np.isfinite(y)]
+    """Points, shape (k, 2), where there is a value that a logarithmic axis has."""
+    return np.column_stack([x, y])[np.isfinite(y) & (y > 0)]
 
 
 def fractions(ax: Axes, points: FloatArray) -> FloatArray:

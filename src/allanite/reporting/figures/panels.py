@@ -12,7 +12,8 @@ from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
-from allanite.core.units import convert, readable_unit, unit_of
+from allanite.core.shown import readable_unit
+from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import STATISTICS, expected
 

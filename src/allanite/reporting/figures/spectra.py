@@ -11,8 +11,8 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import join, say
 from allanite.core.model import Model, Term
+from allanite.core.shown import readable_unit
 from allanite.core.spectrum import SIDES, Spectrum
-from allanite.core.units import readable_unit
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit

@@ -13,8 +13,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.language import say
+from allanite.core.shown import readable_unit
 from allanite.core.surface import Surface
-from allanite.core.units import readable_unit
 from allanite.reporting import style, words
 from allanite.statistics import STATISTICS
 

@@ -5,15 +5,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from allanite.core.estimate import STATUS_WORDS, Estimate
-from allanite.core.header import Header
+from allanite.core.estimate import STATUS_WORDS
 from allanite.core.language import Phrase, join, say, say_count
-from allanite.core.readings import MINIMUM, MINIMUM_TITLE
+from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
-from allanite.core.scope import APPROXIMATE, graded
-from allanite.core.units import convert, readable_unit
+from allanite.core.scope import APPROXIMATE
+from allanite.core.shown import readable_unit
 from allanite.identification.front import METHODS
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import (
@@ -27,7 +24,6 @@ from allanite.reporting.sheet import (
     Table,
     columns,
     header_of,
-    printable,
 )
 from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
@@ -40,6 +36,7 @@ from .jobs import channel_sheet, job_face, source_of
 from .meaning import meanings
 from .readings import readings_table
 from .values import rows_of
+from .verdict import fitness, verdict
 
 BRAND = say("noise coefficients of an inertial sensor")
 
@@ -227,7 +224,7 @@ def _coefficients(study: Study, level: float) -> Rows:
             remark = ", ".join([*words.shapes(e, level), *(["without sign"] if words.symbol(e) != e.symbol else [])])
             rows.append([name, e.symbol, title, *shown, e.status, "", e.value, e.unit, remark])
         for title, tau, *size, si, si_unit, remark in channel.readings.rows(level)[1] if channel.readings else ():
-            term = MINIMUM if title == MINIMUM_TITLE else ""
+            term = MINIMUM if title == minimum_title(channel.record.signal) else ""
             rows.append([name, term, title, *size, "reading", tau, si, si_unit, remark])
         for entry in (entry for entry in channel.data_sheet(level) if not entry.coefficient):
             size = [entry.value, entry.low, entry.high, entry.unit]
@@ -237,72 +234,6 @@ def _coefficients(study: Study, level: float) -> Rows:
 
 def _channel_face(channel: Channel, level: float) -> Face:
     return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))
-
-
-def fitness(channel: Channel) -> str:
-    """Mean and spread of a channel, and whether it can be analyzed."""
-    record = channel.record
-    if isinstance(record, Header):
-        return ""
-    unit = record.signal.sheet[0]
-    values = record.rate_values / convert(1.0, unit, record.signal.unit)
-    facts = say(
-        "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
-        mean=np.nanmean(values), deviation=np.nanstd(values), unit=unit,
-    )  # fmt: skip
-    if channel.refusal:
-        return facts
-    fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
-    return join("; ", (facts, fit))
-
-
-def verdict(channel: Channel, level: float) -> str:
-    """The result for a channel in one or two sentences."""
-    name = printable(channel.record.name) or say("the channel")
-    if channel.fit is None:
-        reason = channel.refusal or say("nothing was fitted")
-        return say("{channel} gives no result: {reason}.", channel=name, reason=reason)
-    if not channel.explained:
-        return say("{channel}: not explained. Its coefficients are not valid.", channel=name)
-    found = [_found(e, level) for e in channel.fit if e.value is not None and e.status != "not valid"]
-    sensor = words.A_SENSOR[channel.record.signal.name]
-    first = say("{channel} is {sensor} of which no noise term was identified.", channel=name, sensor=sensor)
-    if found:
-        first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=_join(found))
-    return join(" ", (first, *_missing(channel), *_reservation(channel)))
-
-
-def _missing(channel: Channel) -> Iterator[Phrase]:
-    """Sentences about the terms without a result."""
-    length = words.duration(channel.record.duration)
-    if absent := _titles(channel, "absent", "reported", "negative"):
-        yield say("Not identified in {length} of data: {terms}.", length=length, terms=absent)
-    if unseen := _titles(channel, "not observable"):
-        yield say("Not observable: {terms}.", terms=unseen)
-    if wrong := _titles(channel, "not valid"):
-        yield say("Contradicted by the measured curve: {terms}.", terms=wrong)
-
-
-def _titles(channel: Channel, *statuses: str) -> str:
-    """Names of the terms without a result that have one of these statuses."""
-    there = (e for e in channel.fit or () if e.status in statuses and (e.value is None or e.status == "not valid"))
-    return join(", ", (words.title(e.symbol, e.signal) for e in there))
-
-
-def _reservation(channel: Channel) -> Iterator[Phrase]:
-    """How good an approximate model is."""
-    noise = channel.noise
-    if noise is not None and noise.validity == APPROXIMATE:
-        yield say("{sentence}.", sentence=words.capital(graded(noise.validity, noise.fit.scope)))
-
-
-def _found(estimate: Estimate, level: float) -> Phrase:
-    said = join(" ", (words.named(estimate, level), words.number(estimate, level)))
-    return say("{term} (weak)", term=said) if estimate.status == "weak" else said
-
-
-def _join(parts: list[Phrase]) -> Phrase:
-    return say("{terms} and {last}", terms=join(", ", parts[:-1]), last=parts[-1]) if len(parts) > 1 else parts[0]
 
 
 STUDY = View(_face, plot_curves, _rows, _coefficients)

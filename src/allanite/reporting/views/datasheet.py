@@ -9,7 +9,8 @@ from allanite.core.datasheet import Entry
 from allanite.core.estimate import Estimate
 from allanite.core.language import join, say
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
-from allanite.core.units import convert, readable_unit
+from allanite.core.shown import readable_unit
+from allanite.core.units import convert
 from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model, Term, model_of
-from allanite.core.units import convert, readable_unit
+from allanite.core.shown import readable_unit
+from allanite.core.units import convert
 from allanite.reporting import figures
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
 from allanite.statistics import STATISTICS, Expectation, expectation

@@ -6,34 +6,34 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say, say_count
+from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.core.units import unit_of
 from allanite.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.rate.estimates import rate_factor
 from allanite.rate.study import RateChannel, RateSettings, RateStudy
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
-from allanite.statistics import expected
 
 from . import Rows, View
 from .closeup import parts as closeup_parts
 from .jobs import channel_sheet, job_face, source_of
+from .rate_experiment import (
+    BRAND,
+    CAPTION,
+    HEADINGS,
+    by_time,
+    every_interval,
+    experiment_rows,
+    finite,
+    sentences,
+    table_of,
+    told,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BRAND = say("a constant rate in a short time")
-
-KEY = say(
-    "std: scatter of the errors, with its 68 % interval; neighbours: the same from differences of neighbouring "
-    "intervals, which a slow drift does not reach; predicted: under the noise model, without these data."
-)
-CAPTION = say(
-    "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
-    "the measuring time."
-)
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
 
@@ -48,7 +48,7 @@ def _sheet(channel: RateChannel, settings: RateSettings, level: float) -> Sheet:
     name, found = channel.record.name, channel.experiment
     said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
     if found is not None and found.ranking is not None:
-        said = _advice(found)
+        said = told(found.ranking)
     verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
     doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
     return channel_sheet(channel, _parts(channel, settings, level), verdicts, doubt=doubt)
@@ -63,17 +63,20 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
     found = channel.experiment
     if found is None:
         return
-    yield from _sentences(found)
+    yield from sentences(found)
     if channel.bias is not None:
+        yield Note(say("rate by reversal: {rate}", rate=channel.estimates[0].words(level=level)), "strong")
         yield Note(say("bias by reversal: {bias}", bias=channel.bias.words(level=level)))
     if channel.north is not None:
         yield Note(channel.north.words(), "strong")
     if found.start.size > 1:
-        yield _table(found)
+        yield table_of(found)
+    if any(e.start.size > 1 for e in channel.by_duration):
+        yield from by_time(_series(channel))
     yield from _estimates(channel.estimates, level)
     yield Drawing(lambda: _draw([channel]), say("errors of all methods"), CAPTION)
     if found.start.size > 1:
-        yield _every(found)
+        yield every_interval(found)
     if isinstance(channel.record, Record):
         yield from closeup_parts(first_of(channel.record, found, settings), "page")
 
@@ -81,18 +84,6 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
     """The first interval of an experiment in detail."""
     return closeup(record, settings=settings.experiment, start=float(found.start[0]))
-
-
-def _every(found: Experiment) -> Table:
-    """The rate of every interval by every method; on a page, folded."""
-    unit = found.signal.sheet[0]
-    heads = (Column(say("interval")), Column(say("start [s]")), *(Column(method) for method in found.methods))
-    rates = found.rates.T / rate_factor(unit, found.signal)
-    rows = [
-        [str(i), f"{start:.6g}", *(f"{rate:.7g}" for rate in row)]
-        for i, (start, row) in enumerate(zip(found.start.tolist(), rates.tolist(), strict=True), 1)
-    ]
-    return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
 
 
 def interval_rows(study: RateStudy) -> Rows:
@@ -107,77 +98,6 @@ def interval_rows(study: RateStudy) -> Rows:
                 numbers = (float(rate) / factor, float(error) / factor)
                 rows.append([found.name, i + 1, start, found.duration, method, *numbers, unit])
     return heads, rows
-
-
-def _advice(found: Experiment) -> str:
-    return "" if found.ranking is None else _told(found.ranking)
-
-
-def _told(ranking: Ranking) -> str:
-    return say("in {length}: {verdict}", length=words.duration(ranking.duration), verdict=ranking.verdict)
-
-
-def _sentences(found: Experiment) -> Iterator[Note]:
-    """What was found in the intervals."""
-    unit = found.signal.sheet[0]
-    if found.ranking is not None:
-        yield Note(_advice(found), "strong")
-    if found.start.size > 1:
-        reference = found.reference / unit_of(unit).factor
-        length = words.duration(found.duration)
-        count = say_count(
-            found.start.size, "{count} interval of {length}", "{count} intervals of {length}", length=length
-        )
-        if found.known:
-            against = say("errors against the true rate, {rate:.6g} {unit}", rate=reference, unit=unit)
-        else:
-            against = say("errors against their mean, {rate:.6g} {unit}", rate=reference, unit=unit)
-        yield Note(join("; ", (count, against)))
-    if found.drift:
-        yield Note(found.drift)
-    yield from _wander(found)
-    yield from map(Note, found.notes)
-    for method, why in found.left_out.items():
-        yield Note(say("{method} is left out: {reason}", method=method, reason=why))
-
-
-def _wander(found: Experiment) -> Iterator[Note]:
-    """Why neighbouring intervals scatter more than each is measured."""
-    if found.ranking is None or found.start.size == 1:
-        return
-    wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
-    if wandering:
-        unit = found.signal.sheet[0]
-        both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
-        yield Note(
-            say(
-                "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
-                "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
-                terms=", ".join(wandering),
-                deviation=both,
-                unit=unit,
-            )
-        )
-
-
-def _table(found: Experiment) -> Table:
-    """The scatter of every method, rounded to three digits of the least."""
-    unit = found.signal.sheet[0]
-    _, rows = found.rows(unit)
-    least = min((row[2] for row in rows if row[2] > 0), default=1.0)
-    places = max(0, 2 - math.floor(math.log10(least)))
-    heads = (
-        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]"))),
-        Column(words.interval(0.68), "interval"), Column(say("neighbours")), Column(say("predicted")),
-        Column(say("3 sigma"), aside=True), Column(say("mean error"), aside=True), Column(say("worst"), aside=True),
-    )  # fmt: skip
-    cells = []
-    for method, mean, std, low, high, neighbours, bound, worst, predicted in rows:
-        said = f"{predicted:.{places}f}" if math.isfinite(predicted) else say("not predicted")
-        first, beside, three = (f"{v:.{places}f}" for v in (std, neighbours, bound))
-        limits = f"{low:.{places}f} .. {high:.{places}f}"
-        cells.append([method, first, limits, beside, said, three, f"{mean:+.{places}f}", f"{worst:+.{places}f}"])
-    return Table(heads, cells, key=KEY)
 
 
 def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part]:
@@ -216,44 +136,24 @@ def _draw(channels: Iterable[RateChannel]) -> "Figure":
     return figures.plot_rates(shown)
 
 
-HEADINGS = (
-    "channel", "method", "duration_s", "intervals", "rate", "rate_low", "rate_high", "mean_error", "std", "std_low",
-    "std_high", "neighbours", "three_sigma", "worst", "predicted", "unit",
-)  # fmt: skip
-
-
 def _rows(study: RateStudy, level: float) -> Rows:
     return HEADINGS, [row for channel in study.channels for row in _channel_rows(channel, level)]
 
 
-def _channel_rows(channel: RateChannel, level: float) -> Iterator[list[Any]]:
+def _series(channel: RateChannel) -> list[Experiment]:
+    """The experiment of a channel and those of the other measuring times."""
     found = channel.experiment
-    series = [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
-    for one in series:
-        yield from _experiment_rows(one) if one.start.size > 1 else ()
+    return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
+
+
+def _channel_rows(channel: RateChannel, level: float) -> Iterator[list[Any]]:
+    for one in _series(channel):
+        yield from experiment_rows(one) if one.start.size > 1 else ()
     for e in channel.estimates:
         unit = e.signal.sheet[0]
         numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
-        yield [channel.record.name, e.method, e.duration, 1, *map(_finite, numbers[:3]), *[""] * 7,
-               _finite(numbers[3]), unit]  # fmt: skip
-
-
-def _experiment_rows(found: Experiment) -> Iterator[list[Any]]:
-    unit = found.signal.sheet[0]
-    means = dict(zip(found.methods, found.rates.mean(axis=1) / rate_factor(unit, found.signal), strict=True))
-    for method, *numbers in found.rows(unit)[1]:
-        yield [found.name, method, found.duration, found.start.size, float(means[method]), "", "",
-               *map(_finite, numbers), unit]  # fmt: skip
-
-
-def _finite(value: float) -> float | str:
-    return value if math.isfinite(value) else ""
-
-
-def _experiment_face(found: Experiment, level: float) -> Face:
-    table = (_table(found),) if found.start.size > 1 else ()
-    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION)
-    return Face(found.name or say("Rate"), BRAND, (Sheet(found.name, parts=(*_sentences(found), *table, drawing)),))
+        yield [channel.record.name, e.method, e.duration, 1, *map(finite, numbers[:3]), *[""] * 7,
+               finite(numbers[3]), unit]  # fmt: skip
 
 
 def _ranking_face(ranking: Ranking, level: float) -> Face:
@@ -261,7 +161,7 @@ def _ranking_face(ranking: Ranking, level: float) -> Face:
     _, rows = ranking.rows()
     cells = [[method, *(f"{v:.4g}" if math.isfinite(v) else "" for v in numbers)] for method, *numbers in rows]
     parts = (
-        Note(_told(ranking), "strong"),
+        Note(told(ranking), "strong"),
         Note(say("noise: {model}", model=str(ranking.model))),
     )
     sheet = Sheet(say("methods"), parts=(*parts, Table(columns(*heads), cells)))
@@ -279,11 +179,6 @@ STUDY = View(
     lambda values, fit, level: _draw(channel for study in values for channel in study),
     _rows,
     lambda study, level: interval_rows(study),
-)
-EXPERIMENT = View(
-    _experiment_face,
-    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
-    lambda found, level: (HEADINGS, list(_experiment_rows(found))),
 )
 RANKING = View(_ranking_face, rows=lambda ranking, level: ranking.rows())
 ESTIMATE = View(_estimate_face)

@@ -17,7 +17,7 @@ from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
-from allanite.study.channels import provenance_of
+from allanite.study.provenance import provenance_of
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of

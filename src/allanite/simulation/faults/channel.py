@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from allanite.core.errors import UnitError, UsageError
-from allanite.core.record import KINDS, Record
+from allanite.core.kinds import KINDS
+from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
 from allanite.statistics.row import FloatArray
 

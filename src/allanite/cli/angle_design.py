@@ -1,0 +1,173 @@
+"""``allanite angle plan`` and ``simulate``: experiments that need no file."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from allanite.core.errors import UsageError
+
+from .angle_shared import ANGLES, ARCSEC, DEGREE, PRIOR, columns_of, deliver_study
+from .deliver import STDOUT, Outputs, outputs, put
+from .options import RESULTS, options
+from .types import NUMBERS, Separated
+
+if TYPE_CHECKING:
+    from allanite.angle import AngleSettings, Gimbals, Harmonics
+
+SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
+
+EXPERIMENT = (
+    "latitude",
+    "duration",
+    "reading interval",
+    click.option(
+        "--q-law",
+        default="exact",
+        show_default=True,
+        help="Motion of the outer angle: exact, or linear as printed in the paper.",
+    ),
+    click.option("--turn-period", type=float, default=300.0, show_default=True, metavar="S", help="Auto-compensation."),
+    click.option(
+        "--sway", type=SWAY, metavar="DEG,S", help="Sway of the base in roll and pitch: amplitude and period."
+    ),
+)
+
+
+@click.command()
+@options(
+    *EXPERIMENT,
+    click.option(
+        "--start",
+        "starts",
+        type=NUMBERS,
+        metavar="S,...",
+        help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]",
+    ),
+    "given sigma",
+    click.option(
+        "--prior",
+        type=PRIOR,
+        default="3,10",
+        show_default=True,
+        metavar="A,B",
+        help="Prior standard deviations: of amplitudes, and of the other parameters, in the unit of --sigma.",
+    ),
+    "orders",
+    ANGLES,
+    "level",
+    "recipe",
+    *RESULTS,
+)
+def plan(**choices: Any) -> None:
+    """Predict how accurately errors can be known."""
+    out = outputs(choices, [choices["recipe"]])
+    from allanite.angle import plan as run
+    from allanite.angle import scan
+
+    starts = choices["starts"] or ()
+    if len(starts) == 1 and "plot" in out.paths:
+        raise UsageError("the figure compares several starts: give more than one, or write a --report instead")
+    orders = dict.fromkeys(choices["angles"], choices["orders"])
+    settings = _experiment(choices, sigma=choices["sigma"], prior=choices["prior"], orders=orders)
+    deliver_study(run(settings, *starts) if len(starts) == 1 else scan(settings, starts or None), out, choices)
+
+
+@click.command()
+@options(
+    click.argument("out", type=click.Path()),
+    *EXPERIMENT,
+    click.option(
+        "--start", type=float, default=0.0, show_default=True, metavar="S", help="Start, in seconds after h = 0."
+    ),
+    click.option(
+        "--error",
+        "errors",
+        multiple=True,
+        metavar="ANGLE:ORDER=S,C",
+        help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable.",
+    ),
+    "given sigma",
+    click.option(
+        "--walk",
+        type=float,
+        default=0.0,
+        show_default=True,
+        metavar="ARCSEC",
+        help="Standard deviation of a step of a random walk.",
+    ),
+    "seed",
+    "plot",
+    "lang",
+    "force",
+)
+def simulate(out: str, **choices: Any) -> None:
+    """Simulate a system with known errors.
+
+    Writes a CSV file OUT; --plot draws the errors against time.
+    """
+    where = outputs(choices | {"csv": out}, [])
+    import numpy as np
+
+    from allanite.angle import readings
+    from allanite.angle import simulate as run
+
+    known = _known(choices["errors"])
+    true = _experiment(choices).gimbals(choices["start"])
+    rng = np.random.default_rng(choices["seed"])
+    z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
+    seen = readings(true, known)
+    table = {"time [s]": true.time, "difference": z}
+    table |= {f"{name} [rad]": getattr(seen, name) for name in ("h", "q", "h_polar", "q_polar")}
+    table |= {} if true.rho is None else {"rho [rad]": true.rho}
+    put(out, columns_of(table), force=where.force)
+    if "plot" in where.paths:
+        put(where.paths["plot"], _drawn(true, list(known.values()), where), force=where.force)
+    if out != STDOUT:
+        click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
+
+
+def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> bytes:
+    """The errors against time, as the figure that was asked for."""
+    from allanite.reporting import figures
+    from allanite.reporting.fonts import drawn_in
+    from allanite.reporting.language import speaking
+    from allanite.reporting.style import demand_figure_path, encode
+
+    path = where.paths["plot"]
+    with speaking(where.lang), speaking(drawn_in(where.lang)):
+        return encode(figures.plot_error_in_time(gimbals, known), demand_figure_path(path, force=where.force))
+
+
+def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
+    from allanite.angle import Harmonics
+
+    found: dict[str, dict[int, tuple[float, float]]] = {}
+    for text in errors:
+        try:
+            name, _, rest = text.partition(":")
+            order, _, pair = rest.partition("=")
+            s, c = (float(part) * ARCSEC for part in pair.split(","))
+            found.setdefault(name.strip(), {})[int(order)] = (s, c)
+        except ValueError:
+            raise UsageError(
+                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
+            ) from None
+    if not found:
+        raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
+    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
+
+
+def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
+    from allanite.angle import AngleSettings
+
+    for name in ("latitude", "duration"):
+        if choices[name] is None:
+            raise UsageError(
+                f"--{name} is required: "
+                f"{'the latitude of the site' if name == 'latitude' else 'the length of the experiment'}"
+            )
+    sway = choices["sway"]
+    same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
+    turned = None if sway is None else (sway[0] * DEGREE, sway[1])
+    return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, **more)

@@ -1,0 +1,82 @@
+"""000, Gazaryan, Tairov, Ponomarev: errors of a gyro stabilizer."""
+
+import numpy as np
+from tests.conformance.papers.direct import allan, hadamard, overlapping, values
+from tests.conformance.papers.inputs import FIVE
+from tests.conformance.papers.rows import Drawn, Row, Told, arcsec, of_degree_per_hour, ratio, slope
+
+COEFFICIENTS = "analyze run1.csv --coefficients -"
+MEANING = "analyze run2.csv --device stabilizer"
+TRUTH = (("N", 0.28458, 0.03), ("R", 0.49998, 0.01), ("GM", 1.2, 0.1))
+
+ROWS = (
+    Row("eq. 2", "deviation white.npz --statistic adev --m 1,10,100 --no-intervals --csv -",
+        "deviation @ m=10", lambda: allan("white.npz", 10), 1e-9),
+    Row("eq. 8", "deviation white.npz --statistic oadev --m 1,10,100 --no-intervals --csv -",
+        "deviation @ m=100", lambda: overlapping("white.npz", 100), 1e-9),
+    Row("eq. 12", "deviation white.npz --statistic ohdev --m 1,10,100 --no-intervals --csv -",
+        "deviation @ m=10", lambda: hadamard("white.npz", 10), 1e-9),
+    Row("at M = 1 the Allan variance of any noise is the variance",
+        "deviation walk.npz --m 1 --no-intervals --csv -", "deviation @ m=1",
+        lambda: np.std(values("walk.npz")), 0.1, 0.0095324, wrong=True),
+    Row("a constant does not matter", "deviation biased.npz --m 10 --no-intervals --csv -",
+        "deviation @ m=10", lambda: overlapping("white.npz", 10), 1e-9),
+    Row("eq. 9: from a measured spectrum", "spectrum white.npz --deviation oadev --csv -",
+        "deviation @ m=16", lambda: overlapping("white.npz", 16), 0.03),
+    *(Row(f"eq. 10, {run} run: {symbol}", command, f"value @ term={symbol}", value, tolerance)
+      for run, command in (("first", COEFFICIENTS), ("second", f"{MEANING} --coefficients -"))
+      for symbol, value, tolerance in TRUTH),
+    Row("slopes: N", "analyze run1.csv --method piecewise --ranges N=0.1:0.2,R=20:120 --coefficients -",
+        "value @ term=N", 0.28458, 0.1),
+    Row("slopes: R", "analyze run1.csv --method piecewise --ranges N=0.1:0.2,R=20:120 --coefficients -",
+        "value @ term=R", 0.49998, 0.01),
+    *(Row(f"Fig. 1: slope of {symbol}",
+          f"deviation --model '{FIVE}' --rate 1 --duration '10 h' --taus 10,1000 --csv -",
+          (f"{symbol} @ tau_s=10", f"{symbol} @ tau_s=1000"), expected, 0.01, read=slope)
+      for symbol, expected in (("Q", -1.0), ("N", -0.5), ("B", 0.0), ("K", 0.5), ("R", 1.0))),
+    Row("Fig. 2: top of a sinusoid, at 0.371 of the period",
+        "deviation --model 'Sine 1 deg/h 3 Hz' --rate 1000 --duration 100 --taus 0.124 --csv -",
+        "deviation", 0.725, 0.002, read=of_degree_per_hour),
+    Row("Fig. 2: top of correlated noise, at 1.89 time constants",
+        "deviation --model 'GM 1 deg/h 1 s' --rate 100 --duration 100 --taus 1.89 --csv -",
+        "deviation", 0.617, 0.002, read=of_degree_per_hour),
+    Row("oscillation of a loop", "analyze loop.npz --terms N,GM2 --coefficients -", "value @ term=GM2", 1.0,
+        0.1),
+    Row("limits of the modified deviation that are no numbers",
+        "deviation run1.csv --statistic mdev --taus log --csv -", "blank high", 0.0, 0.0),
+    Row("Hadamard: blind to a ramp",
+        "deviation --model 'N 1 deg/sqrt(h), R 5 deg/h^2' --rate 1 --duration 2h --statistic ohdev --taus 100 --csv -",
+        ("R", "deviation"), 0.0, 1e-9, read=ratio),
+    Row("truncated run: change of R, %", "compare run1.csv --part 1800 --terms N,R,GM --csv -",
+        "change_percent @ quantity=R", 0.0, 1.0),
+    Row("second run: change of N, %", "compare run1.csv run2.csv --terms N,R,GM --csv -",
+        "change_percent @ quantity=N", 0.0, 3.0),
+    Row("two runs in one table", "analyze run1.csv run2.csv --coefficients -",
+        "value @ file=run2.csv & term=N", 0.28458, 0.05),
+    Row("conclusion 3: the minimum", COEFFICIENTS, "value @ term=minimum", 0.618, 0.05),
+    Row("conclusion 5: R has a sign", COEFFICIENTS, "low @ term=R", 0.49998, 0.01),
+    *(Row(f"sine and cosine of a resolver: {symbol}", "analyze resolver.csv --sincos az_sin,az_cos --coefficients -",
+          f"value @ term={symbol}", value, tolerance) for symbol, value, tolerance in TRUTH),
+    Row("the angle taken for increments, which gives wrong numbers that look right: N",
+        "analyze run1.csv --kind increment --coefficients -", "si_value @ term=N", 0.28458, 0.03, 2.830, wrong=True,
+        read=arcsec),
+)  # fmt: skip
+
+TOLD = (
+    Told("table of slopes", MEANING, "random component of the angular stabilization error"),
+    Told("conclusions 1, 2: white noise", MEANING, "White noise (white noise of the angle) dominates up to 0.4"),
+    Told("conclusions 1, 2: drift", MEANING, "Drift (ramp) dominates from 1.9"),
+    Told("conclusion 4", MEANING, "A Gauss-Markov process with a time constant of 1.9"),
+    Told("conclusion 5", MEANING, "The drift is systematic"),
+    Told("truncated run", "compare run1.csv --part 1800 --terms N,R,GM", "no change of the noise is detected"),
+    Told("second run", "compare run1.csv run2.csv --terms N,R,GM", "no change of the noise is detected"),
+    Told("the angle as a rate", "analyze run1.csv --kind rate",
+         "--kind value: the quantity itself, whose own noise is wanted", 2),
+    Told("sine without cosine", "analyze resolver.csv --sincos az_sin", "pairs of columns, the sine first", 2),
+)  # fmt: skip
+
+DRAWN = (
+    Drawn("Fig. 1", f"deviation --model '{FIVE}' --rate 1 --duration '10 h' --plot fig.svg"),
+    Drawn("Fig. 2", "deviation --model 'Sine 1 deg/h 3 Hz' --rate 100 --duration '1 min' --plot fig.svg"),
+    Drawn("Fig. 3", "deviation run2.csv --statistic adev,oadev,mdev,ohdev --taus log --no-intervals --plot fig.svg"),
+)

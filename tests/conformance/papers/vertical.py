@@ -1,0 +1,53 @@
+"""000, its end: Matveev's gyro-vertical, of which the abstract survives."""
+
+from tests.conformance.papers.rows import Drawn, Row, Told, arcsec, ratio
+
+VERTICAL = "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'"
+COLOURED = (
+    "vertical --gyro 'N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz), B 50 ug'"
+)
+HOUR = f"{COLOURED} --duration '1 h'"
+SCENARIOS = f"{VERTICAL} --scenarios --rate 50 --csv -"
+
+ROWS = (
+    Row("best time constant, s", f"{VERTICAL} --json -", "/optimum/time_constant", 1.1459, 0.002),
+    Row("its error", f"{VERTICAL} --json -", "/optimum/first/rms", 19.27, 0.002, read=arcsec),
+    *(Row(f"detuned {factor} times", f"{VERTICAL} --json -", f"/optimum/detuning/{i}/1", error, 0.005,
+          read=arcsec)
+      for i, factor, error in ((0, 0.25, 28.1), (1, 0.5, 21.5), (3, 2, 21.5), (4, 4, 28.1))),
+    Row("bias: time constant, s", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/time_constant",
+        0.810, 0.002),
+    Row("bias: error", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/first/rms", 21.43, 0.002,
+        read=arcsec),
+    *(Row(f"Kalman: {gain}", VERTICAL.replace("0.3 deg/sqrt(h)",
+          "0.3 deg/sqrt(h), K 20 deg/h/sqrt(h)") + " --json -",
+          f"/optimum/second/loop/{gain}", value, 0.04) for gain, value in (("k1", 0.89099), ("k2", 0.016160))),
+    Row("flicker, 10 min: time constant, s", f"{COLOURED} --duration '10 min' --json -",
+        "/optimum/time_constant", 0.762, 0.02),
+    Row("flicker, 10 min: error", f"{COLOURED} --duration '10 min' --json -", "/optimum/first/rms", 26.3,
+        0.01, read=arcsec),
+    Row("flicker, 1 h: time constant, s", f"{HOUR} --json -",
+        "/optimum/time_constant", 0.691, 0.03),
+    Row("flicker, 1 h: error", f"{HOUR} --json -", "/optimum/first/rms", 28.3, 0.01,
+        read=arcsec),
+    *(Row(f"scenario {scenario}, {name}: error, deg", SCENARIOS, f"{scenario} rms @ filter={name}", error, 0.06)
+      for name, scenario, error in (
+          ("accelerometer", "acceleration", 2.378), ("first order, 1 s", "acceleration", 2.286),
+          ("first order, 10 s", "acceleration", 1.465), ("madgwick, beta 0.033", "acceleration", 2.300),
+          ("madgwick, beta 0.001", "acceleration", 0.555), ("mahony, 50 s", "acceleration", 0.467),
+          ("first order, 1 s", "oscillation", 0.507), ("accelerometer", "oscillation", 0.838),
+          ("madgwick, beta 0.033", "oscillation", 0.838))),
+    Row("scenario acceleration: what a gate on the norm gains", SCENARIOS,
+        ("acceleration rms @ filter=100 s, norm gate 0.02 g", "acceleration rms @ filter=first order, 100 s"), 1.0, 0.0,
+        read=ratio),
+    Row("no filter is better than the bound", f"{VERTICAL} --json -", ("/optimum/bound", "/optimum/first/rms"), 1.0,
+        0.001, read=ratio),
+)  # fmt: skip
+
+TOLD = (
+    Told("what no time constant removes", HOUR, "floor: 15.9 arcsec from flicker and bias of the accelerometer"),
+    Told("random walk of the rate wants a second order", HOUR, "use the filter of second order"),
+    Told("structure: the error by source", HOUR, "accelerometer B = 50 ug"),
+)
+
+DRAWN = (Drawn("transfer functions", f"{VERTICAL} --plot fig.svg"),)
