@@ -1,8 +1,9 @@
 """Sums of squared differences, and powers of short cosine transforms, of samples that come in chunks.
 
 A cell of level k is the sum of 2^k samples; a pair of cells makes one of the next level. At level k the differences
-over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 16 cells are
-transformed (DCT-II) for the octave of their frequencies that no other level reads. What differences need of the past
+over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 32 cells,
+one every 16, are transformed for the octave of their frequencies that no other level reads (at level 0 segments of 16,
+one every 8, for the upper two). What differences need of the past
 are the last cells of each level; what another part needs that ends where this one begins are the first. Every angle
 is summed from its own level's last cells: no sum grows with the length of the stream.
 
@@ -16,15 +17,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .allan import squares
+from .allan import dot, squares
 
 FAST = {"reassoc", "nsz", "contract"}
 
 LEVELS = 32
 """Averaging factors reach to 15 * 2^31."""
 
-SEGMENT = 16
-"""Cells of a segment."""
+FINEST, HOP = 8, 16
+"""Cells from one segment to the next, at level 0 and above; a segment is twice as long."""
 
 OCTAVE = 8
 """Averaging factors of a level: q = 8 .. 15."""
@@ -32,11 +33,8 @@ OCTAVE = 8
 FIRST = 15
 """Averaging factors of level 0: 1 .. 15."""
 
-BAND = 4
-"""Coefficients of a segment: 4 .. 7."""
-
-FINEST = 12
-"""Coefficients of a segment of level 0: 4 .. 15."""
+UPPER, BAND = 6, 4
+"""Coefficients of a segment, at level 0 and above."""
 
 MANY = 128
 """Segments that are transformed at a time."""
@@ -52,7 +50,7 @@ class State(NamedTuple):
     ----------
     sums, counts : arrays, shape (15 + 8 * 31,)
         Of the squared differences, level by level.
-    powers : array, shape (12 + 4 * 31,)
+    powers : array, shape (6 + 4 * 31,)
         Sums of the squared coefficients.
     segments : array, shape (levels,)
     head, tail : arrays, shape (levels, channels, cells)
@@ -82,7 +80,8 @@ class State(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def push(state, values, constant, shape):  # type: ignore[no-untyped-def]
-    """Add finite samples that follow the last one; `shape` is (order of the differences, transform).
+    """Add finite samples that follow the last one; `shape` is (order of the differences, rows of the transform at
+    level 0, and above).
 
     Returns whether the sum of the samples is finite; if not, nothing is added.
     """
@@ -191,7 +190,7 @@ def _read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
 
     span[2] is the place of the row's first cell.
     """
-    order, transform = shape
+    order, fine, coarse = shape
     points = _points(row, k)
     base = 0 if k == 0 else FIRST + OCTAVE * (k - 1)
     least = 1 if k == 0 else OCTAVE
@@ -211,11 +210,12 @@ def _read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
             found = _four(points, q, order, near, min(near + NEAR, last))
             for j in range(max(q, least), q + 4):
                 state.sums[base + j - least] += found[j - q]
-    first = max(after + 1 - SEGMENT, 0)
-    first += -(span[2] + first) % SEGMENT
-    last = min(before, row.shape[1] - SEGMENT + 1)
+    hop = HOP if k else FINEST
+    first = max(after + 1 - 2 * hop, 0)
+    first += -(span[2] + first) % hop
+    last = min(before, row.shape[1] - 2 * hop + 1)
     if last > first:
-        _transform(state, k, row[0, first:], (last - first + SEGMENT - 1) // SEGMENT, transform)
+        _transform(state, k, row[0, first:], (last - first + hop - 1) // hop, coarse if k else fine)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -280,39 +280,44 @@ def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def _transform(state, k, cells, segments, transform):  # type: ignore[no-untyped-def]
-    """Squares of the coefficients of successive segments; `transform` has the halves of its even and odd rows."""
-    half = SEGMENT // 2
-    base = 0 if k == 0 else FINEST + BAND * (k - 1)
-    size = FINEST if k == 0 else BAND
-    folded = np.zeros((2, half, MANY))
+def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
+    """Squares of the coefficients of successive segments; `rows` are the window, and weights of what is folded."""
+    window, hop = rows[0], (rows.shape[1] - 1) // 2
+    half, base = hop // 2, UPPER + BAND * (k - 1) if k else 0
+    folded, c = np.zeros((hop + 1, MANY)), np.empty(MANY)
     for start in range(0, segments, MANY):
         many = min(MANY, segments - start)
         if many < MANY:
             folded[:] = 0.0
         for s in range(many):
-            a = (start + s) * SEGMENT
+            x = cells[(start + s) * hop : (start + s + 2) * hop]
+            total = 0.0
             for i in range(half):
-                u, v = cells[a + i], cells[a + SEGMENT - 1 - i]
-                folded[0, i, s] = u + v
-                folded[1, i, s] = u - v
-        for j in range(size):
-            state.powers[base + j] += _squared(folded[j % 2], transform[j])
+                a, b = x[i], x[hop - 1 - i]
+                d, e = x[hop + half - 1 - i], x[hop + half + i]
+                total += (a + b) + (d + e)
+                folded[half + i, s] = window[i] * a - window[hop - 1 - i] * b
+                folded[i, s] = -(window[hop + half - 1 - i] * d + window[hop + half + i] * e)
+            folded[hop, s] = total
+        for j in range(rows.shape[0] - 1):
+            weights = rows[j + 1]
+            for s in range(MANY):
+                c[s] = weights[hop] * folded[hop, s]
+            for i in range(0, hop, 8):
+                _add_eight(c, folded[i : i + 8], weights[i : i + 8])
+            state.powers[base + j] += dot(c, c)
     state.segments[k] += segments
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def _squared(folded, weights):  # type: ignore[no-untyped-def]
-    """Sum of the squares of weights' folded."""
-    a, b, c, d = weights[0], weights[1], weights[2], weights[3]
-    e, f, g, h = weights[4], weights[5], weights[6], weights[7]
+def _add_eight(c, folded, weights):  # type: ignore[no-untyped-def]
+    """C += weights' folded, of eight rows."""
+    a, b, d, e = weights[0], weights[1], weights[2], weights[3]
+    f, g, h, i = weights[4], weights[5], weights[6], weights[7]
     s, t, u, v = folded[0], folded[1], folded[2], folded[3]
     w, x, y, z = folded[4], folded[5], folded[6], folded[7]
-    total = 0.0
-    for i in range(s.size):
-        sum_ = ((a * s[i] + b * t[i]) + (c * u[i] + d * v[i])) + ((e * w[i] + f * x[i]) + (g * y[i] + h * z[i]))
-        total += sum_ * sum_
-    return total
+    for n in range(c.size):
+        c[n] += ((a * s[n] + b * t[n]) + (d * u[n] + e * v[n])) + ((f * w[n] + g * x[n]) + (h * y[n] + i * z[n]))
 
 
 @njit(cache=True, nogil=True)

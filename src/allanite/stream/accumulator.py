@@ -2,7 +2,6 @@
 
 import math
 from copy import deepcopy
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 
 from .cells import Cells
+from .lapped import folded
 
 TAIL = {2: 32, 3: 48}
 """Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""
@@ -99,7 +99,7 @@ class Accumulator:
         self.row: Statistic = STATISTICS[statistic]
         channels, kept = 2 if self.row.summed else 1, TAIL[self.row.differences]
         levels, points = streamed.LEVELS, streamed.FIRST + streamed.OCTAVE * (streamed.LEVELS - 1)
-        powers = streamed.FINEST + streamed.BAND * (levels - 1)
+        powers = streamed.UPPER + streamed.BAND * (levels - 1)
         self.state = streamed.State(
             sums=np.zeros(points),
             counts=np.zeros(points, np.int64),
@@ -178,9 +178,7 @@ class Accumulator:
         UsageError
             The other one is of another kind of stream or statistic, or begins before this one ends.
         """
-        mine, theirs = (
-            (a.like.rate, a.like.unit, a.like.kind, a.like.scale, a.row.name) for a in (self, other)
-        )
+        mine, theirs = ((a.like.rate, a.like.unit, a.like.kind, a.like.scale, a.row.name) for a in (self, other))
         if mine != theirs:
             raise UsageError(f"only parts of one stream can be merged, not {mine} and {theirs}")
         if other.start < self.stop:
@@ -226,8 +224,10 @@ class Accumulator:
         return f"Accumulator({self.row.name} of {self.size} samples, {self.like.rate:g} Hz, {self.like.unit})"
 
     @property
-    def _shape(self) -> tuple[int, FloatArray]:
-        return self.row.differences, folded_rows()
+    def _shape(self) -> tuple[int, FloatArray, FloatArray]:
+        from allanite.kernels.streamed import BAND, FINEST, HOP, UPPER
+
+        return self.row.differences, folded(FINEST, UPPER), folded(HOP, BAND)
 
     def _push(self, values: FloatArray) -> None:
         """Add a block, or the stretches of it without missing samples."""
@@ -266,19 +266,9 @@ class Accumulator:
         more, state = self.constant - constant, self.state
         width = 2.0 ** np.arange(len(state.at))
         each = np.stack((more * width, more * width * (width + 1) / 2))[: state.head.shape[1]].T
-        for cells in (state.head, state.tail):
-            cells += each[:, :, None]
-        for cell in (state.odd, state.even):
-            cell += each
+        state.head[:] += each[:, :, None]
+        state.tail[:] += each[:, :, None]
+        state.odd[:] += each
+        state.even[:] += each
         self.cells.total += more * self.cells.count
         self.constant = constant
-
-
-@cache
-def folded_rows() -> FloatArray:
-    """Rows 4 to 15 of the orthonormal DCT-II of a segment, their first halves, shape (12, 8)."""
-    from allanite.kernels.streamed import FINEST, SEGMENT
-
-    k = np.arange(SEGMENT - FINEST, SEGMENT)
-    i = np.arange(SEGMENT // 2) + 0.5
-    return math.sqrt(2 / SEGMENT) * np.cos(math.pi / SEGMENT * np.outer(k, i))

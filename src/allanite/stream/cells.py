@@ -44,7 +44,7 @@ class Cells:
             both = np.zeros(2 * MOST, values.dtype)
             both[odd : odd + MOST] = values
             values[:] = 0
-            values[: MOST] = both.reshape(MOST, 2).sum(axis=1)
+            values[:MOST] = both.reshape(MOST, 2).sum(axis=1)
         self.first, self.size = self.first // 2, 2 * self.size
 
     def merge(self, other: "Cells") -> None:

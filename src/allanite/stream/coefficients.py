@@ -1,13 +1,12 @@
 r"""The noise of a stream, from the powers of short cosine transforms at every octave and one of the whole.
 
-Segments of 16 cells of 2^k samples are transformed and their coefficients 4 to 7 squared and summed, at the samples
-themselves 4 to 15: an octave of frequencies each. Below that stand the coefficients of the whole stream, of at most 512
-sums over equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the
-octave above on theirs, whose powers are therefore not quite independent (a tenth, at most).
+Segments of 32 cells of 2^k samples are transformed and squared in the octave from 1/8 to 1/4 of the rate of the cells,
+segments of 16 samples from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512 sums over
+equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the octave
+above on theirs, whose powers are therefore not quite independent (a tenth, at most).
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +26,10 @@ from allanite.prepare.gaps import FEW, Gaps, gaps_between
 from allanite.statistics.moments.gls import second_difference
 from allanite.terms import NoiseTerm, ramp_coefficients
 
+from .lapped import basis
+
 if TYPE_CHECKING:
     from .accumulator import Accumulator
-
-MEETING = 3.625
-"""Where the lowest bin of a segment begins, in its coefficients: halfway to the last one of the level above it."""
 
 FULL = 0.5
 """Share of its samples that a cell must have."""
@@ -81,28 +79,23 @@ class Ladder:
 
     def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
         """Variance of the coefficients of the segments, shape (bins,)."""
+        from scipy.linalg import toeplitz
+
         found = mean.copy()
         for k in np.unique(self.level[self.low :]):
             own, factor = coarser(term, 1 << int(k))
             here = self.level == k
             here[: self.low] = False
-            found[here] = factor * (self._whole.T @ _toeplitz(second_difference(own, len(self._whole)) / 2)
-                                    * self._whole.T).sum(axis=1)[self.index[here]]  # fmt: skip
+            rows = _rows(int(k))
+            C = toeplitz(second_difference(own, rows.shape[1]) / 2)
+            found[here] = factor * ((rows @ C) * rows).sum(axis=1)[self.index[here]]
         return found
 
-    @cached_property
-    def _whole(self) -> FloatArray:
-        """The cosines of a segment, shape (samples, coefficients)."""
-        from scipy.fft import dct
 
-        from allanite.kernels.streamed import SEGMENT
+def _rows(level: int) -> FloatArray:
+    from allanite.kernels.streamed import BAND, FINEST, HOP, UPPER
 
-        return np.asarray(dct(np.eye(SEGMENT), norm="ortho"))
-
-
-def _toeplitz(c: FloatArray) -> FloatArray:
-    i = np.arange(c.size)
-    return np.asarray(c[np.abs(i[:, None] - i)])
+    return basis(HOP)[:BAND] if level else basis(FINEST)[:UPPER]
 
 
 def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
@@ -165,22 +158,17 @@ class Upper:
 
 def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
     """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
-    from allanite.kernels.streamed import BAND, FINEST, SEGMENT
+    from allanite.kernels.streamed import BAND, UPPER
 
     state, found = stream.state, []
-    ramp = ramp_coefficients(np.arange(1.0, SEGMENT), SEGMENT)
     for k in reversed(range(int(stream.cells.size).bit_length() - 1)):
-        many, size = int(state.segments[k]), BAND if k else FINEST
-        base = FINEST + BAND * (k - 1) if k else 0
-        low, top = SEGMENT - FINEST, SEGMENT - FINEST + size
-        edges = np.append(np.arange(low, top) - 0.5, 2 * MEETING if k else SEGMENT)
-        edges[0] = MEETING
-        at = np.rint(edges * (n / (SEGMENT << k))).astype(np.int64)
-        for j in range(size if many else 0):
-            drift = (slope * 2.0 ** (1.5 * k) * ramp[low + j - 1]) ** 2
-            power = state.powers[base + j] / many / 2.0**k - drift
-            found.append((at[j], at[j + 1] - at[j], max(power, 0.0), k, low + j, many))
-    columns = zip(*found, strict=True) if found else [()] * 6
-    first, count, power, level, index, told = (np.array(column) for column in columns)
-    return Upper(*(v.astype(np.int64) for v in (first, count)), power.astype(np.float64),
-                 *(v.astype(np.int64) for v in (level, index)), told.astype(np.float64))  # fmt: skip
+        rows, many = _rows(k), int(state.segments[k])
+        hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
+        edges = np.rint((hop // 4 + np.arange(len(rows) + 1)) * (n / (hop << k))).astype(np.int64)
+        drift = (slope * 2.0 ** (1.5 * k) * (rows @ np.arange(2.0 * hop))) ** 2
+        for j in range(len(rows) if many else 0):
+            power = state.powers[base + j] / many / 2.0**k - drift[j]
+            found.append((edges[j], edges[j + 1] - edges[j], max(power, 0.0), k, j, many))
+    table = np.array(found, dtype=np.float64).reshape(-1, 6).T
+    first, count, level, index = (table[i].astype(np.int64) for i in (0, 1, 3, 4))
+    return Upper(first, count, table[2], level, index, table[5])

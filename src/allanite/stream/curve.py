@@ -55,7 +55,7 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     return Curve(
         statistic=row.name,
         m=m,
-        tau=m * row.tau_factor / like.rate,
+        tau=np.asarray(m * row.tau_factor / like.rate, dtype=np.float64),
         variance=mean * (m * row.tau_factor) ** (2.0 * row.power) * unit**2,
         count=count,
         factor=np.ones(m.size),

@@ -44,17 +44,20 @@ CELLS = 24
 
 
 class Parts(Protocol):
-    """A spectrum whose lowest bins, `low` of them, are of the whole record, and the others of short pieces of it.
-
-    `told` are the coefficients in the bins of the pieces, shape (bins,), `even` the share of the others that counts.
-    """
+    """How a spectrum is read whose lowest bins are of the whole record, and the others of short pieces of it."""
 
     @property
-    def low(self) -> int: ...
+    def low(self) -> int:
+        """Number of bins of the whole record."""
+
     @property
-    def even(self) -> float: ...
+    def even(self) -> float:
+        """Share of their coefficients that counts."""
+
     @property
-    def told(self) -> FloatArray: ...
+    def told(self) -> FloatArray:
+        """Coefficients in the bins of the pieces, shape (bins,)."""
+
     def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients of the lowest bins under a term."""
 
