@@ -1,9 +1,9 @@
 """Sums of squared differences, and powers of short cosine transforms, of samples that come in chunks.
 
 A cell of level k is the sum of 2^k samples; a pair of cells makes one of the next level. At level k the differences
-over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 32 cells,
-one every 16, are transformed for the octave of their frequencies that no other level reads (at level 0 segments of 16,
-one every 8, for the upper two). What differences need of the past
+over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 16 cells,
+one every 8, are transformed for the octave of their frequencies that no other level reads (at level 0 for the upper
+two). What differences need of the past
 are the last cells of each level; what another part needs that ends where this one begins are the first. Every angle
 is summed from its own level's last cells: no sum grows with the length of the stream.
 
@@ -17,15 +17,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .allan import dot, squares
+from .allan import squares
 
 FAST = {"reassoc", "nsz", "contract"}
 
 LEVELS = 32
 """Averaging factors reach to 15 * 2^31."""
 
-FINEST, HOP = 8, 16
-"""Cells from one segment to the next, at level 0 and above; a segment is twice as long."""
+HOP = 8
+"""Cells from one segment to the next; a segment is twice as long."""
 
 OCTAVE = 8
 """Averaging factors of a level: q = 8 .. 15."""
@@ -33,7 +33,7 @@ OCTAVE = 8
 FIRST = 15
 """Averaging factors of level 0: 1 .. 15."""
 
-UPPER, BAND = 6, 4
+UPPER, BAND = 6, 2
 """Coefficients of a segment, at level 0 and above."""
 
 MANY = 128
@@ -50,7 +50,7 @@ class State(NamedTuple):
     ----------
     sums, counts : arrays, shape (15 + 8 * 31,)
         Of the squared differences, level by level.
-    powers : array, shape (6 + 4 * 31,)
+    powers : array, shape (6 + 2 * 31,)
         Sums of the squared coefficients.
     segments : array, shape (levels,)
     head, tail : arrays, shape (levels, channels, cells)
@@ -80,8 +80,7 @@ class State(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def push(state, values, constant, shape):  # type: ignore[no-untyped-def]
-    """Add finite samples that follow the last one; `shape` is (order of the differences, rows of the transform at
-    level 0, and above).
+    """Add finite samples that follow the last one; `shape` is (order of the differences, rows of the transform).
 
     Returns whether the sum of the samples is finite; if not, nothing is added.
     """
@@ -190,7 +189,7 @@ def _read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
 
     span[2] is the place of the row's first cell.
     """
-    order, fine, coarse = shape
+    order, transform = shape
     points = _points(row, k)
     base = 0 if k == 0 else FIRST + OCTAVE * (k - 1)
     least = 1 if k == 0 else OCTAVE
@@ -210,12 +209,11 @@ def _read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
             found = _four(points, q, order, near, min(near + NEAR, last))
             for j in range(max(q, least), q + 4):
                 state.sums[base + j - least] += found[j - q]
-    hop = HOP if k else FINEST
-    first = max(after + 1 - 2 * hop, 0)
-    first += -(span[2] + first) % hop
-    last = min(before, row.shape[1] - 2 * hop + 1)
+    first = max(after + 1 - 2 * HOP, 0)
+    first += -(span[2] + first) % HOP
+    last = min(before, row.shape[1] - 2 * HOP + 1)
     if last > first:
-        _transform(state, k, row[0, first:], (last - first + hop - 1) // hop, coarse if k else fine)
+        _transform(state, k, row[0, first:], (last - first + HOP - 1) // HOP, transform)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -279,45 +277,51 @@ def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
         x[i + 1] = total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
     """Squares of the coefficients of successive segments; `rows` are the window, and weights of what is folded."""
-    window, hop = rows[0], (rows.shape[1] - 1) // 2
-    half, base = hop // 2, UPPER + BAND * (k - 1) if k else 0
-    folded, c = np.zeros((hop + 1, MANY)), np.empty(MANY)
+    base, size = (UPPER + BAND * (k - 1), BAND) if k else (0, UPPER)
+    folded = np.zeros((HOP + 1, MANY))
     for start in range(0, segments, MANY):
         many = min(MANY, segments - start)
         if many < MANY:
             folded[:] = 0.0
-        for s in range(many):
-            x = cells[(start + s) * hop : (start + s + 2) * hop]
-            total = 0.0
-            for i in range(half):
-                a, b = x[i], x[hop - 1 - i]
-                d, e = x[hop + half - 1 - i], x[hop + half + i]
-                total += (a + b) + (d + e)
-                folded[half + i, s] = window[i] * a - window[hop - 1 - i] * b
-                folded[i, s] = -(window[hop + half - 1 - i] * d + window[hop + half + i] * e)
-            folded[hop, s] = total
-        for j in range(rows.shape[0] - 1):
-            weights = rows[j + 1]
-            for s in range(MANY):
-                c[s] = weights[hop] * folded[hop, s]
-            for i in range(0, hop, 8):
-                _add_eight(c, folded[i : i + 8], weights[i : i + 8])
-            state.powers[base + j] += dot(c, c)
+        _fold(cells[start * HOP :], rows[0], many, folded)
+        for j in range(size):
+            state.powers[base + j] += _squared(folded, rows[j + 1])
     state.segments[k] += segments
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def _add_eight(c, folded, weights):  # type: ignore[no-untyped-def]
-    """C += weights' folded, of eight rows."""
-    a, b, d, e = weights[0], weights[1], weights[2], weights[3]
-    f, g, h, i = weights[4], weights[5], weights[6], weights[7]
-    s, t, u, v = folded[0], folded[1], folded[2], folded[3]
-    w, x, y, z = folded[4], folded[5], folded[6], folded[7]
-    for n in range(c.size):
-        c[n] += ((a * s[n] + b * t[n]) + (d * u[n] + e * v[n])) + ((f * w[n] + g * x[n]) + (h * y[n] + i * z[n]))
+def _fold(cells, window, many, folded):  # type: ignore[no-untyped-def]
+    """Segments (a, b, c, d) in quarters, times the window, as (-c' - d, a - b') and the sum of the segment."""
+    a, b, c, d = window[0], window[1], window[2], window[3]
+    e, f, g, h = window[4], window[5], window[6], window[7]
+    for s in range(many):
+        x = cells[s * HOP : (s + 2) * HOP]
+        folded[0, s], folded[1, s] = -(e * x[11] + d * x[12]), -(f * x[10] + c * x[13])
+        folded[2, s], folded[3, s] = -(g * x[9] + b * x[14]), -(h * x[8] + a * x[15])
+        folded[4, s], folded[5, s] = a * x[0] - h * x[7], b * x[1] - g * x[6]
+        folded[6, s], folded[7, s] = c * x[2] - f * x[5], d * x[3] - e * x[4]
+        total = 0.0
+        for i in range(2 * HOP):
+            total += x[i]
+        folded[8, s] = total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _squared(folded, weights):  # type: ignore[no-untyped-def]
+    """Sum of the squares of weights' folded."""
+    a, b, c, d, e = weights[0], weights[1], weights[2], weights[3], weights[4]
+    f, g, h, i = weights[5], weights[6], weights[7], weights[8]
+    r, s, t, u, v = folded[0], folded[1], folded[2], folded[3], folded[4]
+    w, x, y, z = folded[5], folded[6], folded[7], folded[8]
+    total = 0.0
+    for n in range(r.size):
+        one = ((a * r[n] + b * s[n]) + (c * t[n] + d * u[n])) + ((e * v[n] + f * w[n]) + (g * x[n] + h * y[n]))
+        one += i * z[n]
+        total += one * one
+    return total
 
 
 @njit(cache=True, nogil=True)

@@ -224,10 +224,10 @@ class Accumulator:
         return f"Accumulator({self.row.name} of {self.size} samples, {self.like.rate:g} Hz, {self.like.unit})"
 
     @property
-    def _shape(self) -> tuple[int, FloatArray, FloatArray]:
-        from allanite.kernels.streamed import BAND, FINEST, HOP, UPPER
+    def _shape(self) -> tuple[int, FloatArray]:
+        from allanite.kernels.streamed import HOP
 
-        return self.row.differences, folded(FINEST, UPPER), folded(HOP, BAND)
+        return self.row.differences, folded(HOP)
 
     def _push(self, values: FloatArray) -> None:
         """Add a block, or the stretches of it without missing samples."""

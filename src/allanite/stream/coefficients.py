@@ -1,7 +1,7 @@
 r"""The noise of a stream, from the powers of short cosine transforms at every octave and one of the whole.
 
-Segments of 32 cells of 2^k samples are transformed and squared in the octave from 1/8 to 1/4 of the rate of the cells,
-segments of 16 samples from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512 sums over
+Segments of 16 cells of 2^k samples are transformed and squared in the octave from 1/8 to 1/4 of the rate of the cells,
+those of the samples themselves from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512 sums over
 equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the octave
 above on theirs, whose powers are therefore not quite independent (a tenth, at most).
 """
@@ -93,9 +93,9 @@ class Ladder:
 
 
 def _rows(level: int) -> FloatArray:
-    from allanite.kernels.streamed import BAND, FINEST, HOP, UPPER
+    from allanite.kernels.streamed import BAND, HOP
 
-    return basis(HOP)[:BAND] if level else basis(FINEST)[:UPPER]
+    return basis(HOP)[: BAND if level else None]
 
 
 def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:

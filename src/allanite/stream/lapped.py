@@ -33,19 +33,19 @@ def basis(hop: int) -> FloatArray:
 
 
 @cache
-def folded(hop: int, rows: int) -> FloatArray:
-    """The window, and the first `rows` of the basis as weights of the folded samples and of their sum.
+def folded(hop: int) -> FloatArray:
+    """The window, and the basis as weights of the folded samples and of their sum.
 
     A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order: of
     that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
-    Shape (1 + rows, 2 hop + 1), where a row has hop + 1 weights.
+    Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
     """
-    k, j = np.arange(hop // 4, hop // 4 + rows)[:, None] + 0.5, np.arange(hop) + 0.5
-    raw = _window(hop) * _cosines(hop)[:rows]
+    k, j = np.arange(hop // 4, hop)[:, None] + 0.5, np.arange(hop) + 0.5
+    raw = _window(hop) * _cosines(hop)
     mean = raw.mean(axis=1)
     length = np.sqrt(((raw - mean[:, None]) ** 2).sum(axis=1))
-    found = np.zeros((1 + rows, 2 * hop + 1))
-    found[0, : 2 * hop] = _window(hop)
+    found = np.zeros((1 + len(raw), 2 * hop))
+    found[0] = _window(hop)
     found[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
     found[1:, hop] = -mean / length
     return found
