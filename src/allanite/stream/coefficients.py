@@ -1,9 +1,9 @@
 r"""The noise of a stream, from the powers of short cosine transforms at every octave and one of the whole.
 
 Segments of 16 cells of 2^k samples are transformed and squared in the octave from 1/8 to 1/4 of the rate of the cells,
-those of the samples themselves from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512 sums over
-equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the octave
-above on theirs, whose powers are therefore not quite independent (a tenth, at most).
+those of the samples themselves from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512
+sums over equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the
+octave above on theirs, whose powers are therefore not quite independent (a tenth, at most).
 """
 
 from dataclasses import dataclass

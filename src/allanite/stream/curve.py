@@ -9,7 +9,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.limits import Remembered
@@ -74,8 +74,7 @@ def law_of(
     row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float], noise: Averaged | Literal["auto"]
 ) -> "StrideLaw":
     """The law of points from their numbers of windows and the sampling rate, under models."""
-    if not isinstance(noise, Averaged):
-        raise UsageError("the intervals of a stream need a model of its noise: pass noise=stream.fit()")
+    assert isinstance(noise, Averaged)  # noqa: S101 - `curve_of` takes models only
     count, rate = seen
     per, fixed = row.span
     size = count + per * q + fixed - 1

@@ -29,9 +29,7 @@ class Lines:
         """The rows that are complete now."""
         *whole, self.rest = (self.rest + data).split(b"\n")
         if len(self.rest) > LONGEST:
-            raise UsageError(
-                "what comes has no lines: a stream is lines of numbers, with commas or blanks between them"
-            )
+            raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
         found = (self._row(line) for line in whole)
         return [row for row in found if row is not None]
 

@@ -50,8 +50,7 @@ class Monitor:
         whole = np.concatenate(self.waiting)
         used = whole.size - whole.size % self.span
         self.waiting = [whole[used:]]
-        found = [one for block in whole[:used].reshape(-1, self.span) for one in self._block(block)]
-        return found
+        return [one for block in whole[:used].reshape(-1, self.span) for one in self._block(block)]
 
     def gap(self, samples: int) -> None:
         """Go on after missing samples."""
@@ -66,39 +65,23 @@ class Monitor:
 
     def findings(self) -> tuple[Finding, ...]:
         """What was found so far."""
-        rate, found = self.stream.like.rate, []
+        stream, found = self.stream, []
         if self.moved:
-            first, last = self.moved[0][0] / rate, self.moved[-1][1] / rate
-            found.append(
-                Finding(
-                    "moving",
-                    say(
-                        "moved in {places}, the first from {first:.4g} s, the last until {last:.4g} s; these samples "
-                        "are left out",
-                        places=say_count(len(self.moved), "{count} place", "{count} places"),
-                        first=first,
-                        last=last,
-                    ),
-                    AT_REST,
-                    place=(first, last),
-                )  # fmt: skip
+            first, last = (at / stream.like.rate for at in (self.moved[0][0], self.moved[-1][1]))
+            count = say_count(len(self.moved), "{count} place", "{count} places")
+            what = say(
+                "moved in {places}, from {first:.4g} s to {last:.4g} s; these samples are left out",
+                places=count,
+                first=first,
+                last=last,
             )
-        stream = self.stream
-        other = stream.missing - sum(last - first for first, last in self.moved)
-        if other > 0:
-            size = stream.stop - stream.start
-            found.append(
-                Finding(
-                    "gaps",
-                    say(
-                        "{lost} of {size} samples are missing ({share})",
-                        lost=other,
-                        size=size,
-                        share=percent(other / size),
-                    ),
-                    say("gaps are not filled: windows with missing samples are omitted"),
-                )  # fmt: skip
-            )
+            found.append(Finding("moving", what, AT_REST, place=(first, last)))
+        lost, size = stream.missing - sum(last - first for first, last in self.moved), stream.stop - stream.start
+        if lost > 0:
+            share = percent(lost / size)
+            what = say("{lost} of {size} samples are missing ({share})", lost=lost, size=size, share=share)
+            rule = say("gaps are not filled: windows with missing samples are omitted")
+            found.append(Finding("gaps", what, rule))
         return (*found, *self.seen.values())
 
     def _block(self, block: FloatArray) -> list[Finding]:

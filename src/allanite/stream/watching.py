@@ -51,7 +51,7 @@ class WatchSettings:
 
 @dataclass
 class Watch:
-    """A stream of channels that is watched.
+    r"""A stream of channels that is watched.
 
     `events` says what happens, in words, when it does: motion, a device that is gone or back, a report.
 
@@ -60,7 +60,7 @@ class Watch:
     >>> import tempfile
     >>> rng = np.random.default_rng(1)
     >>> with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
-    ...     _ = file.write("".join(f"{v:.6f}\\n" for v in rng.normal(0.0, 2.0, 5000)))
+    ...     _ = file.write("".join(f"{v:.6f}\n" for v in rng.normal(0.0, 2.0, 5000)))
     ...     file.flush()
     ...     watch = Watch(file.name, Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.1))
     ...     for words in watch.events():
