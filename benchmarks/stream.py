@@ -97,7 +97,7 @@ def main() -> None:
     fast = speed()
     size = al.Accumulator(1.0, "deg/h").nbytes
     notes = [
-        f"seeds: 1..{run.asked.records}; an error over the bound is known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
+        f"seeds: 1..{run.asked.records}; errors over bound are known to {100 / np.sqrt(2 * run.asked.records):.0f} %",
         "the machine was shared: read the ratios of one run, not the paces",
     ]
     body = [

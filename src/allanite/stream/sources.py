@@ -2,9 +2,12 @@
 
 import ipaddress
 import os
+import queue
 import select
 import socket
 import stat
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from urllib.parse import urlsplit
@@ -15,19 +18,72 @@ from allanite.core.language import say
 PIECE = 1 << 16
 """Bytes that are taken at a time."""
 
+WAIT = 0.2
+"""Seconds to wait for data at a time."""
+
+AHEAD = 16
+"""Pieces of a file that are read before they are needed."""
+
+ROOM = 1 << 22
+"""Bytes of datagrams that the system is asked to hold."""
+
 
 @dataclass(frozen=True)
 class Tap:
     """An open source.
 
     ``take(seconds)`` waits so long at most and returns what came, b"" if nothing did; OSError where the source is gone,
-    as a device is that was unplugged. `live` says whether what comes is new, so that time that passes without data is
-    time without samples.
+    as a device is that was unplugged. What comes `live` is lost if nobody takes it.
     """
 
     take: Callable[[float], bytes]
     close: Callable[[], None]
     live: bool = True
+
+
+class Feed:
+    """Takes from a source in a thread of its own, so that nothing is lost while something else is computed."""
+
+    def __init__(self, tap: Tap) -> None:
+        self.tap, self.closing = tap, False
+        self.pieces: queue.Queue[bytes | Exception] = queue.Queue(0 if tap.live else AHEAD)
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def take(self, seconds: float) -> bytes:
+        """What came, b"" if nothing does for so long; the error with which it ended."""
+        try:
+            found = self.pieces.get(timeout=seconds)
+        except queue.Empty:
+            return b""
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    def close(self) -> list[bytes]:
+        """Stop taking; what came and was not taken yet."""
+        self.closing, rest = True, self._rest()
+        while self.thread.is_alive():
+            self.thread.join(WAIT)
+            rest += self._rest()
+        self.tap.close()
+        return rest + self._rest()
+
+    def _rest(self) -> list[bytes]:
+        found = []
+        while not self.pieces.empty():
+            found.append(self.pieces.get_nowait())
+        return [piece for piece in found if isinstance(piece, bytes)]
+
+    def _run(self) -> None:
+        while not self.closing:
+            try:
+                data = self.tap.take(WAIT)
+            except (OSError, DataError) as error:
+                self.pieces.put(error)
+                return
+            if data:
+                self.pieces.put(data)
 
 
 def opened(target: str, baud: int) -> Tap:
@@ -66,6 +122,7 @@ def _datagrams(target: str) -> Tap:
             f"{parts.port}, and let a program on this machine pass on what comes from others"
         )
     line = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET, socket.SOCK_DGRAM)
+    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
     try:
         line.bind((host, parts.port))
     except OSError as error:
@@ -112,8 +169,6 @@ def _file(target: str) -> Tap:
     file = open(target, "rb")  # noqa: SIM115 - closed by the one who takes from it
 
     def take(seconds: float) -> bytes:
-        import time
-
         found = file.read(PIECE)
         if not found:
             time.sleep(seconds)

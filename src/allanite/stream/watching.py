@@ -23,10 +23,7 @@ from allanite.study.recipe import Recipe
 from .accumulator import Accumulator
 from .lines import Lines, places
 from .monitor import Monitor
-from .sources import Tap, opened
-
-WAIT = 0.2
-"""Seconds to wait for data at a time."""
+from .sources import WAIT, Feed, opened
 
 AGAIN = 0.5
 """Seconds between attempts to open a port that is gone."""
@@ -89,15 +86,15 @@ class Watch:
 
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
-        tap = opened(self.target, self.settings.baud)
+        feed = Feed(opened(self.target, self.settings.baud))
         begun = last = reported = time.monotonic()
         try:
             while not self.stopped():
                 try:
-                    data = tap.take(WAIT)
+                    data = feed.take(WAIT)
                 except OSError as error:
                     yield self._gone(str(error))
-                    tap = yield from self._again(tap)
+                    feed = yield from self._again(feed)
                     continue
                 now = time.monotonic()
                 last = now if data else last
@@ -108,7 +105,9 @@ class Watch:
                 if now - begun >= self.settings.duration or now - last >= self.settings.idle:
                     break
         finally:
-            tap.close()
+            rest = feed.close()
+        for data in rest:
+            yield from self._take(data)
 
     def report(self) -> str:
         """Size, coefficients so far, and when more will be known."""
@@ -187,14 +186,14 @@ class Watch:
         self.findings.append(Finding("unplugged", what))
         return what
 
-    def _again(self, tap: Tap) -> Generator[str, None, Tap]:
+    def _again(self, feed: Feed) -> Generator[str, None, Feed]:
         """Wait until the source is back; the time without it is a gap."""
-        tap.close()
+        feed.close()
         begun = time.monotonic()
         while not self.stopped() and time.monotonic() - begun < self.settings.idle:
             time.sleep(AGAIN)
             try:
-                tap = opened(self.target, self.settings.baud)
+                feed = Feed(opened(self.target, self.settings.baud))
             except DataError:
                 continue
             lost = round((time.monotonic() - begun) * float(self.recipe.rate or 0.0))
@@ -202,7 +201,7 @@ class Watch:
                 monitor.gap(lost)
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             break
-        return tap
+        return feed
 
 
 def _reported(name: str, monitor: Monitor, watch: Watch) -> str:

@@ -1,6 +1,7 @@
 """Sums of a stream: those of the record at the same windows, however it is cut and whoever sums the parts."""
 
 from copy import deepcopy
+from itertools import pairwise
 from math import comb
 
 import numpy as np
@@ -84,7 +85,7 @@ def test_sums_are_those_of_the_record_at_any_chunking(statistic, cuts, bias, ram
 def test_parts_merged_in_any_order_are_one_stream(statistic, cuts, data):
     values = noise(bias=50.0)
     bounds = [0, *cuts, N]
-    parts = [stream_of(values[a:b], statistic, a) for a, b in zip(bounds, bounds[1:], strict=False)]
+    parts = [stream_of(values[a:b], statistic, a) for a, b in pairwise(bounds)]
     while len(parts) > 1:
         i = data.draw(st.integers(0, len(parts) - 2))
         parts[i].merge(parts.pop(i + 1))

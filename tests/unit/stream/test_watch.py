@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.reporting import page
 from allanite.stream.lines import Lines, places
 from allanite.stream.sources import opened
 from allanite.stream.watching import Watch, WatchSettings, lasting
@@ -46,10 +47,11 @@ def ended(process, how=signal.SIGTERM):
 
 def checked(study, err, *, size):
     (channel,) = study["channels"]
-    assert "the sensor moves at 30 s" in err
+    assert "the sensor moves at" in err
     assert "oadev" in err
     findings = {one["name"]: one for one in channel["quality"]["findings"]}
-    assert findings["moving"]["place"] == [30.0, 31.0]
+    start, end = findings["moving"]["place"]
+    assert 29 < start <= 30 < 31 <= end < 32.5
     assert channel["size"] >= size
     N = next(one for one in channel["fit"]["terms"] if one["symbol"] == "N")
     assert N["shown"]["value"] == pytest.approx(1 / np.sqrt(RATE) / 60, rel=0.03)
@@ -140,19 +142,18 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     assert study["x"].fit["N"].value == pytest.approx(batch["N"].value, rel=0.02)
     assert study["x"].quality.names == ("gaps",)
     assert "3000 of 23000" in study["x"].quality.findings[0].what
-    page = al.reporting.page(study)
-    assert "watched as a stream" in page
+    assert "watched as a stream" in page(study)
     assert al.from_dict(study.to_dict()).channels[1].fit["N"].value == study["y"].fit["N"].value
 
 
 def test_it_foretells_when_more_is_known():
     model = al.N(1, "deg/h*sqrt(s)") + al.B(1, "deg/h")
     record = al.simulate(model, 60_000, 10.0, rng=np.random.default_rng(1))
-    watch = Watch("-", al.Recipe(rate=10.0, unit=record.unit, kind=record.kind), WatchSettings(accuracy=0.02))
-    list(watch._take(lines_of(record.to(record.unit).values if hasattr(record, "to") else record.values)))
+    watch = Watch("-", al.Recipe(rate=10.0, unit=record.unit, kind=record.kind), WatchSettings(accuracy=0.005))
+    assert list(watch._take(lines_of(record.values))) == []
     words = watch.report()
-    assert "more until B is known to 2 %" in words
-    needed = al.plan(watch.fit(watch.monitors["0"]).model, 10.0, durations=(), accuracy=0.02)
+    assert "more until B is known to 0.5 %" in words
+    needed = al.plan(watch.fit(watch.monitors["0"]).model, 10.0, durations=(), accuracy=0.005)
     left = needed.needed[needed.names.index("B")] - watch.monitors["0"].stream.size / 10.0
     assert f"about {lasting(left)} more until B" in words
 
@@ -192,7 +193,9 @@ def test_choices_are_refused_before_anything_is_read(tmp_path):
 def test_rows_of_torn_and_bad_lines():
     lines = Lines()
     assert lines.rows(b"# a comment\ngx gy\n1 2\n3") == [[1.0, 2.0]]
-    assert lines.rows(b"0;4\r\nx,y\n5\n") == pytest.approx(np.array([[30.0, 4.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True)
+    assert lines.rows(b"0;4\r\nx,y\n5\n") == pytest.approx(
+        np.array([[30.0, 4.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
+    )
     assert (lines.names, lines.bad) == (("gx", "gy"), 2)
     assert places(lines, ["gy"], "0") == ({"gy": 1}, 0)
     with pytest.raises(al.UsageError, match="no lines"):
