@@ -51,7 +51,8 @@ def checked(study, err, *, size):
     assert "oadev" in err
     findings = {one["name"]: one for one in channel["quality"]["findings"]}
     start, end = findings["moving"]["place"]
-    assert 29 < start <= 30 < 31 <= end < 32.5
+    assert 29 < start <= 30
+    assert 31 <= end < 32.5
     assert channel["size"] >= size
     N = next(one for one in channel["fit"]["terms"] if one["symbol"] == "N")
     assert N["shown"]["value"] == pytest.approx(1 / np.sqrt(RATE) / 60, rel=0.03)
