@@ -111,7 +111,7 @@ def main() -> None:
         *markdown(["what", "million samples/s", "times allantools.realtime"], fast),
         "## Coefficients",
         "",
-        *markdown(["sensor", "samples", "term", "bound %", "stream / bound", "some: stream / bound", "some: whole / bound"],
+        *markdown(["sensor", "samples", "term", "bound %", "stream / bound", "some: stream", "some: whole"],
                   coefficients(run.asked.records, run.asked.whole)),
     ]  # fmt: skip
     run.publish("Streams", notes, body)
