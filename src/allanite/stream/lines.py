@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 from allanite.core.errors import UsageError
 
-BETWEEN = re.compile(rb"[,;\s]+")
+UNIT = re.compile(r"\s*[\[(].*$")
+"""What follows a name in a heading."""
 
 LONGEST = 1 << 16
 """Bytes of a line, beyond which it is not one of text."""
@@ -23,6 +24,7 @@ class Lines:
     names: tuple[str, ...] = ()
     width: int = 0
     bad: int = 0
+    between: bytes | None = None
     rest: bytes = field(default=b"", repr=False)
 
     def rows(self, data: bytes) -> list[list[float]]:
@@ -38,9 +40,12 @@ class Lines:
         self.rest = b""
 
     def _row(self, line: bytes) -> list[float] | None:
-        parts = [part for part in BETWEEN.split(line.strip()) if part]
-        if not parts or parts[0].startswith(b"#"):
+        line = line.strip()
+        if not line or line.startswith(b"#"):
             return None
+        if not self.width:
+            self.between = next((mark for mark in (b",", b";", b"\t") if mark in line), None)
+        parts = line.split(self.between)
         try:
             row = [float(part) for part in parts]
         except ValueError:
@@ -48,7 +53,7 @@ class Lines:
         if not self.width:
             self.width = len(parts)
             if not row:
-                self.names = tuple(part.decode("utf-8", "replace") for part in parts)
+                self.names = tuple(UNIT.sub("", part.decode("utf-8", "replace").strip()) for part in parts)
                 return None
         if len(row) != self.width:
             self.bad += 1

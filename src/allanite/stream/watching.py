@@ -87,6 +87,7 @@ class Watch:
     def events(self) -> Iterator[str]:
         """Read until the end, and say what happens."""
         feed = Feed(opened(self.target, self.settings.baud))
+        yield say("watching {target!r}", target=self.target)
         begun = last = reported = time.monotonic()
         try:
             while not self.stopped():

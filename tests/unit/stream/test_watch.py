@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import page
+from allanite.reporting import table
 from allanite.stream.lines import Lines, places
 from allanite.stream.sources import opened
 from allanite.stream.watching import Watch, WatchSettings, lasting
@@ -38,11 +38,21 @@ def sensor():
     return rng.normal(size=30_000), 300.0 * rng.normal(size=RATE), rng.normal(size=10_000)
 
 
+def told(process, words):
+    """What it says until it says that."""
+    said = ""
+    for line in process.stderr:
+        said += line
+        if words in line:
+            return said
+    raise AssertionError(f"ended without {words!r}: {said}")
+
+
 def ended(process, how=signal.SIGTERM):
     process.send_signal(how)
-    out, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=120)
     assert process.returncode == 0, err
-    return out, err
+    return err
 
 
 def checked(study, err, *, size):
@@ -79,18 +89,17 @@ def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
 
     ends = plugged()
     watch = begun(str(port), "--json", result)
-    time.sleep(1.0)
+    said = told(watch, "watching")
     for part in sensor():
         send(part)
     for end in ends:
         os.close(end)
-    time.sleep(1.5)
+    said += told(watch, "is gone")
     ends = plugged()
-    # the wait for the port to be opened again: it is then read from
-    time.sleep(1.5)
+    said += told(watch, "is back")
     send(sensor()[2])
-    time.sleep(2.0)
-    _, err = ended(watch)
+    time.sleep(1.0)
+    err = said + ended(watch)
     study = json.loads(result.read_text())
     checked(study, err, size=45_000)
     assert "is gone" in err
@@ -103,26 +112,19 @@ def test_datagrams_and_interruption(tmp_path):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    result, table = tmp_path / "out.json", tmp_path / "out.csv"
-    watch = begun(f"udp://127.0.0.1:{port}", "--json", result, "--csv", table)
+    result, curve = tmp_path / "out.json", tmp_path / "out.csv"
+    watch = begun(f"udp://127.0.0.1:{port}", "--json", result, "--csv", curve)
     line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     with line:
         line.connect(("127.0.0.1", port))
-        for _ in range(200):
-            try:
-                line.send(b"gz\n")  # refused until somebody listens
-                time.sleep(0.05)
-                line.send(b"gz\n")
-                break
-            except ConnectionRefusedError:
-                time.sleep(0.1)
+        said = told(watch, "watching")
+        line.send(b"gz\n")
         for part in np.array_split(np.concatenate(sensor()), 410):
             line.send(lines_of(part))
             time.sleep(0.005)
-        time.sleep(3.0)
-        _, err = ended(watch, signal.SIGINT)
+        err = said + ended(watch, signal.SIGINT)
     checked(json.loads(result.read_text()), err, size=40_000)
-    assert table.read_text().startswith("channel,statistic,m")
+    assert curve.read_text().startswith("channel,statistic,m")
 
 
 def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
@@ -134,6 +136,7 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     recipe = al.Recipe(rate=100.0, unit="deg/h", time="t")
     watch = Watch(str(path), recipe, WatchSettings(idle=0.5, every=1e9))
     events = watch.events()
+    assert "watching" in next(events)
     with path.open("a") as file:
         file.write(rows[100][7:] + "".join(rows[101:]))
     assert list(events) == []
@@ -143,7 +146,7 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     assert study["x"].fit["N"].value == pytest.approx(batch["N"].value, rel=0.02)
     assert study["x"].quality.names == ("gaps",)
     assert "3000 of 23000" in study["x"].quality.findings[0].what
-    assert "watched as a stream" in page(study)
+    assert "watched as a stream" in table(study)
     assert al.from_dict(study.to_dict()).channels[1].fit["N"].value == study["y"].fit["N"].value
 
 
@@ -193,8 +196,8 @@ def test_choices_are_refused_before_anything_is_read(tmp_path):
 
 def test_rows_of_torn_and_bad_lines():
     lines = Lines()
-    assert lines.rows(b"# a comment\ngx gy\n1 2\n3") == [[1.0, 2.0]]
-    assert lines.rows(b"0;4\r\nx,y\n5\n") == pytest.approx(
+    assert lines.rows(b"# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n3") == [[1.0, 2.0]]
+    assert lines.rows(b"0,4\r\nx,y\n5\n") == pytest.approx(
         np.array([[30.0, 4.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
     )
     assert (lines.names, lines.bad) == (("gx", "gy"), 2)
