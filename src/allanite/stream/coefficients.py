@@ -36,7 +36,7 @@ FULL = 0.5
 
 
 def fit_of(stream: "Accumulator", terms: str = "auto", *, band: Band = "auto") -> Fit:
-    """Identify the noise of a stream; what is said of `terms` and `band` at `identify` holds here too.
+    """Identify the noise of a stream; `terms` and `band` are those of `identify`.
 
     Sinusoids are not looked for, and outliers not excluded: both need the samples.
 

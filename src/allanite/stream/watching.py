@@ -50,7 +50,7 @@ class WatchSettings:
 class Watch:
     r"""A stream of channels that is watched.
 
-    `events` says what happens, in words, when it does: motion, a device that is gone or back, a report.
+    `events` are sentences about what happens, when it happens: motion, a device that is gone or back, a report.
 
     Examples
     --------
@@ -235,7 +235,7 @@ def _waits(fit: Fit, size: int, rate: float, accuracy: float) -> list[str]:
 
 
 def lasting(seconds: float) -> str:
-    """A length of time in words, to two digits.
+    """A length of time with its unit, to two digits.
 
     Examples
     --------
