@@ -21,6 +21,7 @@ TOPICS: dict[str, tuple[str, str]] = {
         "Allan deviation and other statistics",
         "deviation dynamic expected readings minimum averaging_stability statistics Curve Surface",
     ),
+    "streaming": ("Streams", "Accumulator"),
     "spectra": ("Power spectral density", "spectrum deviation_of_spectrum Welch Multitaper Spectrum"),
     "models": ("Models of noise", f"{' '.join(TERMS)} Term Model parse_model sensor"),
     "simulating": ("Simulation and faults", "simulate faults simulate_ring_laser RingLaser"),

@@ -214,6 +214,7 @@ RUNS = {
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
     "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
+    "watch": ["{a} --rate 10 --unit deg/h --time time --channels gx --idle 0.1"],
     "rate": ["{a} --channels gx --interval 20"],
     "angle": [
         "calibrate {encoder} --measured enc --reference ref",

@@ -13,6 +13,7 @@ VERBS: dict[str, str] = {
     "spectrum": "curves.spectrum",
     "dynamic": "curves.dynamic",
     "compare": "compare.compare",
+    "watch": "watch.watch",
     "rate": "rate.rate",
     "angle": "angle.angle",
     "simulate": "simulate.simulate",
@@ -30,7 +31,7 @@ VERBS: dict[str, str] = {
 """Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
 GROUPS = {
-    "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare"),
+    "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare", "watch"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
     "Use in a filter": ("export", "convert"),
     "Learn": ("explain", "example"),

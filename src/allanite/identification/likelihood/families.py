@@ -196,8 +196,16 @@ def penalties(noise: Sequence[str]) -> FloatArray:
 
 def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
     """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
-    ramps = [symbol for symbol in symbols if TERMS[symbol].waveform is not None]
-    seen = spectrum(record, detrend=bool(ramps))
+    return looked(spectrum(record, detrend=deterministic(symbols)), symbols, band, rival=rival)
+
+
+def deterministic(symbols: Sequence[str]) -> bool:
+    """Whether there is a ramp among the terms."""
+    return any(TERMS[symbol].waveform is not None for symbol in symbols)
+
+
+def looked(seen: Spectrum, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
+    """The same of a spectrum."""
     used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
     return fitted(portion(seen, symbols, used), rival=rival)
 

@@ -15,6 +15,7 @@ from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.scope import Band
 from allanite.core.titles import title_of
+from allanite.core.units import Signal
 from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
 from allanite.prepare.gaps import refusal
@@ -22,12 +23,13 @@ from allanite.terms import TERMS
 
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
-from .families import DISTINGUISHABLE, Found, look
+from .families import DISTINGUISHABLE, Found, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .selection import correlation
 from .transient import warm_up_estimate
+from .whittle import Spectrum
 
 
 def whittle(
@@ -59,34 +61,59 @@ def whittle(
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
-    terms = [symbol for symbol in symbols if TERMS[symbol].scatters]
-    asked = None if isinstance(band, str) else band
+    terms, asked = _scattering(symbols), None if isinstance(band, str) else band
     found = look(record, terms, asked, rival=rival)
     taken: tuple[Line, ...] = ()
     if lines:
         taken, left = without_lines(record, found, asked)
         found = look(left, terms, asked, rival=rival) if taken else found
-    plain = found
-    warm, found = steady(plain, record.signal, rival=rival, free=band == "auto")
+    return _concluded(found, (record.name, record.signal), symbols, band, rival=rival, taken=taken)
+
+
+def whittle_of(
+    seen: Spectrum, channel: tuple[str, Signal], symbols: Sequence[str], band: Band = "auto", *, rival: bool = False
+) -> Fit:
+    """Identify terms in a spectrum, of a channel of this name and signal; sinusoids are not looked for."""
+    asked = None if isinstance(band, str) else band
+    found = looked(seen, _scattering(symbols), asked, rival=rival)
+    return _concluded(found, channel, symbols, band, rival=rival)
+
+
+def _scattering(symbols: Sequence[str]) -> list[str]:
+    return [symbol for symbol in symbols if TERMS[symbol].scatters]
+
+
+def _concluded(
+    plain: Found,
+    channel: tuple[str, Signal],
+    symbols: Sequence[str],
+    band: Band,
+    *,
+    rival: bool,
+    taken: tuple[Line, ...] = (),
+) -> Fit:
+    """The fit, from what every subset of the terms makes of a spectrum."""
+    (name, signal), terms = channel, _scattering(symbols)
+    warm, found = steady(plain, signal, rival=rival, free=band == "auto")
     law = None if warm else other_law(found, plain)
-    slow = [warm.finding] if warm else [exponent_finding(law, found, record.signal)] if law else []
-    scope = scope_of(found, band if isinstance(band, str) else "asked", asked)
-    scale = Scale(record.signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
+    slow = [warm.finding] if warm else [exponent_finding(law, found, signal)] if law else []
+    scope = scope_of(found, band if isinstance(band, str) else "asked", None if isinstance(band, str) else band)
+    scale = Scale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
     if law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
-    estimates |= {s: warm_up_estimate(s, warm, record.signal) for s in symbols if TERMS[s].transient}
+    estimates |= {s: warm_up_estimate(s, warm, signal) for s in symbols if TERMS[s].transient}
     model = _model(estimates, found, scale)
     deterministic = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     good = goodness(found.seen, found.full.likelihood, found.full.theta, found.used, taken)
     return Fit(
         estimates=tuple(estimates.values()),
         method="whittle",
-        signal=record.signal,
-        name=record.name,
+        signal=signal,
+        name=name,
         model=model if not taken else Model((*model, *(line.term for line in taken))),
         goodness=good,
         correlation=_correlation(list(estimates), found),

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 from .bins import SINGLE, edges_of
 from .decay import decay_coefficients
 from .likelihood import Likelihood
-from .pieces import Pieces, apart, pieces
+from .pieces import apart, pieces
 
 BLOCKS = 4096
 """Blocks of samples in which a warm-up with gaps is taken."""
@@ -41,6 +41,28 @@ ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
 
 CELLS = 24
 """Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
+
+
+class Parts(Protocol):
+    """How a spectrum is read whose lowest bins are of the whole record, and the others of short pieces of it."""
+
+    @property
+    def low(self) -> int:
+        """Number of bins of the whole record."""
+
+    @property
+    def even(self) -> float:
+        """Share of their coefficients that counts."""
+
+    @property
+    def told(self) -> FloatArray:
+        """Coefficients in the bins of the pieces, shape (bins,)."""
+
+    def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
+        """Variance of the k-th coefficients of the lowest bins under a term."""
+
+    def upper(self, term: NoiseTerm, mean: FloatArray) -> FloatArray:
+        """Mean variance in the bins of the pieces, shape (bins,); `mean` elsewhere."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +89,8 @@ class Spectrum(Portable):
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
         With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
-    pieces : Pieces, optional
-        How the pieces between gaps are read, where the joined record holds the low frequencies only.
+    pieces : Parts, optional
+        How pieces are read, between gaps or of a stream, where the whole record holds the low frequencies only.
     """
 
     size: int
@@ -85,7 +107,7 @@ class Spectrum(Portable):
     gaps: Gaps
     unit_factor: float
     times: FloatArray
-    pieces: Pieces | None = None
+    pieces: Parts | None = None
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
@@ -146,14 +168,14 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     from allanite.kernels.binned import binned
 
     y, gaps, left = joined(record)
-    slope = _less_slope(y, left) if detrend else 0.0
+    slope = less_slope(y, left) if detrend else 0.0
     how, above = pieces(y, gaps, edges_of), None
     if how is not None and left is not None:
         y, kept, *above = apart(y, gaps, how)
         left = left[kept]
         gaps = gaps_between(left)
     n = y.size
-    ramp = _transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
+    ramp = transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     blocks = min(n, BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
     times = np.empty(0) if left is None else left[middle].astype(np.float64)
@@ -247,14 +269,14 @@ def _blocked(values: FloatArray, n: int) -> FloatArray:
     return np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(n / values.size)
 
 
-def _transformed(left: IntArray) -> FloatArray:
+def transformed(left: IntArray) -> FloatArray:
     """The lowest coefficients of a ramp with gaps."""
     from scipy.fft import dct
 
     return np.asarray(dct(left - left.mean(), norm="ortho", overwrite_x=True)[1 : SINGLE + 1])
 
 
-def _less_slope(y: FloatArray, left: IntArray | None) -> float:
+def less_slope(y: FloatArray, left: IntArray | None) -> float:
     """Take a ramp out of y and return its slope, that between the means of the first and last thirds.
 
     Near enough that a strong ramp does not leak upwards.

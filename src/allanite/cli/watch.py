@@ -1,0 +1,70 @@
+"""A live stream: what is known so far while it lasts, and the results when it ends."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from .deliver import deliver, outputs, recipe_of, settings_of
+from .options import RESULTS, options
+from .types import Duration
+
+
+@click.command()
+@options(
+    click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
+    "rate", "unit", "kind", "scale", "channels", "time", "recipe", "statistic", "terms", "band", "level",
+    click.option("--every", type=Duration(), metavar="TIME", help="Time between reports.  [default: 10 s]"),
+    click.option("--for", "duration", type=Duration(), metavar="TIME", help="Stop after this time.  [default: never]"),
+    click.option("--idle", type=Duration(), metavar="TIME", help="Stop after this time without data.  "
+        "[default: never]"),
+    click.option("--baud", type=int, metavar="N", help="Baud rate of a serial port.  [default: 115200]"),
+    click.option("--accuracy", type=float, metavar="SHARE",
+        help="Relative standard error of a coefficient to foretell.  [default: 0.2]"),
+    "shown in", "coefficients", *RESULTS,
+)  # fmt: skip
+def watch(target: str, **choices: Any) -> None:
+    """Watch a live stream.
+
+    Reads lines of numbers, a column for each channel, from a file that grows, a serial port, or datagrams sent to this
+    machine, at --rate Hz and in --unit. Says every few seconds what is known of each channel and how much longer it
+    takes until more is; says at once when the sensor is moved, which is left out, or unplugged, which is a gap. Ctrl-C,
+    SIGTERM, --for or --idle end it, and the results of 'allanite analyze' are printed and written.
+    """
+    from allanite.stream.watching import Watch, WatchSettings
+
+    out = outputs(choices, [choices["recipe"]])
+    with _stopping() as stopped:
+        found = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
+        for words in found.events():
+            if not out.quiet:
+                click.echo(words, err=True)
+    deliver(found.study(), out)
+
+
+class _Stopped:
+    """Whether a signal to end has come."""
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def __call__(self) -> bool:
+        return self.came
+
+    def catch(self, *_: Any) -> None:
+        """Note the signal."""
+        self.came = True
+
+
+@contextmanager
+def _stopping() -> Iterator[_Stopped]:
+    """Signals that end the program are noted instead; the handlers are put back."""
+    stopped = _Stopped()
+    before = {which: signal.signal(which, stopped.catch) for which in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stopped
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)

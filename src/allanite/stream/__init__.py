@@ -1,0 +1,1 @@
+"""Streams: curves and coefficients of samples of which only sums are kept."""

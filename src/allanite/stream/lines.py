@@ -1,0 +1,84 @@
+"""From bytes to rows of numbers: lines of numbers with commas, semicolons, tabs or blanks between them."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from allanite.core.errors import UsageError
+
+UNIT = re.compile(r"\s*[\[(].*$")
+"""What follows a name in a heading."""
+
+LONGEST = 1 << 16
+"""Bytes of a line, beyond which it is not one of text."""
+
+
+@dataclass
+class Lines:
+    """Collects bytes and gives rows; what is no row of numbers is a row of NaN.
+
+    The first line may hold names. A line that is not complete waits for the rest of it.
+    """
+
+    names: tuple[str, ...] = ()
+    width: int = 0
+    bad: int = 0
+    between: bytes | None = None
+    rest: bytes = field(default=b"", repr=False)
+
+    def rows(self, data: bytes) -> list[list[float]]:
+        """The rows that are complete now."""
+        *whole, self.rest = (self.rest + data).split(b"\n")
+        if len(self.rest) > LONGEST:
+            raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
+        found = (self._row(line) for line in whole)
+        return [row for row in found if row is not None]
+
+    def torn(self) -> None:
+        """Forget the line that will not be completed."""
+        self.rest = b""
+
+    def _row(self, line: bytes) -> list[float] | None:
+        line = line.strip()
+        if not line or line.startswith(b"#"):
+            return None
+        if not self.width:
+            self.between = next((mark for mark in (b",", b";", b"\t") if mark in line), None)
+        parts = line.split(self.between)
+        try:
+            row = [float(part) for part in parts]
+        except ValueError:
+            row = []
+        if not self.width:
+            self.width = len(parts)
+            if not row:
+                self.names = tuple(UNIT.sub("", part.decode("utf-8", "replace").strip()) for part in parts)
+                return None
+        if len(row) != self.width:
+            self.bad += 1
+            return [math.nan] * self.width
+        return row
+
+
+def places(lines: Lines, wanted: Sequence[str] | None, time: str | None) -> tuple[dict[str, int], int | None]:
+    """Columns of the channels, by name, and that of the time; a column is named, or counted from 0.
+
+    Raises
+    ------
+    UsageError
+        There is no such column.
+    """
+    every = lines.names or tuple(str(i) for i in range(lines.width))
+    clock = None if time is None else _place(every, time)
+    if wanted is not None:
+        return {name: _place(every, name) for name in wanted}, clock
+    return {name: i for i, name in enumerate(every) if i != clock}, clock
+
+
+def _place(every: Sequence[str], name: str) -> int:
+    if name in every:
+        return every.index(name)
+    if name.isdecimal() and int(name) < len(every):
+        return int(name)
+    raise UsageError(f"the stream has no column {name!r}; its columns: {', '.join(every)}")

@@ -1,0 +1,206 @@
+"""Sums of a stream: those of the record at the same windows, however it is cut and whoever sums the parts."""
+
+from copy import deepcopy
+from itertools import pairwise
+from math import comb
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.stream.accumulator import streamable
+from allanite.stream.curve import grid
+
+RATE = 10.0
+N = 3000
+
+
+def literal(values, statistic, q, level):
+    """Sum of the squared differences over m = q 2^level at every 2^level-th point, and how many; complete ones only."""
+    order = 2 if statistic in ("oadev", "haar") else 3
+    there = np.isfinite(values)
+    rest = np.where(there, values - np.nanmean(values), 0.0)
+    x, lost = np.concatenate(([0.0], np.cumsum(rest))), np.concatenate(([0], np.cumsum(~there)))
+    if statistic in ("mdev", "tdev"):
+        x = np.concatenate(([0.0], np.cumsum(x)))
+        assert there.all()
+        lost = np.zeros(x.size)
+    m, step = q << level, 1 << level
+    at = np.arange(0, x.size - order * m, step)
+    total = sum((-1) ** k * comb(order, k) * x[at + k * m] for k in range(order + 1))
+    whole = lost[at + order * m] == lost[at]
+    return float((total[whole] ** 2).sum()), int(whole.sum())
+
+
+def noise(seed=1, bias=0.0, ramp=0.0, n=N):
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=n) + 0.02 * np.cumsum(rng.normal(size=n)) + bias + ramp * np.arange(n)
+
+
+def stream_of(values, statistic="oadev", start=0, cuts=()):
+    stream = al.Accumulator(RATE, "deg/h", statistic=statistic, start=start)
+    for part in np.split(values, cuts):
+        stream.push(part)
+    return stream
+
+
+def agree(stream, values, statistic, tolerance=1e-9):
+    seen = 0
+    for i, (q, level) in enumerate(zip(*(part.tolist() for part in grid()), strict=True)):
+        if q << level > N:
+            continue
+        total, count = literal(values, statistic, q, level)
+        assert stream.state.counts[i] == count, (q, level)
+        assert stream.state.sums[i] == pytest.approx(total, rel=tolerance, abs=0), (q, level)
+        seen += count > 0
+    assert seen > 50
+
+
+def same(one, other, tolerance=1e-9):
+    np.testing.assert_array_equal(one.state.counts, other.state.counts)
+    np.testing.assert_allclose(one.state.sums, other.state.sums, rtol=tolerance)
+    np.testing.assert_array_equal(one.state.segments, other.state.segments)
+    np.testing.assert_allclose(one.state.powers, other.state.powers, rtol=tolerance)
+    np.testing.assert_array_equal(one.cells.count, other.cells.count)
+    np.testing.assert_allclose(one.cells.total, other.cells.total, rtol=tolerance, atol=1e-6)
+    assert (one.size, one.start, one.stop) == (other.size, other.start, other.stop)
+
+
+places = st.lists(st.integers(1, N - 1), max_size=8).map(sorted)
+
+
+@pytest.mark.parametrize("statistic", streamable())
+@settings(max_examples=12, deadline=None)
+@given(cuts=places, bias=st.sampled_from([0.0, 1e3, -1e6]), ramp=st.sampled_from([0.0, 1e-2]))
+def test_sums_are_those_of_the_record_at_any_chunking(statistic, cuts, bias, ramp):
+    values = noise(bias=bias, ramp=ramp)
+    agree(stream_of(values, statistic, cuts=cuts), values, statistic)
+
+
+@pytest.mark.parametrize("statistic", streamable())
+@settings(max_examples=12, deadline=None)
+@given(cuts=places, data=st.data())
+def test_parts_merged_in_any_order_are_one_stream(statistic, cuts, data):
+    values = noise(bias=50.0)
+    bounds = [0, *cuts, N]
+    parts = [stream_of(values[a:b], statistic, a) for a, b in pairwise(bounds)]
+    while len(parts) > 1:
+        i = data.draw(st.integers(0, len(parts) - 2))
+        parts[i].merge(parts.pop(i + 1))
+    same(parts[0], stream_of(values, statistic))
+    agree(parts[0], values, statistic)
+
+
+@settings(max_examples=20, deadline=None)
+@given(cuts=places, gaps=st.lists(st.tuples(st.integers(0, N - 1), st.integers(1, 40)), max_size=5))
+def test_windows_with_missing_samples_are_omitted(cuts, gaps):
+    values = noise()
+    for at, length in gaps:
+        values[at : at + length] = np.nan
+    stream = stream_of(values, "ohdev", cuts=cuts)
+    agree_with_gaps = [i for i in range(60) if stream.state.counts[i]]
+    for i in agree_with_gaps:
+        q, level = (int(part[i]) for part in grid())
+        total, count = literal(values, "ohdev", q, level)
+        assert (stream.state.counts[i], stream.state.sums[i]) == (count, pytest.approx(total, rel=1e-9))
+    assert stream.missing == np.isnan(values).sum()
+
+
+def test_merge_over_a_gap_is_a_stream_with_missing_samples():
+    values = noise()
+    values[1000:1100] = np.nan
+    first, second = stream_of(values[:1000]), stream_of(values[1100:], start=1100)
+    first.merge(second)
+    same(first, stream_of(values))
+
+
+def test_merge_does_not_change_the_part_that_is_added():
+    values = noise()
+    first, second = stream_of(values[:777]), stream_of(values[777:], start=777)
+    before = deepcopy(second)
+    first.merge(second)
+    same(second, before, 0)
+
+
+@pytest.mark.parametrize("statistic", streamable())
+def test_curve_is_that_of_the_record_where_every_window_counts(statistic):
+    values = noise(n=20_000)
+    curve = stream_of(values, statistic).curve()
+    batch = al.deviation(al.Record(values, RATE, "deg/h"), statistic, m=range(1, 16), noise=None)
+    np.testing.assert_allclose(curve.deviation[:15], batch.deviation, rtol=1e-9)
+    np.testing.assert_array_equal(curve.count[:15], batch.count)
+    np.testing.assert_allclose(curve.tau[:15], batch.tau)
+    assert curve.unit == batch.unit
+
+
+@pytest.mark.parametrize(
+    ("kind", "unit", "scale"), [("increment", "arcsec", None), ("count", "arcsec", 0.1), ("angle", "arcsec", None)]
+)
+def test_every_kind_of_samples(kind, unit, scale):
+    steps = np.rint(10 * noise(n=5000))
+    values = np.concatenate(([5.0], 5.0 + np.cumsum(steps))) if kind == "angle" else steps
+    stream = al.Accumulator(RATE, unit, kind, scale=scale)
+    for part in np.array_split(values, 7):
+        stream.push(part)
+    batch = al.deviation(al.Record(values, RATE, unit, kind, scale), m=range(1, 16), noise=None)
+    np.testing.assert_allclose(stream.curve().deviation[:15], batch.deviation, rtol=1e-9)
+
+
+def test_intervals_at_a_stride_hold_the_truth():
+    model = al.N(1, "deg/sqrt(h)") + al.K(30, "deg/h/sqrt(h)")
+    inside = []
+    for seed in range(60):
+        record = al.simulate(model, 4000, 1.0, rng=np.random.default_rng(seed))
+        stream = al.Accumulator(1.0, record.unit)
+        stream.push(record.values)
+        curve = stream.curve(model)
+        low, high = curve.interval(0.9)
+        truth = np.sqrt(al.expected(model, "oadev", curve.tau, rate=1.0))
+        inside.append((low < truth) & (truth < high))
+    share = np.mean(inside, axis=0)
+    assert np.all(share > 0.75)
+    assert 0.87 < share.mean() < 0.93
+
+
+def test_state_is_small_and_does_not_grow():
+    stream = stream_of(noise(n=200_000))
+    assert stream.nbytes < 32_000
+    before = stream.nbytes
+    stream.push(noise(n=500_000))
+    assert stream.nbytes == before
+
+
+def test_long_streams_with_a_bias_and_a_ramp_keep_their_digits():
+    rng = np.random.default_rng(3)
+    white, stream = rng.normal(size=4_000_000), al.Accumulator(RATE, "deg/h")
+    biased = white + 1e6 + 1e-3 * np.arange(white.size)
+    for part in np.array_split(biased, 9):
+        stream.push(part)
+    exact = al.deviation(al.Record(biased, RATE, "deg/h"), m=[1, 7, 15], noise=None).deviation
+    np.testing.assert_allclose(stream.curve().deviation[[0, 6, 14]], exact, rtol=1e-9)
+
+
+def test_refusals_say_what_to_do():
+    with pytest.raises(al.UsageError, match=r"no 'theo1': choose one of oadev, mdev"):
+        al.Accumulator(1.0, "deg/h", statistic="theo1")
+    with pytest.raises(al.UsageError, match="start is the place"):
+        al.Accumulator(1.0, "deg/h", start=-1)
+    with pytest.raises(al.UsageError, match="does not fit kind"):
+        al.Accumulator(1.0, "arcsec", "rate")
+    stream = stream_of(noise())
+    with pytest.raises(al.DataError, match="an Accumulator of its own"):
+        stream.push(np.zeros((3, 2)))
+    with pytest.raises(al.DataError, match="row of real numbers"):
+        stream.push(["a"])
+    with pytest.raises(al.UsageError, match=r"begins at sample 2999 cannot follow one that ends at 3000"):
+        stream.merge(stream_of(noise(), start=2999))
+    with pytest.raises(al.UsageError, match="parts of one stream"):
+        stream.merge(stream_of(noise(), "ohdev", start=3000))
+    with pytest.raises(al.UsageError, match="cannot be -1"):
+        stream.skip(-1)
+    with pytest.raises(al.DataError, match="too few for oadev"):
+        al.Accumulator(1.0, "deg/h").curve()
+    with pytest.raises(al.UsageError, match="a noise model must be a Model"):
+        stream.curve("auto").interval()

@@ -1,0 +1,94 @@
+"""Coefficients of a stream: those of the record, as accurate as the bound, from every kind of stream."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.planning.sensors import sensor
+from allanite.stream.lapped import basis, folded
+
+
+def stream_of(record, parts=1):
+    stream = al.Accumulator(record.rate, record.unit, record.kind, scale=record.scale, name=record.name)
+    for part in np.array_split(record.values, parts):
+        stream.push(part)
+    return stream
+
+
+@pytest.mark.parametrize(("name", "rate", "terms"), [("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")])
+def test_as_accurate_as_the_bound(name, rate, terms):
+    model, errors = sensor(name), []
+    for seed in range(24):
+        fit = stream_of(al.simulate(model, 2**18, rate, rng=np.random.default_rng(seed))).fit(terms, band="all")
+        errors.append([abs((fit[s].value or 0.0) / model[s].value) - 1 for s in terms])
+    bound = [al.bound(model, 2**18, rate)[s] for s in terms]
+    rms = np.sqrt(np.mean(np.square(errors), axis=0)) / bound
+    # 24 records know an rms to 14 %; benchmarks/stream.py has 200
+    assert np.exp(np.log(rms).mean()) < 1.25
+    assert rms.max() < 1.6
+
+
+def test_coefficients_and_grade_are_near_those_of_the_record():
+    record = al.simulate(sensor("mems"), 300_000, 100.0, rng=np.random.default_rng(1))
+    fit, batch = stream_of(record, 40).fit(), al.identify(record)
+    assert fit.validity == "explained"
+    for estimate in fit:
+        other = batch[estimate.symbol]
+        assert estimate.claimed == other.claimed
+        if estimate.claimed:
+            low, high = other.interval(0.95)
+            assert low < estimate.value < high
+    assert pickle.loads(pickle.dumps(fit)).model == fit.model
+
+
+def test_parts_tell_what_the_whole_tells():
+    record = al.simulate(sensor("fog"), 50_000, 1.0, rng=np.random.default_rng(2))
+    whole = stream_of(record)
+    parts = [al.Accumulator(1.0, record.unit, record.kind, start=start) for start in (0, 13_001, 30_000)]
+    for part, values in zip(parts, np.split(record.values, [13_001, 30_000]), strict=True):
+        part.push(values)
+    parts[1].merge(parts[2])
+    parts[0].merge(parts[1])
+    for one, other in zip(parts[0].fit("QNBKR"), whole.fit("QNBKR"), strict=True):
+        assert one.value == pytest.approx(other.value, rel=1e-5)
+
+
+def test_what_is_no_noise_is_not_explained():
+    rng = np.random.default_rng(3)
+    stream = al.Accumulator(100.0, "deg/h")
+    stream.push(rng.normal(size=100_000) + np.sin(2 * np.pi * 0.07 * np.arange(100_000)))
+    assert stream.fit(band="all").validity == "unexplained"
+
+
+def test_a_gap_costs_no_more_than_it_is_long():
+    record = al.simulate(sensor("mems"), 200_000, 100.0, rng=np.random.default_rng(5))
+    values = record.values.copy()
+    values[60_000:75_000] = np.nan
+    stream = al.Accumulator(100.0, record.unit, record.kind)
+    stream.push(values)
+    fit = stream.fit("NBK")
+    assert fit["N"].value == pytest.approx(sensor("mems")["N"].value, rel=0.01)
+    assert fit.validity == "explained"
+
+
+def test_too_little_and_nothing_are_refused():
+    stream = al.Accumulator(100.0, "deg/h", name="z")
+    stream.push(np.zeros(150))
+    with pytest.raises(al.DataError, match="150 samples are too few"):
+        stream.fit()
+    stream.push(np.zeros(1500))
+    with pytest.raises(al.DataError, match="'z' never changes"):
+        stream.fit()
+    with pytest.raises(al.UsageError, match="unknown term"):
+        stream.fit("X")
+
+
+def test_the_basis_is_orthogonal_but_for_its_means_and_folding_is_the_same():
+    rows, weights = basis(8), folded(8)
+    np.testing.assert_allclose(rows @ rows.T, np.eye(6), atol=0.01)
+    segment = np.random.default_rng(4).normal(size=16)
+    a, b, c, d = np.split(segment * weights[0], 4)
+    short = np.concatenate((-c[::-1] - d, a - b[::-1], [segment.sum()]))
+    np.testing.assert_allclose(weights[1:, :9] @ short, rows @ segment, atol=1e-12)
