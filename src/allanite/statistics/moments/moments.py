@@ -11,6 +11,7 @@ where r_ij depends on the statistic, m and the number of windows only; between d
 import math
 from collections import Counter
 from collections.abc import Sequence
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -191,7 +192,7 @@ def _products(rows: Sequence[Statistic], terms: Sequence[NoiseTerm], m: IntArray
         T[:, :, random] = crossed(rows, m, size, noise)[..., None] * ~random
         T += T.swapaxes(2, 3)
     pairs = Pairs(noise)
-    for i, j in zip(*np.triu_indices(m.size), strict=True):
+    for i, j in combinations_with_replacement(range(m.size), 2):
         pair, factors = (rows[i], rows[j]), (int(m[i]), int(m[j]))
         if rows[i] is rows[j] and rows[i].differences:
             T[i, j] = _of_differences(rows[i], terms, factors, size)

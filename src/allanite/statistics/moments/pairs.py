@@ -28,7 +28,7 @@ from .windowed import relative, response
 POINTS = 750
 """Points of the longer window up to which both are taken as they are."""
 
-SHORT = 160
+SHORT = 320
 """Points of two windows together that longer ones are reduced to."""
 
 LEAST = {1: 8, 2: 4}
@@ -48,7 +48,7 @@ def whole_lattice(p: int, q: int, counts: tuple[float, float]) -> tuple[FloatArr
         s, weight = np.concatenate((s, rest[1:])), np.concatenate((weight, weights[1:]))
 
     def pairs(s: FloatArray) -> FloatArray:
-        return np.maximum(np.minimum(counts[0], counts[1] - s) - np.maximum(0.0, -s), 0.0)
+        return np.asarray(np.maximum(np.minimum(counts[0], counts[1] - s) - np.maximum(0.0, -s), 0.0))
 
     x = s - (p - q) / 2
     return x, weight * (pairs(s) + np.where(x > 0, pairs(p - q - s), 0.0)) / (counts[0] * counts[1])
@@ -151,8 +151,10 @@ class Pairs:
             E = np.array([responses(row, self.terms, k) if row.differences else response(row, self.terms, k, size)
                           for row, k in zip(rows, m, strict=True)])  # fmt: skip
         scale = np.sqrt(E.prod(axis=0))
-        longest = rows[0] is rows[1] and m[0] == m[1] and not pair.whole
-        r = relative(rows[0], self.terms, m[0], int(counts[0]), size) if longest else self.within(pair)
+        r = self.within(pair)
+        if rows[0] is rows[1] and m[0] == m[1] and rows[0].scheme.sharp and not pair.whole:
+            white = np.array([white_level(term) > 0 for term in self.terms])
+            r = np.where(white[:, None] | white, relative(rows[0], self.terms, m[0], int(counts[0]), size), r)
         return np.asarray(np.outer(scale, scale) * r)
 
     def within(self, pair: Pair) -> FloatArray:

@@ -98,9 +98,7 @@ def _expectation(term: NoiseTerm, form: Form) -> float:
     return float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A)))))
 
 
-def _of_many(
-    C: list[FloatArray], M: FloatArray, start: FloatArray | None, terms: Sequence[NoiseTerm]
-) -> FloatArray:
+def _of_many(C: list[FloatArray], M: FloatArray, start: FloatArray | None, terms: Sequence[NoiseTerm]) -> FloatArray:
     """c, shape (t, t, s), of the rates' covariances C, shape (s, h) each; `start` where their lags are whole."""
     c = np.zeros((len(C), len(C), len(C[0])))
     straight = None if start is None else _Straight(M, start)

@@ -1,7 +1,7 @@
 """What a ramp and a noise together add to the covariance between points of a record, exactly.
 
 A ramp gives every window the same output, so that its product with that of the noise, summed over the windows, is one
-weighted sum of the record's rates. With g = A x the weights that one window gives its samples, x the ramp, and L windows
+weighted sum of the record's rates. With g = A x the weights that one window gives its samples, x the ramp, L windows,
 
     W_j = sum_i g_j-i = H_j - H_j-L,    H the running sum of g,    T = W_a' C W_b
 
@@ -21,7 +21,7 @@ from .compact import averaged, slower
 from .gls import far_difference, line_of, second_difference
 
 MOST = 2**19
-"""Samples of the windows, and lags in the table, above which all is done in a record of fewer samples that lasts as long."""
+"""Samples of a window above which all is done in a record of fewer samples that lasts as long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def ends_of(row: Statistic, m: int, size: int) -> Ends:
 
 
 def _weights(row: Statistic, m: int) -> FloatArray:
-    """g of a window for the ramp x_j = j^2/2, but for a line."""
+    """Weights g of a window for the ramp x_j = j^2/2, but for a line."""
     if row.scheme.ramp is not None:
         return row.scheme.ramp(m)
     if row.window is None:
@@ -97,7 +97,8 @@ def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[N
         own = np.ones(m.size)
         own[short] = [ends[i].mass / ends_of(rows[i], int(fewer[i]), size // coarser).mass / coarser for i in short]
         T *= np.outer(own, own)[..., None]
-    tables = [second_difference(term, min(size, 2 * MOST)) / 2 for term in terms]
+    tables = [second_difference(term, min(size, 2 * MOST)) / 2 if short and not line_of(term) else np.empty(0)
+              for term in terms]  # fmt: skip
     for n, b in enumerate(short, 1):
         T[short[:n], b] = T[b, short[:n]] = _with(ends[b], [ends[a] for a in short[:n]], terms, tables)
     return T
