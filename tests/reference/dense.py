@@ -18,6 +18,18 @@ def quadratic_form(row, m, n):
     return A / (count * float(row.norm(np.array([m]))[0]) * m**2)
 
 
+def ramp_weights(row, m, n):
+    """A x for the ramp x of n intervals, window by window, each less the line through its ends, which it removes."""
+    x = np.arange(n + 1.0) ** 2 / 2
+    count = int(row.count(n, np.array([m]))[0])
+    weights, filters = row.window(m)
+    points, v = filters.shape[1], np.zeros(n + 1)
+    for i in range(count):
+        part = x[i : i + points] - np.linspace(x[i], x[i + points - 1], points)
+        v[i : i + points] += (weights * (filters @ part)) @ filters
+    return v / (count * float(row.norm(np.array([m]))[0]) * m**2)
+
+
 def total_rows(m, n):
     """Weights of x*_{i-m} - 2 x*_i + x*_{i+m}, i = 1..n-1, with x*_{-j} = 2 x_0 - x_j, x*_{n+j} = 2 x_n - x_{n-j}."""
     for i in range(1, n):

@@ -52,6 +52,9 @@ class Scheme:
         Expectation of one window, where it is known for any m.
     leading : int
         Averaging factor of the reduced window from which the largest eigenvalues are taken.
+    ramp : m -> array, shape (points,), or None
+        For a window of many filters, half the gradient of its sum of squares at ``x_j = j^2 / 2`` but for a line:
+        ``sum_r weights[r] (filters[r] . x) filters[r]``.
     """
 
     levels: tuple[int, ...] = (10, 20)
@@ -59,6 +62,7 @@ class Scheme:
     sharp: Sharp | None = None
     response: Callable[[NoiseTerm, int], float] | None = None
     leading: int = 6
+    ramp: Callable[[int], FloatArray] | None = None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from allanite.statistics.moments.theomoments import harmonic, theo_response, whi
 
 from .differences import OADEV
 from .published import theo1
-from .row import PublishedBias, Scheme, Sharp, Statistic, Window, constant
+from .row import FloatArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
 def _window(m: int) -> Window:
@@ -21,6 +21,15 @@ def _window(m: int) -> Window:
     for column, sign in ((0 * v, 1), (v, -1), (m - v, -1), (0 * v + m, 1)):
         filters[rows, column] += sign
     return 1 / v, filters
+
+
+def _ramp(m: int) -> FloatArray:
+    j = np.arange(m + 1)
+    g = -np.maximum(j, m - j).astype(np.float64)
+    g[m // 2] *= 2
+    g[0] = g[m] = 0.0
+    g[0] = g[m] = -g.sum() / 2
+    return g
 
 
 KEPT_AT = (0.06, 0.2, 0.39, 0.78, 1.0)
@@ -68,6 +77,7 @@ THEO1 = Statistic(
         sharp=Sharp(levels=(16, 32, 64), scale=harmonic, itself=white_ratio),
         response=theo_response,
         leading=16,
+        ramp=_ramp,
     ),
     published=PublishedBias(
         reference="D. A. Howe & T. N. Tasset, EFTF 2004; NIST SP 1065 section 5.2.15: AVAR = Theo1 (a + b/t^c), "

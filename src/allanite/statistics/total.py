@@ -32,15 +32,34 @@ def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
 
 def folding(m: int) -> FloatArray:
     """Differences of means of the detrended, folded window of 3m points, shape (6m, 3m)."""
-    points, half = 3 * m, 3 * m // 2
+    detrended = np.eye(3 * m) - np.outer(np.arange(3 * m), _slope(3 * m))
+    return _differences(np.concatenate((detrended[::-1], detrended, detrended[::-1])), m)[: 6 * m]
+
+
+def _slope(points: int) -> FloatArray:
+    """Weights of the points in the slope between the means of both halves."""
+    half = points // 2
     mean = np.zeros(points)
     mean[-half:] += 1 / half
     mean[:half] -= 1 / half
-    detrended = np.eye(points) - np.outer(np.arange(points), mean / (points - half))
-    folded = np.concatenate((detrended[::-1], detrended, detrended[::-1]))
-    means = np.cumsum(np.concatenate((np.zeros((1, points)), folded)), axis=0)
+    return mean / (points - half)
+
+
+def _differences(x: FloatArray, m: int) -> FloatArray:
+    """Second differences of means of m, along the first axis."""
+    means = np.cumsum(np.concatenate((np.zeros((1, *x.shape[1:])), x)), axis=0)
     means = (means[m:] - means[:-m]) / m
-    return np.asarray((means[2 * m :] - 2 * means[m:-m] + means[: -2 * m])[: 6 * m])
+    return np.asarray(means[2 * m :] - 2 * means[m:-m] + means[: -2 * m])
+
+
+def _ramp(m: int) -> FloatArray:
+    """Half the gradient of the sum of squares at the ramp: each step of `folding` forward, then its transpose."""
+    place = np.arange(3 * m) - (3 * m - 1) / 2
+    x = place**2 / 2
+    places = _differences(np.concatenate((x[::-1], x, x[::-1])), m)[: 6 * m]
+    folded = _differences(np.pad(places, (3 * m - 1, 3 * m)), m)[: 9 * m] / (6 * m)
+    g = folded[: 3 * m][::-1] + folded[3 * m : 6 * m] + folded[6 * m :][::-1]
+    return np.asarray(g - place @ g * _slope(3 * m))
 
 
 def _window(m: int) -> Window:
@@ -111,6 +130,7 @@ MTOTDEV = Statistic(
         factor=lambda c, m, size: np.full(m.shape, c[0]),
         coefficients={2: (0.94,), 1: (0.83,), 0: (0.73,), -1: (0.70,), -2: (0.69,)},
     ),
+    scheme=Scheme(ramp=_ramp),
     published_edf=published.modified_total,
 )
 

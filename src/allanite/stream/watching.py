@@ -17,8 +17,8 @@ from allanite.core.wording import percent
 from allanite.planning.plan import plan
 from allanite.study.analysis import Channel, Study
 from allanite.study.channels import demand_result
-from allanite.study.provenance import provenance_of
 from allanite.study.noise import Noise
+from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
 from .accumulator import Accumulator

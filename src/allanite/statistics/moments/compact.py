@@ -12,7 +12,7 @@ removed before anything is squared.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -154,6 +154,11 @@ def averaged(term: NoiseTerm, step: float) -> Structure:
 def sampled(term: NoiseTerm, step: float) -> Structure:
     """D of a term at lags in units of 1/step samples, where a point is a sample."""
     return lambda t: term.structure(t / step)
+
+
+def slower(term: NoiseTerm, step: float, D: Callable[[NoiseTerm, float], Structure]) -> NoiseTerm:
+    """The term in a record whose samples last as long as 1/step of its own; D is `averaged` or `sampled`."""
+    return replace(term, structure=D(term, step), derivative=lambda k, t: step**-k * term.derivative(k, t / step))
 
 
 def extrapolation(levels: Sequence[int], m: int, power: int) -> FloatArray:

@@ -51,11 +51,27 @@ def second_difference(row: NoiseTerm, n: int) -> FloatArray:
     near = np.arange(min(n, FAR) + 1, dtype=np.float64)
     D = row.structure(near)
     first = np.concatenate(([2 * D[1]], D[2:] - 2 * D[1:-1] + D[:-2]))
-    h = np.arange(FAR, n, dtype=np.float64)
-    if not h.size:
+    if n <= FAR:
         return first[:n]
+    return np.concatenate((first[:FAR], far_difference(row, np.arange(FAR, n, dtype=np.float64))))
+
+
+def far_difference(row: NoiseTerm, h: FloatArray) -> FloatArray:
+    """The same at any lags from `FAR` on, shape of h."""
     series = (row.derivative(k, h) / c for k, c in ((2, 1.0), (4, 12.0), (6, 360.0), (8, 20160.0)))
-    return np.concatenate((first[:FAR], np.asarray(sum(series))))
+    return np.asarray(sum(series))
+
+
+def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
+    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope.
+
+    None for other than power laws of an even exponent.
+    """
+    if row.alpha is None or row.alpha % 2:
+        return None
+    c = second_difference(row, 4) / 2
+    slope = float(c[3] - c[2])
+    return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,10 +19,10 @@ def covariance(
     """Covariance between the variances at averaging factors `m` of one record without gaps, SI, shape (k, k).
 
     Exact for overlapping differences (oadev, ohdev, mdev, tdev), except for the quadrature, and for windows of up to
-    400 points together; for longer ones (theo1, pdev, mtotdev, ttotdev, htotdev) below 1 % of the two standard
-    deviations. That holds beside a ramp at 1000 samples; what flicker and a ramp add to longer windows is known to 3 %
-    of its own diagonal there, less well in longer records. That of theobr and theoh is of first order in the scatter of
-    their bias ratio. Of a model with sinusoids, that of its noise.
+    750 points; for longer ones (theo1, pdev, mtotdev, ttotdev, htotdev) within 1 % of the two standard deviations, and
+    within 0.1 % but for white angle noise. What noise and a ramp add together is exact for windows of up to 2^19
+    points. That of theobr and theoh is of first order in the scatter of their bias ratio. Of a model with sinusoids,
+    that of its noise.
 
     Raises
     ------

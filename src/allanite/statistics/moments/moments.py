@@ -11,6 +11,7 @@ where r_ij depends on the statistic, m and the number of windows only; between d
 import math
 from collections import Counter
 from collections.abc import Sequence
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from allanite.terms import NoiseTerm
 
 from . import lagsums, windowed
 from .pairs import Pairs
+from .ramped import crossed
 
 Runs = Sequence[tuple[int, int]]
 """(samples, how many such runs): the stretches without gaps of a record."""
@@ -189,29 +191,32 @@ def covariance_by_term(rows: Sequence[Statistic], model: Model, m: IntArray, siz
         if row.window is None or not row.overlapped or row.parts:
             raise UsageError(f"the covariance between averaging times of {row.name} is not known")
     terms = [t.sampled(rate) for t in model]
-    root = np.sqrt(np.abs([by_term(row, model, k, size, rate) for row, k in zip(rows, m.tolist(), strict=True)]))
-    pairs = Pairs(terms)
-    result = np.empty((m.size, m.size, len(terms), len(terms)))
-    for i, j in np.ndindex(m.size, m.size):
-        if i <= j:
-            if rows[i] is rows[j] and rows[i].differences:
-                one = _of_differences(rows[i], model, (int(m[i]), int(m[j])), size, rate)
-            else:
-                r = (
-                    relative(rows[i], terms, int(m[i]), [(size, 1)])
-                    if rows[i] is rows[j] and m[i] == m[j]
-                    else pairs.relative((rows[i], rows[j]), (int(m[i]), int(m[j])), size)
-                )
-                scale = root[i] * root[j]
-                one = 2 * np.outer(scale, scale) * r
-            result[i, j] = result[j, i] = one
-    return result
+    T = _products(rows, terms, m, size)
+    tau = [(k * row.tau_factor / rate) ** (2.0 * row.power) for row, k in zip(rows, m.tolist(), strict=True)]
+    scale = np.outer(tau, [t.power(rate) for t in model])
+    return np.asarray(2 * T * scale[:, None, :, None] * scale[None, :, None, :])
 
 
-def _of_differences(row: Statistic, model: Model, m: tuple[int, int], size: int, rate: float) -> FloatArray:
+def _products(rows: Sequence[Statistic], terms: Sequence[NoiseTerm], m: IntArray, size: int) -> FloatArray:
+    """T_ij of variances of the rate for coefficients of 1 and a unit sample interval, shape (k, k, t, t)."""
+    random = np.array([term.waveform is None for term in terms])
+    noise = [term for term in terms if term.waveform is None]
+    T = np.zeros((m.size, m.size, len(terms), len(terms)))
+    if not random.all() and not all(row is rows[0] and row.differences for row in rows):
+        T[:, :, random] = crossed(rows, m, size, noise)[..., None] * ~random
+        T += T.swapaxes(2, 3)
+    pairs = Pairs(noise)
+    for i, j in combinations_with_replacement(range(m.size), 2):
+        pair, factors = (rows[i], rows[j]), (int(m[i]), int(m[j]))
+        if rows[i] is rows[j] and rows[i].differences:
+            T[i, j] = _of_differences(rows[i], terms, factors, size)
+        else:
+            T[i, j][np.ix_(random, random)] = pairs.products(pair, factors, size)
+        T[j, i] = T[i, j]
+    return T
+
+
+def _of_differences(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], size: int) -> FloatArray:
     """The same for two points of overlapping differences, exactly."""
-    powers = np.array([t.power(rate) for t in model]) / rate**2
-    factors = np.array(m)
-    scale = row.norm(factors) * (factors / rate) ** 2.0 / (factors * row.tau_factor / rate) ** (2.0 * row.power)
-    T = lagsums.products(row, [t.sampled(rate) for t in model], (min(m), max(m)), [(size, 1)])
-    return np.asarray(2 * np.outer(powers, powers) * T / scale.prod())
+    scale = row.norm(np.array(m)) * np.array(m) ** 2.0
+    return np.asarray(lagsums.products(row, terms, (min(m), max(m)), [(size, 1)]) / scale.prod())

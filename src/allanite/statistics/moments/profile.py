@@ -1,0 +1,202 @@
+"""How two windows are correlated at any distance, and sums of it over the pairs of windows of a record.
+
+With A, B the quadratic forms of the windows in the rates of the samples, and c_i the covariance of the rates under
+term i, two windows of which the second starts s samples after the first have
+
+    c_ij(s) = sum_hh' M[h, h'] c_i(s + h) c_j(s + h'),        M[h, h'] = sum_kk' A[k, k'] B[k + h, k' + h']
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.statistics.row import FloatArray, IntArray, Window
+from allanite.terms import NoiseTerm
+
+from .compact import FAR
+from .gls import FAR as SMOOTH
+from .gls import far_difference, line_of
+
+BESIDE, AFTER, FARTHEST = 64, 80, 600
+"""Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""
+
+INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)
+"""Nodes between two kinks, with which the kinks make a cubic."""
+
+Windows = Callable[[int], Window]
+
+
+class Profile(NamedTuple):
+    """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes).
+
+    Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and `last`
+    are kinks, `nodes` the places in the step between two, `power` that of the fall in the end.
+    """
+
+    E: FloatArray
+    sizes: tuple[int, int]
+    first: float
+    last: float
+    nodes: FloatArray
+    steps: FloatArray
+    beyond: FloatArray
+    tail: FloatArray
+    power: float
+
+
+class Form(NamedTuple):
+    """A of one window, ``y'Ay`` for the rates y of its samples; the sums of its diagonals; f if it is ff'."""
+
+    A: FloatArray
+    diagonals: FloatArray
+    single: FloatArray | None
+
+
+@lru_cache(maxsize=32)
+def form_of(window: Windows, m: int) -> Form:
+    """The form of ``window(m)``."""
+    weights, filters = window(m)
+    rates = -np.cumsum(filters, axis=1)[:, :-1]
+    A = (rates.T * weights) @ rates
+    p = len(A)
+    # with p zeros after each row, and one place less in a row, diagonals become columns
+    diagonals = np.pad(A[:, ::-1], ((0, 0), (0, p))).ravel()[:-p].reshape(p, 2 * p - 1).sum(axis=0)
+    return Form(A, diagonals, rates[0] * math.sqrt(weights[0]) if weights.size == 1 else None)
+
+
+def profile_of(
+    windows: tuple[Windows, Windows], m: tuple[int, int], terms: Sequence[NoiseTerm], *, order: int, between: bool
+) -> Profile:
+    """The profile of windows that are alike from both ends, under noise.
+
+    `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
+    """
+    one, two = (form_of(window, k) for window, k in zip(windows, m, strict=True))
+    sizes = len(one.A), len(two.A)
+    last = sum(sizes) / 2
+    nodes = np.array([0.0, *INSIDE]) if between else np.zeros(1)
+    kinks = np.arange(last % 1, last + 1.5 + (0 if between else BESIDE))
+    beyond = last + np.geomspace(kinks[-1] - last, max(2 * FAR * (last + 1), FARTHEST), AFTER)
+    # the first lag of the rates of two windows at these distances
+    start = np.append(kinks[:-1, None] + nodes, beyond) - (last - 1)
+    C = [_lagged(term, start, sum(sizes) - 1, kinks.size - 1) for term in terms]
+    if one.single is not None and two.single is not None:
+        c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(two.single, one.single, "full")] * 2)
+    else:
+        c = _of_many(C, _correlation(one.A, two.A), None if between else start, terms)
+    E = np.array([[_expectation(term, form) for term in terms] for form in (one, two)])
+    scale = np.sqrt(E.prod(axis=0))
+    c /= np.outer(scale, scale)[..., None]
+    near = start.size - AFTER
+    return Profile(E, sizes, last % 1, last, nodes, c[..., :near], beyond, c[..., near:], 2.0 * order - 4)
+
+
+def _expectation(term: NoiseTerm, form: Form) -> float:
+    return float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A)))))
+
+
+def _of_many(C: list[FloatArray], M: FloatArray, start: FloatArray | None, terms: Sequence[NoiseTerm]) -> FloatArray:
+    """c, shape (t, t, s), of the rates' covariances C, shape (s, h) each; `start` where their lags are whole."""
+    c = np.zeros((len(C), len(C), len(C[0])))
+    straight = None if start is None else _Straight(M, start)
+    for j, term in enumerate(terms):
+        line = line_of(term)
+        Y = straight.times(*line) if straight and line else C[j] @ M
+        for i in range(j + 1):
+            c[i, j, : len(Y)] = c[j, i, : len(Y)] = np.einsum("sh,sh->s", C[i][: len(Y)], Y)
+    return c
+
+
+class _Straight:
+    """Products with M of covariances that are straight lines from lag 2 on: they are zero once all lags are beyond."""
+
+    def __init__(self, M: FloatArray, start: FloatArray) -> None:
+        # the place in M of a lag of zero falls by one from each distance to the next, down to one before M
+        first = -round(start[0])
+        self.rows = np.concatenate((np.zeros((2, len(M))), M[: first + 2]))[::-1]
+
+    @cached_property
+    def sums(self) -> FloatArray:
+        """Running sums of the running sums of M, before each place."""
+        return np.cumsum(np.cumsum(self.rows[::-1], axis=0), axis=0)[::-1]
+
+    def times(self, own: float, beside: float, slope: float) -> FloatArray:
+        """C M of the first distances, shape (s, h)."""
+        Y = own * self.rows[1:-1]
+        if beside:
+            Y += beside * (self.rows[2:] + self.rows[:-2])
+        if slope:
+            Y += 2 * slope * self.sums[2:]
+        return Y
+
+
+def _correlation(A: FloatArray, B: FloatArray) -> FloatArray:
+    """M, shape (len(A) + len(B) - 1,) * 2, by FFT."""
+    from scipy.fft import fft, irfft2, next_fast_len, rfft
+
+    length = next_fast_len(len(A) + len(B) - 1, real=True)
+    a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
+    M = irfft2(np.conj(a) * b, (length, length))
+    h = np.arange(1 - len(A), len(B))
+    return np.asarray(M[np.ix_(h, h)])
+
+
+def _rates(term: NoiseTerm, lag: FloatArray) -> FloatArray:
+    """Covariance of two rates, shape of lag; a constant is left to choice."""
+    C = np.empty(lag.shape)
+    far = lag >= SMOOTH
+    C[far] = far_difference(term, lag[far])
+    near, D = lag[~far], term.structure
+    C[~far] = D(near + 1) - 2 * D(near) + D(np.abs(near - 1))
+    return C / 2
+
+
+def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatArray:
+    """Covariance of rates at `size` lags from each start on, shape (start, size).
+
+    The starts are equally spaced in `cells` rows, but for some at the end.
+    """
+    nodes = (start.size - AFTER) // cells
+    h = np.arange(size)
+    C = np.empty((start.size, size))
+    for i in range(nodes):
+        table = _rates(term, np.abs(start[i] + np.arange(cells - 1 + size)))
+        C[i : nodes * cells : nodes] = np.lib.stride_tricks.sliding_window_view(table, size)
+    C[nodes * cells :] = _rates(term, np.abs(start[nodes * cells :, None] + h))
+    return C
+
+
+def total(profile: Profile, x: FloatArray, weight: FloatArray) -> FloatArray:
+    """``sum weight c(x)`` over distances x >= 0, shape (t, t)."""
+    beyond, size = profile.beyond, profile.nodes.size
+    near = x < beyond[0] - 1e-9
+    u = np.maximum(x[near] - profile.first, 0.0)
+    if size > 1:
+        cell = np.minimum(np.floor(u + 1e-12).astype(np.int64), profile.steps.shape[-1] // size - 1)
+        places, basis = size * cell + np.arange(size + 1)[:, None], lagrange(u - cell, np.append(profile.nodes, 1.0))
+    else:
+        places, basis = np.rint(u).astype(np.int64)[None], np.ones((1, u.size))
+    inner = _gathered(places, basis * weight[near], profile.steps.shape[-1] + 1)
+    T = profile.steps @ inner[:-1] + profile.tail[..., 0] * inner[-1]
+    if near.all():
+        return np.asarray(T)
+    far, after = np.maximum(x[~near], beyond[0]), np.log(beyond - profile.last)
+    v = (np.log(np.minimum(far, beyond[-1]) - profile.last) - after[0]) / (after[1] - after[0])
+    cell = np.clip(np.floor(v).astype(np.int64) - 1, 0, beyond.size - 4)
+    places, basis = cell + np.arange(4)[:, None], lagrange(v - cell, np.arange(4.0))
+    outer = _gathered(places, basis * weight[~near] / far**profile.power, beyond.size) * beyond**profile.power
+    return np.asarray(T + profile.tail @ outer)
+
+
+def lagrange(t: FloatArray, nodes: FloatArray) -> FloatArray:
+    """Weights of the values at the nodes in that at t of the polynomial through them, shape (nodes, t)."""
+    others = ~np.eye(nodes.size, dtype=bool)
+    factors = [[(t - b) / (a - b) for b in nodes[o]] for a, o in zip(nodes, others, strict=True)]
+    return np.asarray(np.prod(np.array(factors), axis=1))
+
+
+def _gathered(places: IntArray, weights: FloatArray, size: int) -> FloatArray:
+    return np.asarray(np.bincount(places.ravel(), weights.ravel(), size), dtype=np.float64)
