@@ -148,7 +148,7 @@ class Pairs:
             sums = [row.norm(np.array([k]))[0] * float(k) ** 2 for row, k in zip(rows, m, strict=True)]
             E = self._profile(pair, 1.0, sampled).E / np.array(sums)[:, None]
         else:
-            E = np.array([responses(row, self.terms, k) if row.differences else response(row, self.terms, k, size)
+            E = np.array([responses(row, self.terms, np.array([k]))[:, 0] if row.differences else response(row, self.terms, k, size)
                           for row, k in zip(rows, m, strict=True)])  # fmt: skip
         scale = np.sqrt(E.prod(axis=0))
         r = self.within(pair)
