@@ -1,0 +1,256 @@
+"""The job of many records: what is missing in a folder of results is analyzed, stored, and put together as tables."""
+
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from allanite.core.errors import AllaniteError, UsageError
+from allanite.core.version import __version__
+from allanite.study.analysis import analyzed
+from allanite.study.channels import Progress
+from allanite.study.recipe import Recipe
+
+from .batch import lightened
+from .executor import Done, Executor, Plain, Serial
+from .job import reason_of
+from .manifest import DATE, OWN, TEMPERATURE, Entry, manifest_of
+from .sources import PathLike
+from .store import FILES, Store, identity
+from .tables import TABLES, as_table, schema_of
+
+DONE, FAILED, OPEN = "done", "failed", "open"
+"""Status of a file: it has a result, it has none and why is known, it was not reached yet."""
+
+AT_ONCE = 256
+"""Files whose rows are held in memory together."""
+
+
+@dataclass(frozen=True)
+class FileStatus:
+    """A file of a batch, and what became of it.
+
+    Attributes
+    ----------
+    file : str
+    facts : dict
+        The columns of the manifest.
+    key, sha256 : str
+        The key of its result, and of what content it is; empty if the file cannot be read.
+    status : {"done", "failed", "open"}
+    error : str
+        Why it has failed.
+    rejected : str
+        Channels without a result, or whose noise no model explains.
+    """
+
+    file: str
+    facts: dict[str, Any]
+    key: str = ""
+    sha256: str = ""
+    status: str = OPEN
+    error: str = ""
+    rejected: str = ""
+
+
+@dataclass(frozen=True)
+class Resumed:
+    """What a run of a batch has done.
+
+    Attributes
+    ----------
+    files : tuple of FileStatus
+        All files, in the order of their names.
+    analyzed : int
+        Records that were analyzed now; files with the same content are one.
+    before : int
+        Files that were done by an earlier run.
+    notes : tuple of str
+        What was left out.
+    """
+
+    files: tuple[FileStatus, ...]
+    analyzed: int
+    before: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def failed(self) -> tuple[FileStatus, ...]:
+        """The files without a result."""
+        return tuple(file for file in self.files if file.status != DONE)
+
+    @property
+    def rejected(self) -> tuple[str, ...]:
+        """File and channel of what has no result, or is not explained by its model."""
+        return tuple(f"{file.file}: {file.rejected}" for file in self.files if file.rejected)
+
+
+def run_batch(
+    source: PathLike,
+    results: PathLike,
+    recipe: Recipe | None = None,
+    *,
+    executor: Executor | None = None,
+    besides: Iterable[str | None] = (),
+    progress: Progress | None = None,
+) -> Resumed:
+    """Analyze many records, and store each result at once; a run that was interrupted is continued.
+
+    Parameters
+    ----------
+    source : path
+        A folder, a pattern, or a manifest; see `manifest_of`.
+    results : path
+        The folder of results, new or of an earlier run. What it holds for the same content, recipe and version is not
+        done again.
+    recipe : Recipe, optional
+        All choices, the same for each file.
+    executor : Executor, optional
+        `Serial` by default; `Processes` and `Dask` give the same numbers.
+    besides : iterable of path or None
+        Files of a folder that are not recordings.
+    progress : callable, optional
+        Called with the last file and the completed fraction.
+
+    Returns
+    -------
+    Resumed
+        A file that cannot be analyzed carries the reason; the others are analyzed all the same. The folder holds
+        ``files.parquet``, ``coefficients.parquet``, ``curves.parquet`` and ``findings.parquet``.
+
+    Raises
+    ------
+    DataError
+        No file is found.
+    UsageError
+        The manifest is wrong, the folder of results cannot be used, or its disk is full: what is stored is kept.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from allanite.core.model import N
+    >>> from allanite.readers import write
+    >>> from allanite.simulation.record import simulate
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> write(simulate(N(0.1, "deg/sqrt(h)"), 2000, 10.0, rng=np.random.default_rng(0)), Path(folder.name, "a.csv"))
+    >>> results = Path(folder.name, "results")
+    >>> [run_batch(folder.name, results).analyzed for _ in range(2)]
+    [1, 0]
+    >>> folder.cleanup()
+    """
+    choices = (recipe or Recipe()).to_dict()
+    found = manifest_of(source, besides)
+    store = Store.opened(results, new=True)
+    tell = progress or (lambda what, fraction: None)
+    files = {entry.file: _known(entry, choices, store, tell) for entry in found.entries}
+    _put_files(store, files.values(), choices)
+    before = sum(file.status == DONE for file in files.values())
+    missing = _missing(files.values(), choices)
+    _analyze(missing, files, store, executor or Serial(), tell)
+    files = {name: _settled(status, store) for name, status in files.items()}
+    _put_files(store, files.values(), choices)
+    _put_tables(store, files.values())
+    return Resumed(tuple(files.values()), len(missing), before, found.notes)
+
+
+def _analyze(
+    missing: list[Plain], files: dict[str, FileStatus], store: Store, executor: Executor, tell: Progress
+) -> None:
+    """Store the results that are missing, and mark the files that they belong to."""
+    named: dict[str, list[str]] = {}
+    for file in files.values():
+        named.setdefault(file.key, []).append(file.file)
+    wrong = []
+    for i, done in enumerate(executor.run(analyze_plainly, missing), 1):
+        error = _kept(done, store)
+        wrong += [error] if done.result and done.result.get("usage") else []
+        for name in named[done.item["key"]]:
+            files[name] = replace(files[name], status=FAILED if error else DONE, error=error)
+        tell(f"{i} of {len(missing)}, {done.item['file']}", i / len(missing))
+    if wrong and all(file.error in wrong for file in files.values()):
+        raise UsageError(f"none of the {len(files)} files could be analyzed: {wrong[0]}")
+
+
+def analyze_plainly(item: Plain) -> Plain:
+    """The study of a file as plain data without its name, or the error: the task that executors are given."""
+    file = item["file"]
+    try:
+        study = analyzed(file, Recipe.from_dict(item["choices"]))
+    except AllaniteError as error:
+        # a missing library, for example, may be there the next time
+        return {"error": reason_of(error, file), "usage": isinstance(error, UsageError), "allanite": __version__}
+    found = lightened(replace(study, provenance=study.provenance | {"source": ""}))
+    return {"study": found.to_dict(), "rejected": ", ".join(study.rejected), "allanite": __version__}
+
+
+def _known(entry: Entry, choices: Plain, store: Store, tell: Progress) -> FileStatus:
+    """What is known of a file before anything is analyzed."""
+    tell(f"looking at {entry.file}", 0.0)
+    try:
+        digest, key = identity(entry.file, choices)
+    except AllaniteError as error:
+        return FileStatus(entry.file, entry.facts, status=FAILED, error=reason_of(error, entry.file))
+    return FileStatus(entry.file, entry.facts, key, digest, DONE if store.has(key) else OPEN)
+
+
+def _missing(files: Iterable[FileStatus], choices: Plain) -> list[Plain]:
+    """The items to do: of files with the same content, one."""
+    first = {file.key: file for file in reversed([*files]) if file.status == OPEN}
+    wanted = sorted(first.values(), key=lambda file: file.file)
+    return [{"file": os.path.abspath(f.file), "key": f.key, "sha256": f.sha256, "choices": choices} for f in wanted]
+
+
+def _kept(done: Done, store: Store) -> str:
+    """Store a result; the reason if there is none, which is not stored where another run may find otherwise."""
+    result = done.result or {}
+    error = done.error or _unfit(done) or (result["error"] if result.get("usage") else "")
+    if not error:
+        store.put(done.item["key"], result)
+    return str(error)
+
+
+def _unfit(done: Done) -> str:
+    """Why a result is not that of this file and this version; empty if it is."""
+    result = done.result or {}
+    if result.get("allanite") != __version__:
+        return f"it was analyzed by version {result.get('allanite')}, not {__version__}; install the same everywhere"
+    digest = result.get("study", {}).get("provenance", {}).get("sha256") or done.item["sha256"]
+    changed = digest != done.item["sha256"]
+    return "the file changed while the batch was running; run the batch again" if changed else ""
+
+
+def _settled(status: FileStatus, store: Store) -> FileStatus:
+    """A file with a stored result: failed if that is an error, otherwise with the channels that it rejects."""
+    if status.status != DONE:
+        return status
+    part = store.get(status.key)
+    error = part.get("error", "")
+    return replace(status, status=FAILED if error else DONE, error=error, rejected=part.get("rejected", ""))
+
+
+def _put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None:
+    """The table of files, with the recipe in its metadata."""
+    import pyarrow as pa
+
+    rows = [
+        {"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts}
+        for f in sorted(files, key=lambda f: f.file)
+    ]
+    special = {TEMPERATURE: pa.float64(), DATE: pa.timestamp("us")}
+    fields = [(name, special.get(name, pa.string())) for name in dict.fromkeys(name for row in rows for name in row)]
+    about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
+    table = pa.Table.from_pylist(rows, schema=pa.schema(fields, about))
+    store.table(FILES, [table], table.schema)
+
+
+def _put_tables(store: Store, files: Iterable[FileStatus]) -> None:
+    """The other tables, in the order of the files."""
+    done = sorted((file for file in files if file.status == DONE), key=lambda file: file.file)
+    for name, (columns, rows_of) in TABLES.items():
+        schema = schema_of(columns)
+        groups = (done[i : i + AT_ONCE] for i in range(0, len(done), AT_ONCE))
+        rows = ([row for f in group for row in rows_of(f.file, store.get(f.key)["study"])] for group in groups)
+        store.table(name, (as_table(group, schema) for group in rows), schema)
