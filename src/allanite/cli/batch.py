@@ -50,10 +50,13 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
 
 
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":
+    from allanite.batch.cluster import Dask
     from allanite.batch.executor import Processes, Serial
 
+    if scheduler is not None and workers is not None:
+        raise UsageError("--workers is for this machine, --scheduler has workers of its own; give one of them")
     if scheduler is not None:
-        raise UsageError("--scheduler is not there yet")
+        return Dask(scheduler)
     if workers is None:
         import os
 
