@@ -14,7 +14,7 @@ PATIENCE = 10
 
 @dataclass(frozen=True)
 class Dask:
-    """The workers of a Dask scheduler. They must see the files by the same paths, and have the same version of allanite.
+    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite.
 
     A worker that is lost is replaced by another one; a file that has cost several workers is reported as failed.
 
@@ -53,8 +53,8 @@ def _client(address: str) -> Any:
         return Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise UsageError(
-            f"the Dask scheduler {address!r} does not answer ({error}); start one with 'dask scheduler' and workers with "
-            f"'dask worker {address}', or check the address"
+            f"the Dask scheduler {address!r} does not answer ({error}); start one with 'dask scheduler' and workers "
+            f"with 'dask worker {address}', or check the address"
         ) from None
 
 

@@ -206,10 +206,10 @@ def _missing(files: Iterable[FileStatus], choices: Plain) -> list[Plain]:
 def _kept(done: Done, store: Store) -> str:
     """Store a result; the reason if there is none, which is not stored where another run may find otherwise."""
     result = done.result or {}
-    error = done.error or _unfit(done) or (result["error"] if result.get("usage") else "")
+    error: str = done.error or _unfit(done) or (result["error"] if result.get("usage") else "")
     if not error:
         store.put(done.item["key"], result)
-    return str(error)
+    return error
 
 
 def _unfit(done: Done) -> str:

@@ -14,6 +14,7 @@ from allanite.core.version import __version__
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
+from .phrases import dumps, loads
 
 PARTS = "parts"
 """Folder of the parts."""
@@ -103,7 +104,7 @@ class Store:
         """
         import pyarrow as pa
 
-        row = {name: json.dumps(value, sort_keys=True) for name, value in result.items()}
+        row = {name: dumps(value) for name, value in result.items()}
         self._write(self.part(key), pa.table({name: [text] for name, text in sorted(row.items())}))
 
     def get(self, key: str) -> Plain:
@@ -120,7 +121,7 @@ class Store:
             (row,) = parquet.read_table(self.part(key), memory_map=False).to_pylist()
         except (OSError, ArrowInvalid, ValueError) as error:
             raise DataError(f"the part {str(self.part(key))!r} cannot be read ({error}); run the batch again") from None
-        return {name: json.loads(text) for name, text in row.items()}
+        return {name: loads(text) for name, text in row.items()}
 
     def table(self, name: str, batches: Iterable[Any], schema: Any) -> None:
         """Write a table of the whole batch, part by part.

@@ -1,14 +1,16 @@
 """Many records: ``allanite batch`` analyzes them and stores the results, ``allanite lot`` shows them."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from allanite.core.errors import UsageError
 
-from .deliver import outputs, progress, recipe_of
+from .analyze import end_of_units
+from .deliver import carry_out, outputs, progress, recipe_of
 from .front import DATA, PARTLY
-from .options import IDENTIFYING, RECORDING, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.batch.executor import Executor
@@ -47,6 +49,22 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
             source, results, recipe_of(choices), executor=_executor(workers, scheduler), besides=[recipe], progress=tell
         )
     _end(found, results, strict=out.strict, quiet=out.quiet)
+
+
+@click.command()
+@options(click.argument("results", type=click.Path()), "limits file", "coefficients", *RESULTS, "strict")
+def lot(results: str, limits: str | None, **choices: Any) -> None:
+    """Show the stored results of a batch.
+
+    RESULTS is a folder that 'allanite batch' has written. Shows what 'allanite analyze' shows of many units, and the
+    quantiles of each coefficient, its trends over the temperature and date of the manifest, and units that differ from
+    the others. --limits holds the coefficients against limits; exit codes are those of 'allanite analyze'.
+    """
+    from allanite.batch.lot import read_lot
+
+    out = outputs(choices, [limits])
+    found = carry_out(lambda tell: read_lot(results, limits), replace(out, strict=False))
+    end_of_units(found.batch, strict=out.strict)
 
 
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":

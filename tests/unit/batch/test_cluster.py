@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from distributed import LocalCluster
+from tests.unit.batch.tasks import deadly, doubled
 
 import allanite as al
 from allanite.batch.cluster import Dask
 from allanite.batch.records import run_batch
-from tests.unit.batch.tasks import deadly, doubled
 
 
 @pytest.fixture(scope="module")

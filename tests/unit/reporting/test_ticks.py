@@ -106,7 +106,12 @@ def test_ticks_are_drawn_as_one_by_one(make):
 
 def test_figures_of_results():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)") + al.B(1.0, "deg/h"), 20_000, 100.0, rng=np.random.default_rng(1))
-    for value in (al.deviation(record), al.spectrum(record), al.dynamic(record), al.plan(al.N(0.1, "deg/sqrt(h)"), 100.0)):
+    for value in (
+        al.deviation(record),
+        al.spectrum(record),
+        al.dynamic(record),
+        al.plan(al.N(0.1, "deg/sqrt(h)"), 100.0),
+    ):
         figure = al.plot(value)
         expected = pixels(figure)
         with drawn_at_once(figure):

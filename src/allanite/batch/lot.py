@@ -1,0 +1,274 @@
+"""A lot: the stored results of a batch, with distributions, trends and units that differ from the others."""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.errors import DataError
+from allanite.core.language import say
+from allanite.core.plain import Value
+from allanite.core.units import Signal, convert
+from allanite.study.analysis import Study
+
+from .across import known, power_of
+from .batch import Batch, BatchUnit
+from .judgement import judge_study
+from .manifest import DATE, TEMPERATURE
+from .records import DONE, OPEN
+from .sources import PathLike
+from .specification import Specification
+from .store import Store
+
+DAY = 86400.0
+FALSE_ALARM = 0.05
+"""Probability that a coefficient of a uniform lot has an outlying unit, or shows a trend."""
+
+FEWEST = 6
+"""Values below which there is neither a trend nor an outlying unit."""
+
+SHARE = 0.1
+"""Of the values, on either side of the quantiles of a distribution."""
+
+
+@dataclass(frozen=True, repr=False)
+class OfLot(Value):
+    """The coefficient of a channel: what is common to everything that is found of it in a lot."""
+
+    channel: str
+    symbol: str
+    signal: Signal
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[power_of(self.symbol)]
+
+    @property
+    def factor(self) -> float:
+        """SI units in one unit of data sheets."""
+        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
+
+
+@dataclass(frozen=True, repr=False)
+class Distribution(OfLot):
+    """Quantiles of the values of a coefficient, SI: 10 %, 50 % and 90 %, of as many `units` as have a value."""
+
+    units: int
+    low: float
+    median: float
+    high: float
+
+
+@dataclass(frozen=True, repr=False)
+class Trend(OfLot):
+    """A straight line through the values of a coefficient.
+
+    Attributes
+    ----------
+    along : {"temperature", "date"}
+    units : int
+        Number of units with a value and a temperature or date.
+    slope, low, high : float
+        Change in SI for each kelvin or second, with its 95 % interval, from the scatter of the values about the line.
+    """
+
+    along: str
+    units: int
+    slope: float
+    low: float
+    high: float
+
+    @property
+    def shown(self) -> bool:
+        """Whether the interval excludes zero."""
+        return self.low > 0 or self.high < 0
+
+    @property
+    def step(self) -> float:
+        """The step of temperature or time that slopes are shown for, in kelvin or seconds."""
+        return DAY if self.along == DATE else 1.0
+
+
+@dataclass(frozen=True, repr=False)
+class Outlying(OfLot):
+    """A unit whose value differs from the others more than chance explains; `median` is that of all, SI."""
+
+    file: str
+    value: float
+    median: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lot(Value):
+    """The stored results of a batch.
+
+    Attributes
+    ----------
+    batch : Batch
+        The units, held against limits if some are given.
+    distributions, trends, outlying : tuple
+        Of each coefficient that has values.
+    """
+
+    batch: Batch
+    distributions: tuple[Distribution, ...] = ()
+    trends: tuple[Trend, ...] = ()
+    outlying: tuple[Outlying, ...] = ()
+
+    @property
+    def rejected(self) -> tuple[str, ...]:
+        """What has no result, is not explained by its model, or was not shown to keep a limit: file and channel."""
+        return self.batch.rejected
+
+    @property
+    def level(self) -> float:
+        """Of intervals."""
+        return self.batch.level
+
+    def _summary(self) -> str:
+        return f"{self.batch._summary()}, {len(self.outlying)} outlying values"
+
+
+class _Value(NamedTuple):
+    """The value of a coefficient of one unit, and its temperature and time, NaN if unknown."""
+
+    file: str
+    value: float
+    temperature: float
+    date: float
+
+
+def read_lot(results: PathLike, limits: Specification | PathLike | None = None) -> Lot:
+    """The results that `run_batch` has stored.
+
+    Parameters
+    ----------
+    results : path
+        The folder of results; a batch that is still running shows what it has done so far.
+    limits : Specification or path, optional
+        What the coefficients must not exceed.
+
+    Raises
+    ------
+    UsageError
+        It is not a folder of results, or the limits are wrong.
+    DataError
+        A table or a part is damaged, or no file has a result.
+    """
+    wanted = limits if limits is None or isinstance(limits, Specification) else Specification.load(limits)
+    store = Store.opened(results)
+    rows, about = store.files()
+    units = tuple(_unit(row, store, wanted) for row in rows)
+    if all(unit.error for unit in units):
+        raise DataError(f"no file has a result in {str(store.folder)!r}; the first one: {units[0].file}: "
+                        f"{units[0].error}")  # fmt: skip
+    choices = json.loads(about[b"recipe"])
+    batch = Batch(units, choices, choices["level"], wanted, (), {"allanite": about[b"allanite"].decode()})
+    found = _values(batch, {row["file"]: row for row in rows})
+    return Lot(
+        batch,
+        tuple(_distribution(of, ones) for of, ones in found),
+        tuple(trend for of, ones in found for trend in _trends(of, ones)),
+        tuple(one for of, ones in found for one in _outlying(of, ones)),
+    )
+
+
+def _unit(row: dict[str, Any], store: Store, wanted: Specification | None) -> BatchUnit:
+    file, judged = row["file"], wanted is not None
+    if row["status"] == OPEN and not store.has(row["key"]):
+        return BatchUnit(file, error=say("not analyzed yet"), judged=judged)
+    part = store.get(row["key"]) if row["status"] in (DONE, OPEN) or store.has(row["key"]) else {}
+    if "study" not in part:
+        return BatchUnit(file, error=part.get("error", row["error"]), judged=judged)
+    study = Study.from_dict(part["study"] | {"provenance": part["study"]["provenance"] | {"source": file}})
+    return BatchUnit(file, study, () if wanted is None else judge_study(study, wanted), judged=judged)
+
+
+_Of = tuple[str, str, Signal]
+
+
+def _values(batch: Batch, rows: dict[str, dict[str, Any]]) -> list[tuple[_Of, list[_Value]]]:
+    """The values of each coefficient."""
+    found: dict[tuple[str, str, str], tuple[_Of, list[_Value]]] = {}
+    for unit in batch:
+        row = rows[unit.file]
+        place = [math.nan if at is None else at for at in (row.get(TEMPERATURE), _seconds(row.get(DATE)))]
+        for channel in unit.channels:
+            name, signal = channel.record.name, channel.record.signal
+            for symbol, value, _ in known(channel, batch.level):
+                if value is not None:
+                    of = found.setdefault((name, signal.name, symbol), ((name, symbol, signal), []))
+                    of[1].append(_Value(unit.file, value, *place))
+    return list(found.values())
+
+
+def _seconds(date: datetime | None) -> float | None:
+    return None if date is None else date.replace(tzinfo=UTC).timestamp()
+
+
+def _distribution(of: _Of, ones: Sequence[_Value]) -> Distribution:
+    low, median, high = np.quantile([one.value for one in ones], (SHARE, 0.5, 1 - SHARE))
+    return Distribution(*of, len(ones), float(low), float(median), float(high))
+
+
+def _trends(of: _Of, ones: Sequence[_Value]) -> Iterator[Trend]:
+    value = np.array([one.value for one in ones])
+    for along in (TEMPERATURE, DATE):
+        at = np.array([getattr(one, along) for one in ones])
+        there = np.isfinite(at)
+        if there.sum() >= FEWEST and np.ptp(at[there]) > 0:
+            yield Trend(*of, along, int(there.sum()), *_line(at[there], value[there]))
+
+
+def _line(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:
+    """Slope of a straight line, with the interval in which it is by the scatter about the line."""
+    from scipy import stats
+
+    scale = float(np.std(at))
+    fit = stats.linregress((at - at.mean()) / scale, value)
+    half = float(stats.t.ppf(1 - FALSE_ALARM / 2, at.size - 2)) * fit.stderr
+    return fit.slope / scale, (fit.slope - half) / scale, (fit.slope + half) / scale
+
+
+def _outlying(of: _Of, ones: Sequence[_Value]) -> Iterator[Outlying]:
+    value = np.array([one.value for one in ones])
+    size = np.abs(value)
+    if len(ones) < FEWEST or not size.all():
+        return
+    for i in outliers(np.log(size)):
+        yield Outlying(*of, ones[i].file, ones[i].value, float(np.median(value)))
+
+
+def outliers(values: FloatArray) -> list[int]:
+    """Places of the values that are outliers of a normal sample, by Rosner's generalized extreme studentized deviate.
+
+    One is looked for in fewer than 15 values, for which the test is exact, and at most a fifth of them in more. With a
+    probability of `FALSE_ALARM` one is found where there is none.
+
+    Examples
+    --------
+    >>> outliers(np.array([0.1, -0.2, 0.3, 0.0, -0.1, 0.2, 9.0]))
+    [6]
+    """
+    from scipy import stats
+
+    n, left, found, removed = values.size, np.arange(values.size), 0, list[int]()
+    for i in range(1, (1 if n < 15 else n // 5) + 1):
+        rest = values[left]
+        spread = float(rest.std(ddof=1))
+        if not spread > 0:
+            break
+        at = int(np.argmax(np.abs(rest - rest.mean())))
+        size = abs(float(rest[at] - rest.mean())) / spread
+        t = float(stats.t.isf(FALSE_ALARM / (2 * (n - i + 1)), n - i - 1))
+        removed.append(int(left[at]))
+        left = np.delete(left, at)
+        if size > t * (n - i) / math.sqrt((n - i - 1 + t * t) * (n - i + 1)):
+            found = i
+    return removed[:found]
