@@ -202,13 +202,13 @@ def files(tmp_path_factory):
 
 
 def lot(folder, files):
-    """Stored results of eight units, of which one is noisy, one short, and one not there."""
+    """Stored results of eight units, of which one is noisy and one too short."""
     lines = ["file,temperature,date"]
     for i, size in enumerate((0.1, 0.11, 0.12, 0.13, 0.14, 5.0)):
         record = al.simulate(al.N(size, "deg/sqrt(h)"), 2000, 20.0, rng=np.random.default_rng(i), name="gx")
         al.write(record, folder / f"unit{i}.csv")
         lines.append(f"unit{i}.csv,{20 + i},2024-05-{10 + i}")
-    (folder / "units.csv").write_text("\n".join([*lines, "a.csv,,", "short.csv,,", "none.csv,,"]) + "\n")
+    (folder / "units.csv").write_text("\n".join([*lines, "a.csv,,", "short.csv,,"]) + "\n")
     run(f"batch {folder / 'units.csv'} --out {folder / 'lot'} --workers 1 --channels gx", files)
     return folder / "lot"
 

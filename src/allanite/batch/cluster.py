@@ -48,7 +48,7 @@ def _client(address: str) -> Any:
     try:
         from distributed import Client
     except ImportError:
-        raise UsageError("--scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
+        raise UsageError("a scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
     try:
         return Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:

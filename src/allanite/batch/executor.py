@@ -19,7 +19,7 @@ Task = Callable[[Plain], Plain]
 
 
 class Done(NamedTuple):
-    """What became of an item: its result, or in words why there is none."""
+    """What became of an item: its result, or the reason why there is none."""
 
     item: Plain
     result: Plain | None = None
@@ -45,7 +45,7 @@ class Serial:
 
 
 def attempt(task: Task, item: Plain) -> tuple[Plain | None, str]:
-    """The result of a task, or in words why there is none."""
+    """The result of a task, or the reason why there is none."""
     try:
         return task(item), ""
     except Exception as error:  # noqa: BLE001, RUF100 - becomes the error of this item, which is named

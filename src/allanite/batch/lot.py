@@ -33,7 +33,7 @@ FEWEST = 6
 """Values below which there is neither a trend nor an outlying unit."""
 
 SHARE = 0.1
-"""Of the values, on either side of the quantiles of a distribution."""
+"""Share of the values below the lower and above the upper quantile of a distribution."""
 
 
 @dataclass(frozen=True, repr=False)

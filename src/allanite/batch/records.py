@@ -8,6 +8,7 @@ from typing import Any
 
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.version import __version__
+from allanite.core.wording import command_line
 from allanite.study.analysis import analyzed
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe
@@ -178,12 +179,13 @@ def analyze_plainly(item: Plain) -> Plain:
     """The study of a file as plain data without its name, or the error: the task that executors are given."""
     file = item["file"]
     try:
-        study = analyzed(file, Recipe.from_dict(item["choices"]))
+        with command_line():  # what is stored does not depend on who started it, nor on which process it ran in
+            study = analyzed(file, Recipe.from_dict(item["choices"]))
+            found = lightened(replace(study, provenance=study.provenance | {"source": ""}))
+            return {"study": found.to_dict(), "rejected": ", ".join(study.rejected), "allanite": __version__}
     except AllaniteError as error:
         # a missing library, for example, may be there the next time
         return {"error": reason_of(error, file), "usage": isinstance(error, UsageError), "allanite": __version__}
-    found = lightened(replace(study, provenance=study.provenance | {"source": ""}))
-    return {"study": found.to_dict(), "rejected": ", ".join(study.rejected), "allanite": __version__}
 
 
 def _known(entry: Entry, choices: Plain, store: Store, tell: Progress) -> FileStatus:

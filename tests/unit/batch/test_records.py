@@ -224,3 +224,14 @@ def test_an_option_that_fits_no_file_is_a_wrong_usage(units, tmp_path):
     done = batch(tmp_path / "one.txt", "--out", tmp_path / "r", "--method", "guess")
     assert done.exit_code == 2
     assert "guess" in done.stderr
+
+
+def test_what_is_stored_does_not_depend_on_who_started_it(units, tmp_path):
+    values = np.random.default_rng(0).standard_normal(4000)
+    values[[500, 1500]] = 60
+    al.write(al.Record(values, 10.0, "deg/h", name="gz"), tmp_path / "spikes.csv")
+    (tmp_path / "one.txt").write_text("spikes.csv\n")
+    run_batch(tmp_path / "one.txt", tmp_path / "python")
+    assert batch(tmp_path / "one.txt", "--out", tmp_path / "command").exit_code == 0
+    assert contents(tmp_path / "python") == contents(tmp_path / "command")
+    assert any("--outliers" in row["remedy"] for row in rows(tmp_path / "python", "findings"))
