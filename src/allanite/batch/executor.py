@@ -4,6 +4,7 @@ import multiprocessing
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -162,11 +163,8 @@ def _end_of(process: BaseProcess) -> str:
 
 
 def _serve(connection: Connection, task: Task) -> None:
-    """The work of a process: items come and results go until the other end is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interruption is the affair of the parent
-    while True:
-        try:
-            item = connection.recv()
-        except EOFError:
-            return
-        connection.send(attempt(task, item))
+    """The work of a process: items come and results go until the other end is closed, or its process has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its processes when it is interrupted
+    with suppress(EOFError, ConnectionError):
+        while True:
+            connection.send(attempt(task, connection.recv()))
