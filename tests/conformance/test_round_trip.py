@@ -234,7 +234,7 @@ MAKERS = {
     "Distribution": lambda: lot().distributions[0],
     "Lot": lot,
     "Outlying": lambda: Outlying("z0", "N", MODEL.signal, "unit.npz", 2.0, 1.0),
-    "Trend": lambda: Trend("z0", "N", MODEL.signal, "date", 9, 1.0, 0.5, 1.5),
+    "Trend": lambda: Trend("z0", "N", MODEL.signal, "date", np.arange(9.0), np.ones(9), 1.0, 0.5, 1.5),
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],

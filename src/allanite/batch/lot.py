@@ -55,31 +55,32 @@ class OfLot(Value):
         return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Distribution(OfLot):
-    """Quantiles of the values of a coefficient, SI: 10 %, 50 % and 90 %, of as many `units` as have a value."""
+    """The `values` of a coefficient, SI, of the units that have one, with their 10 %, 50 % and 90 % quantiles."""
 
-    units: int
+    values: FloatArray
     low: float
     median: float
     high: float
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trend(OfLot):
     """A straight line through the values of a coefficient.
 
     Attributes
     ----------
     along : {"temperature", "date"}
-    units : int
-        Number of units with a value and a temperature or date.
+    at, values : arrays
+        Temperature in degrees Celsius, or time in seconds since 1970, and value in SI of the units that have both.
     slope, low, high : float
         Change in SI for each kelvin or second, with its 95 % interval, from the scatter of the values about the line.
     """
 
     along: str
-    units: int
+    at: FloatArray
+    values: FloatArray
     slope: float
     low: float
     high: float
@@ -160,6 +161,23 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
         It is not a folder of results, or the limits are wrong.
     DataError
         A table or a part is damaged, or no file has a result.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from allanite.core.model import N
+    >>> from allanite.readers import write
+    >>> from allanite.simulation.record import simulate
+    >>> from allanite.batch.records import run_batch
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> for i, size in enumerate((0.1, 0.2)):
+    ...     record = simulate(N(size, "deg/sqrt(h)"), 4096, 10.0, rng=np.random.default_rng(i))
+    ...     write(record, Path(folder.name, f"unit{i}.csv"))
+    >>> _ = run_batch(folder.name, Path(folder.name, "results"))
+    >>> read_lot(Path(folder.name, "results"))
+    <Lot 2 units, 0 failed, 0 exceed a limit, 0 outlying values>
+    >>> folder.cleanup()
     """
     wanted = limits if limits is None or isinstance(limits, Specification) else Specification.load(limits)
     store = Store.opened(results)
@@ -213,8 +231,8 @@ def _seconds(date: datetime | None) -> float | None:
 
 
 def _distribution(of: _Of, ones: Sequence[_Value]) -> Distribution:
-    low, median, high = np.quantile([one.value for one in ones], (SHARE, 0.5, 1 - SHARE))
-    return Distribution(*of, len(ones), float(low), float(median), float(high))
+    values = np.array([one.value for one in ones])
+    return Distribution(*of, values, *map(float, np.quantile(values, (SHARE, 0.5, 1 - SHARE))))
 
 
 def _trends(of: _Of, ones: Sequence[_Value]) -> Iterator[Trend]:
@@ -223,7 +241,7 @@ def _trends(of: _Of, ones: Sequence[_Value]) -> Iterator[Trend]:
         at = np.array([getattr(one, along) for one in ones])
         there = np.isfinite(at)
         if there.sum() >= FEWEST and np.ptp(at[there]) > 0:
-            yield Trend(*of, along, int(there.sum()), *_line(at[there], value[there]))
+            yield Trend(*of, along, at[there], value[there], *_line(at[there], value[there]))
 
 
 def _line(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:

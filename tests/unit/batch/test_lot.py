@@ -54,7 +54,7 @@ def test_a_trend_over_temperature_is_found_and_none_where_all_dates_are_the_same
     assert trend.along == "temperature"
     assert trend.shown
     assert trend.low / trend.factor < 0.002 < trend.high / trend.factor
-    assert [one.units for one in lot.distributions if one.symbol == "N"] == [len(SIZES)]
+    assert [one.values.size for one in lot.distributions if one.symbol == "N"] == [len(SIZES)]
     assert not lot.outlying
 
 
@@ -80,9 +80,9 @@ def test_two_outliers_do_not_hide_each_other():
 
 
 def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
-    gyro = LIMITS.limits[0].signal
-    assert not Trend("gz", "N", gyro, "date", 9, 1.0, -1.0, 3.0).shown
-    assert Trend("gz", "N", gyro, "date", 9, -1.0, -2.0, -0.5).shown
+    of = "gz", "N", LIMITS.limits[0].signal, "date", np.arange(9.0), np.ones(9)
+    assert not Trend(*of, 1.0, -1.0, 3.0).shown
+    assert Trend(*of, -1.0, -2.0, -0.5).shown
 
 
 def test_the_verb_shows_it_in_other_languages(folder):

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from allanite.batch.lot import Distribution, Lot, Outlying, Trend
+from allanite.batch.lot import DAY, Distribution, Lot, Outlying, Trend
 from allanite.batch.manifest import DATE
 from allanite.core.language import say
+from allanite.reporting import figures
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Face, Mark, Note, Part, Table
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from . import Rows, View
 from .batch import BATCH, EVERY, symbol_of
@@ -18,6 +20,10 @@ if TYPE_CHECKING:
 
     from allanite.core.fit import Fit
 
+CAPTION = say(
+    "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
+    "straight line: red if its slope differs from zero."
+)
 OUTLYING_KEY = say(
     "A unit is outlying if the logarithm of its value differs from those of the others by more than a normal "
     "distribution explains (generalized extreme studentized deviate); one coefficient in twenty of a uniform lot has "
@@ -35,6 +41,8 @@ def _face(lot: Lot, level: float) -> Face:
 
 
 def _parts(lot: Lot) -> Iterator[Part]:
+    if _drawn(lot):
+        yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
     if lot.distributions:
         heads = (*_HEADS, Column(say("units")), *(Column(f"{share} %") for share in (10, 50, 90)), Column("", "unit"))
         rows = [_distribution(one) for one in lot.distributions]
@@ -54,12 +62,34 @@ def _parts(lot: Lot) -> Iterator[Part]:
         yield Note(say("No unit is outlying."), "good")
 
 
+def _drawn(lot: Lot) -> "list[figures.Coefficient]":
+    """What is drawn: the coefficients with several values."""
+    found = []
+    for one in lot.distributions:
+        own = [t for t in lot.trends if (t.channel, t.symbol, t.signal) == (one.channel, one.symbol, one.signal)]
+        courses = dict(map(_course, own))
+        symbol, values = symbol_of(one.symbol), one.values / one.factor
+        if values.size > 1:
+            found.append(figures.Coefficient(one.channel, symbol, one.sheet_unit, values, courses))
+    return found
+
+
+def _course(trend: Trend) -> "tuple[str, figures.Course]":
+    """The label of the abscissa, and what is drawn over it."""
+    start, label = 0.0, say("temperature (°C)")
+    if trend.along == DATE:
+        start = float(trend.at.min() // DAY * DAY)
+        label = say("days since {date}", date=datetime.fromtimestamp(start, UTC).date().isoformat())
+    at, values = (trend.at - start) / trend.step, trend.values / trend.factor
+    return label, figures.Course(at, values, trend.slope * trend.step / trend.factor, trend.shown)
+
+
 _HEADS = (Column(say("channel"), "name"), Column(say("term"), "symbol"))
 
 
 def _distribution(one: Distribution) -> list[str]:
     sizes = [_number(value / one.factor) for value in (one.low, one.median, one.high)]
-    return [one.channel, symbol_of(one.symbol), str(one.units), *sizes, one.sheet_unit]
+    return [one.channel, symbol_of(one.symbol), str(one.values.size), *sizes, one.sheet_unit]
 
 
 def _trend(one: Trend) -> list[str]:
@@ -67,7 +97,7 @@ def _trend(one: Trend) -> list[str]:
     along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
     unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
     interval = f"{_number(low)} .. {_number(high)}"
-    return [one.channel, symbol_of(one.symbol), along, str(one.units), _number(slope), interval, unit]
+    return [one.channel, symbol_of(one.symbol), along, str(one.values.size), _number(slope), interval, unit]
 
 
 def _outlying(lot: Lot, one: Outlying) -> list[str]:
