@@ -13,7 +13,7 @@ import pytest
 import allanite as al
 from allanite.angle import Solution
 from allanite.attitude.trials import VerticalDesign
-from allanite.batch.lot import Outlying, Trend
+from allanite.batch.scatter import Outlying, Trend
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings

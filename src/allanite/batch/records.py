@@ -1,10 +1,8 @@
 """The job of many records: what is missing in a folder of results is analyzed, stored, and put together as tables."""
 
-import json
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.version import __version__
@@ -16,75 +14,10 @@ from allanite.study.recipe import Recipe
 from .batch import lightened
 from .executor import Done, Executor, Plain, Serial
 from .job import reason_of
-from .manifest import DATE, OWN, TEMPERATURE, Entry, manifest_of
+from .manifest import Entry, manifest_of
 from .sources import PathLike
-from .store import FILES, Store, identity
-from .tables import TABLES, as_table, schema_of
-
-DONE, FAILED, OPEN = "done", "failed", "open"
-"""Status of a file: it has a result, it has none and why is known, it was not reached yet."""
-
-AT_ONCE = 256
-"""Files whose rows are held in memory together."""
-
-
-@dataclass(frozen=True)
-class FileStatus:
-    """A file of a batch, and what became of it.
-
-    Attributes
-    ----------
-    file : str
-    facts : dict
-        The columns of the manifest.
-    key, sha256 : str
-        The key of its result, and of what content it is; empty if the file cannot be read.
-    status : {"done", "failed", "open"}
-    error : str
-        Why it has failed.
-    rejected : str
-        Channels without a result, or whose noise no model explains.
-    """
-
-    file: str
-    facts: dict[str, Any]
-    key: str = ""
-    sha256: str = ""
-    status: str = OPEN
-    error: str = ""
-    rejected: str = ""
-
-
-@dataclass(frozen=True)
-class Resumed:
-    """What a run of a batch has done.
-
-    Attributes
-    ----------
-    files : tuple of FileStatus
-        All files, in the order of their names.
-    analyzed : int
-        Records that were analyzed now; files with the same content are one.
-    before : int
-        Files that were done by an earlier run.
-    notes : tuple of str
-        What was left out.
-    """
-
-    files: tuple[FileStatus, ...]
-    analyzed: int
-    before: int
-    notes: tuple[str, ...] = ()
-
-    @property
-    def failed(self) -> tuple[FileStatus, ...]:
-        """The files without a result."""
-        return tuple(file for file in self.files if file.status != DONE)
-
-    @property
-    def rejected(self) -> tuple[str, ...]:
-        """File and channel of what has no result, or is not explained by its model."""
-        return tuple(f"{file.file}: {file.rejected}" for file in self.files if file.rejected)
+from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
+from .store import Store, identity
 
 
 def run_batch(
@@ -147,13 +80,13 @@ def run_batch(
     store = Store.opened(results, new=True)
     tell = progress or (lambda what, fraction: None)
     files = {entry.file: _known(entry, choices, store, tell) for entry in found.entries}
-    _put_files(store, files.values(), choices)
+    put_files(store, files.values(), choices)
     before = sum(file.status == DONE for file in files.values())
     missing = _missing(files.values(), choices)
     _analyze(missing, files, store, executor or Serial(), tell)
     files = {name: _settled(status, store) for name, status in files.items()}
-    _put_files(store, files.values(), choices)
-    _put_tables(store, files.values())
+    put_files(store, files.values(), choices)
+    put_tables(store, files.values())
     return Resumed(tuple(files.values()), len(missing), before, found.notes)
 
 
@@ -231,28 +164,3 @@ def _settled(status: FileStatus, store: Store) -> FileStatus:
     part = store.get(status.key)
     error = part.get("error", "")
     return replace(status, status=FAILED if error else DONE, error=error, rejected=part.get("rejected", ""))
-
-
-def _put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None:
-    """The table of files, with the recipe in its metadata."""
-    import pyarrow as pa
-
-    rows = [
-        {"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts}
-        for f in sorted(files, key=lambda f: f.file)
-    ]
-    special = {TEMPERATURE: pa.float64(), DATE: pa.timestamp("us")}
-    fields = [(name, special.get(name, pa.string())) for name in dict.fromkeys(name for row in rows for name in row)]
-    about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
-    table = pa.Table.from_pylist(rows, schema=pa.schema(fields, about))
-    store.table(FILES, [table], table.schema)
-
-
-def _put_tables(store: Store, files: Iterable[FileStatus]) -> None:
-    """The other tables, in the order of the files."""
-    done = sorted((file for file in files if file.status == DONE), key=lambda file: file.file)
-    for name, (columns, rows_of) in TABLES.items():
-        schema = schema_of(columns)
-        groups = (done[i : i + AT_ONCE] for i in range(0, len(done), AT_ONCE))
-        rows = ([row for f in group for row in rows_of(f.file, store.get(f.key)["study"])] for group in groups)
-        store.table(name, (as_table(group, schema) for group in rows), schema)

@@ -14,7 +14,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.batch.executor import Executor
-    from allanite.batch.records import Resumed
+    from allanite.batch.status import Resumed
 
 
 @click.command()

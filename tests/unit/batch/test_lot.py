@@ -7,9 +7,10 @@ import pytest
 from click.testing import CliRunner
 
 import allanite as al
-from allanite.batch.lot import Trend, _line, outliers, read_lot
+from allanite.batch.lot import read_lot
 from allanite.batch.phrases import dumps, loads
 from allanite.batch.records import run_batch
+from allanite.batch.scatter import Trend, outliers, slope_of
 from allanite.cli import main
 from allanite.core.language import say, say_count
 from allanite.reporting import to_csv
@@ -61,7 +62,7 @@ def test_a_trend_over_temperature_is_found_and_none_where_all_dates_are_the_same
 def test_the_interval_of_a_slope_holds_the_true_one_as_often_as_it_says():
     rng = np.random.default_rng(1)
     at = np.linspace(0, 40, 8)
-    limits = [_line(at, 3 + 0.1 * at + rng.standard_normal(8))[1:] for _ in range(1000)]
+    limits = [slope_of(at, 3 + 0.1 * at + rng.standard_normal(8))[1:] for _ in range(1000)]
     assert np.mean([low < 0.1 < high for low, high in limits]) == pytest.approx(0.95, abs=0.025)
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from allanite.batch.lot import DAY, Distribution, Lot, Outlying, Trend
+from allanite.batch.lot import Lot
 from allanite.batch.manifest import DATE
+from allanite.batch.scatter import DAY, Distribution, Outlying, Trend
 from allanite.core.language import say
 from allanite.reporting import figures
 from allanite.reporting.digits import digits
