@@ -31,7 +31,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     ),
     "analyzing": (
         "Analysis, figures and reports",
-        "analyze analyze_files Recipe Specification Study Batch Meaning plot report",
+        "analyze analyze_files run_batch read_lot Recipe Specification Study Batch Lot Meaning plot report",
     ),
     "exporting": ("Files for filters and simulators", "export read_noise Export Imported"),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),

@@ -11,6 +11,9 @@ from . import statistics as statistics
 from . import study as study
 from .batch.batch import Batch as Batch
 from .batch.job import analyze_files as analyze_files
+from .batch.lot import Lot as Lot
+from .batch.lot import read_lot as read_lot
+from .batch.records import run_batch as run_batch
 from .batch.specification import Specification as Specification
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool

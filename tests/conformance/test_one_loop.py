@@ -29,8 +29,8 @@ READ = {
 }
 """Verbs that read a recording, and what each needs besides."""
 
-WITHOUT = {"angle", "simulate", "convert", "explain", "example"}
-"""Verbs that read none."""
+WITHOUT = {"batch", "lot", "angle", "simulate", "convert", "explain", "example"}
+"""Verbs that read none, or many."""
 
 OF_SIX = {"vertical"}
 """Verbs that read six channels, which these files do not have; tests/unit/attitude has files for them."""

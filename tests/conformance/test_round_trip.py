@@ -13,6 +13,7 @@ import pytest
 import allanite as al
 from allanite.angle import Solution
 from allanite.attitude.trials import VerticalDesign
+from allanite.batch.scatter import Outlying, Trend
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.compensation import FitSettings, compensate
 from allanite.compensation.settings import CompensationSettings
@@ -93,6 +94,15 @@ def batch():
         al.write(record(), f"{folder}/unit.npz")
         files = [f"{folder}/unit.npz", f"{folder}/missing.npz"]
         return al.analyze_files(files, al.Recipe(level=LEVEL), limits=al.Specification.from_toml(limits))
+
+
+@cache
+def lot():
+    """A unit of stored results."""
+    with tempfile.TemporaryDirectory() as folder:
+        al.write(record(), f"{folder}/unit.npz")
+        al.run_batch(f"{folder}/*.npz", f"{folder}/results", al.Recipe(level=LEVEL))
+        return al.read_lot(f"{folder}/results")
 
 
 WHITE = "N 0.1 deg/sqrt(h)"
@@ -221,6 +231,10 @@ MAKERS = {
     "Batch": batch,
     "BatchUnit": lambda: batch()[0],
     "BatchUnit that failed": lambda: batch()[1],
+    "Distribution": lambda: lot().distributions[0],
+    "Lot": lot,
+    "Outlying": lambda: Outlying("z0", "N", MODEL.signal, "unit.npz", 2.0, 1.0),
+    "Trend": lambda: Trend("z0", "N", MODEL.signal, "date", np.arange(9.0), np.ones(9), 1.0, 0.5, 1.5),
     "Bound": lambda: al.bound(MODEL, 20_000, 100.0),
     "Budget": lambda: rounded()[0].budget,
     "BudgetChannel": lambda: rounded()[0],

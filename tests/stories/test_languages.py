@@ -195,9 +195,22 @@ def files(tmp_path_factory):
     found["six"], found["kalibr"] = six(folder / "six.csv"), folder / "imu.yaml"
     run("convert '1 deg/sqrt(h)' 'K 9 deg/h/sqrt(h)' '90 ug/sqrt(Hz)' 'K 10 ug/sqrt(h)' --to kalibr --rate 100 "
         "-o {kalibr}", found)  # fmt: skip
+    found["lot"] = lot(folder, found)
     found["hour"], found["made"] = folder / "hour.csv", folder / "made.csv"
     run("angle simulate {hour} --latitude 60 --duration 3600 --start 7200 --error h:128=3,-1.5", found)
     return found
+
+
+def lot(folder, files):
+    """Stored results of eight units, of which one is noisy and one too short."""
+    lines = ["file,temperature,date"]
+    for i, size in enumerate((0.1, 0.11, 0.12, 0.13, 0.14, 5.0)):
+        record = al.simulate(al.N(size, "deg/sqrt(h)"), 2000, 20.0, rng=np.random.default_rng(i), name="gx")
+        al.write(record, folder / f"unit{i}.csv")
+        lines.append(f"unit{i}.csv,{20 + i},2024-05-{10 + i}")
+    (folder / "units.csv").write_text("\n".join([*lines, "a.csv,,", "short.csv,,"]) + "\n")
+    run(f"batch {folder / 'units.csv'} --out {folder / 'lot'} --workers 1 --channels gx", files)
+    return folder / "lot"
 
 
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
@@ -210,6 +223,7 @@ RUNS = {
         "{a} --channels gx --method slopes", "{a} {b} --channels gx --limits {limits}",
         "{a} {b} --channels gx --device fog",
     ],
+    "lot": ["{lot}", "{lot} --limits {limits}"],
     "deviation": ["{a} --channels gx --statistic oadev,hdev"],
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
@@ -259,7 +273,8 @@ def pseudo(monkeypatch):
 
 
 def test_every_verb_is_run():
-    assert [verb for verb in VERBS if verb != "example"] == list(RUNS)  # which runs the others
+    # example runs the others, batch shows nothing
+    assert [verb for verb in VERBS if verb not in ("example", "batch")] == list(RUNS)
 
 
 @pytest.mark.parametrize("verb", RUNS)

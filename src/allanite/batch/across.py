@@ -95,12 +95,13 @@ def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Acros
     for file, channel in channels:
         signal = channel.record.signal
         signals[signal.name] = signal
-        for symbol, value, upper in _known(channel, level):
+        for symbol, value, upper in known(channel, level):
             found.setdefault((channel.record.name, signal.name, symbol), []).append(_One(file, value, upper))
     return tuple(_across((channel, symbol, signals[signal]), ones) for (channel, signal, symbol), ones in found.items())
 
 
-def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
+def known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
+    """Symbol, value and upper limit of what is known of a channel; one of the two is None."""
     for e in channel.fit or ():
         if e.valued:
             yield e.symbol, e.value, None

@@ -81,7 +81,7 @@ def analyze_files(
             study = analyzed(file, recipe, progress=_part(tell, i, sources.files))
         except AllaniteError as error:
             errors.append(error)
-            units.append(BatchUnit(file, error=_why(error, file), judged=wanted is not None))
+            units.append(BatchUnit(file, error=reason_of(error, file), judged=wanted is not None))
         else:
             units.append(_unit(file, study, wanted))
     _demand_one(units, errors)
@@ -89,7 +89,7 @@ def analyze_files(
     return Batch(tuple(units), recipe.to_dict(), recipe.level, wanted, sources.notes, {"allanite": __version__})
 
 
-def _why(error: AllaniteError, file: str) -> str:
+def reason_of(error: AllaniteError, file: str) -> str:
     """The message of an error without the name of the file, which is shown beside it."""
     message, before = str(error), f"{file}: "
     if isinstance(message, Phrase) and message.startswith(before) and message.fields.get("_0") == file:

@@ -9,6 +9,8 @@ from .front import Front
 VERBS: dict[str, str] = {
     "info": "analyze.info",
     "analyze": "analyze.analyze",
+    "batch": "batch.batch",
+    "lot": "batch.lot",
     "deviation": "curves.deviation",
     "spectrum": "curves.spectrum",
     "dynamic": "curves.dynamic",
@@ -31,7 +33,7 @@ VERBS: dict[str, str] = {
 """Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
 GROUPS = {
-    "Analyze": ("info", "analyze", "deviation", "spectrum", "dynamic", "compare", "watch"),
+    "Analyze": ("info", "analyze", "batch", "lot", "deviation", "spectrum", "dynamic", "compare", "watch"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
     "Use in a filter": ("export", "convert"),
     "Learn": ("explain", "example"),

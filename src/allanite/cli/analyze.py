@@ -68,10 +68,10 @@ def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str
     def job(tell: Progress) -> "Batch":
         return analyze_files(files, recipe_of(choices), limits=limits, besides=besides, progress=tell)
 
-    _end(carry_out(job, replace(out, strict=False)), strict=out.strict)
+    end_of_units(carry_out(job, replace(out, strict=False)), strict=out.strict)
 
 
-def _end(batch: "Batch", *, strict: bool) -> None:
+def end_of_units(batch: "Batch", *, strict: bool) -> None:
     """End with the exit code of the worst that was found, and say on stderr which units it is."""
     ends = (
         (EXCEEDED, batch.exceeding, "a limit is exceeded"),

@@ -33,6 +33,8 @@ _MODULES: dict[str, str] = {
     "batch.across": "Across",
     "batch.batch": "Batch BatchUnit",
     "batch.judgement": "Judgement",
+    "batch.lot": "Lot",
+    "batch.scatter": "Distribution Outlying Trend",
     "batch.specification": "Limit Specification",
     "comparison.change": "Change Homogeneity",
     "comparison.comparison": "Comparison ComparisonSettings Pair Ratios",

@@ -9,6 +9,9 @@ from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
 from .goodness import plot_goodness as plot_goodness
+from .lots import Coefficient as Coefficient
+from .lots import Course as Course
+from .lots import plot_lot as plot_lot
 from .overlay import plot_overlay as plot_overlay
 from .panels import Panel as Panel
 from .panels import facts_of as facts_of

@@ -42,6 +42,7 @@ VIEWS: dict[str, str] = {
     "Study": "analysis.STUDY",
     "Channel": "analysis.CHANNEL",
     "Batch": "batch.BATCH",
+    "Lot": "lot.LOT",
     "Meaning": "meaning.MEANING",
     "Survey": "survey.SURVEY",
     "Curve": "values.CURVE",

@@ -127,14 +127,15 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         Column(say("found"), "name"), Column(say("limit"), "name"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
-        [batch.label(unit), j.channel, _symbol(j.limit.symbol), j.reason, _limit(j), OUTCOME_WORDS[j.outcome]]
+        [batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason, _limit(j), OUTCOME_WORDS[j.outcome]]
         for unit, j in found
     ]
     marks = [MARKS.get(j.outcome, "") for _, j in found]
     yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=EVERY)
 
 
-def _symbol(of: str) -> str:
+def symbol_of(of: str) -> str:
+    """The symbol of a term as tables have it."""
     return LOWEST if of == MINIMUM else of
 
 
@@ -210,7 +211,7 @@ def _spread(batch: Batch, found: Across) -> list[str]:
     channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
     numbers = [_number(v) for v in (mean, deviation, worst)]
     share = say("{identified} of {units}", identified=count, units=units)
-    return [channel, _symbol(symbol), share, *numbers, batch.label(batch[file]) if file else "", _number(below), unit]
+    return [channel, symbol_of(symbol), share, *numbers, batch.label(batch[file]) if file else "", _number(below), unit]
 
 
 def _number(value: float) -> str:

@@ -1,0 +1,68 @@
+"""Executor for the workers of a Dask scheduler, on this machine or on others."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from allanite.core.errors import UsageError
+
+from .executor import Done, Plain, Task, described
+
+PATIENCE = 10
+"""Seconds in which a scheduler must answer."""
+
+
+@dataclass(frozen=True)
+class Dask:
+    """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite.
+
+    A worker that is lost is replaced by another one; a file that has cost several workers is reported as failed.
+
+    Attributes
+    ----------
+    address : str
+        Of the scheduler: ``tcp://10.0.0.5:8786``.
+    """
+
+    address: str
+
+    def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
+        """Apply `task` to every item in the order in which they are finished; see `Executor`.
+
+        Raises
+        ------
+        UsageError
+            dask is not installed, or the scheduler does not answer.
+        """
+        distributed = _distributed()
+        with _client(distributed, self.address) as client:
+            given = {client.submit(task, item, pure=False): item for item in items}
+            for future in distributed.as_completed(given):
+                item = given.pop(future)  # a result that nobody holds is forgotten by the workers, too
+                error = future.exception()
+                yield Done(item, future.result()) if error is None else Done(item, error=_words(error))
+
+
+def _distributed() -> Any:
+    try:
+        return import_module("distributed")
+    except ImportError:
+        raise UsageError("a scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
+
+
+def _client(distributed: Any, address: str) -> Any:
+    try:
+        return distributed.Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"the Dask scheduler {address!r} does not answer ({error}); start one with 'dask scheduler' and workers "
+            f"with 'dask worker {address}', or check the address"
+        ) from None
+
+
+def _words(error: BaseException) -> str:
+    """Why a task gave no result."""
+    if type(error).__name__ == "KilledWorker":
+        return "every worker that analyzed it was lost; is there enough memory for so many workers?"
+    return described(error)

@@ -1,0 +1,166 @@
+"""The folder of results: a part for each file that was analyzed, found again by its content and the recipe."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.files import draft
+from allanite.core.version import __version__
+from allanite.readers.sandbox.source import STDIN, checked, digest_of
+
+from .executor import Plain
+from .phrases import dumps, loads
+
+PARTS = "parts"
+"""Folder of the parts."""
+
+FILES = "files.parquet"
+"""The table of files, which makes a folder one of results."""
+
+
+def identity(file: str, choices: Plain) -> tuple[str, str]:
+    """The sha256 of a file, and the key of its result: of the content, the form of the name, the recipe, the version.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read.
+    """
+    if file == STDIN:
+        raise UsageError("a batch reads files, not standard input")
+    name, member = checked(file)
+    try:
+        digest = digest_of(name)
+    except OSError as error:
+        raise DataError(f"{file}: the file cannot be read ({error.strerror or error})") from None
+    whole = [digest, Path(name).suffix.lower(), member, choices, __version__]
+    return digest, hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of results.
+
+    Each part is written under another name, flushed to the disk and renamed: it is there as a whole or not at all.
+    """
+
+    folder: Path
+
+    @classmethod
+    def opened(cls, folder: str | os.PathLike[str], *, new: bool = False) -> "Store":
+        """An existing folder of results, or with `new` one that may have to be made.
+
+        Raises
+        ------
+        UsageError
+            It is not a folder of results, or cannot be made.
+        """
+        path = Path(folder)
+        if new:
+            try:
+                path.mkdir(parents=True, exist_ok=True)
+                known = not any(path.iterdir()) or (path / PARTS).is_dir()
+                if known:
+                    (path / PARTS).mkdir(exist_ok=True)
+            except OSError as error:
+                why = error.strerror or error
+                raise UsageError(f"the folder {str(path)!r} cannot be made or used ({why}); give another one") from None
+        else:
+            known = (path / FILES).is_file()
+        if not known:
+            raise UsageError(
+                f"{str(path)!r} does not hold the results of a batch; name a new or empty folder to write them, and "
+                "one that 'allanite batch' has written to read them"
+            )
+        return cls(path)
+
+    def part(self, key: str) -> Path:
+        """Where the result with this key is."""
+        return self.folder / PARTS / f"{key}.parquet"
+
+    def has(self, key: str) -> bool:
+        """Whether there is a result with this key; a part that is damaged is none."""
+        from pyarrow import ArrowInvalid, parquet
+
+        try:
+            return bool(parquet.read_metadata(self.part(key)).num_rows == 1)
+        except FileNotFoundError:
+            return False
+        except (OSError, ArrowInvalid):
+            return False
+
+    def put(self, key: str, result: Plain) -> None:
+        """Store a result at once.
+
+        Raises
+        ------
+        UsageError
+            The disk is full or cannot be written to.
+        """
+        import pyarrow as pa
+
+        row = {name: dumps(value) for name, value in result.items()}
+        self._write(self.part(key), pa.table({name: [text] for name, text in sorted(row.items())}))
+
+    def get(self, key: str) -> Plain:
+        """A stored result.
+
+        Raises
+        ------
+        DataError
+            The part is missing or damaged.
+        """
+        from pyarrow import ArrowInvalid, parquet
+
+        try:
+            (row,) = parquet.read_table(self.part(key), memory_map=False).to_pylist()
+        except (OSError, ArrowInvalid, ValueError) as error:
+            raise DataError(f"the part {str(self.part(key))!r} cannot be read ({error}); run the batch again") from None
+        return {name: loads(text) for name, text in row.items()}
+
+    def table(self, name: str, batches: Iterable[Any], schema: Any) -> None:
+        """Write a table of the whole batch, part by part.
+
+        Raises
+        ------
+        UsageError
+            The disk is full or cannot be written to.
+        """
+        from pyarrow import parquet
+
+        path = self.folder / name
+        with draft(path, force=True) as part:
+            with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
+                for batch in batches:
+                    writer.write_table(batch)
+            _flush(part)
+
+    def _write(self, path: Path, table: Any) -> None:
+        self.table(str(path.relative_to(self.folder)), [table], table.schema)
+
+    def files(self) -> tuple[list[Plain], Mapping[bytes, bytes]]:
+        """The rows of the table of files, and its metadata.
+
+        Raises
+        ------
+        DataError
+            It cannot be read.
+        """
+        from pyarrow import ArrowInvalid, parquet
+
+        try:
+            table = parquet.read_table(self.folder / FILES)
+        except (OSError, ArrowInvalid) as error:
+            raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({error}); run the batch again") from None
+        return table.to_pylist(), table.schema.metadata or {}
+
+
+def _flush(part: Path) -> None:
+    """Wait until a file is on the disk."""
+    with part.open("rb") as file:
+        os.fsync(file.fileno())

@@ -1,0 +1,129 @@
+"""How a lot is shown: its units, then distributions, trends and units that differ from the others."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from allanite.batch.lot import Lot
+from allanite.batch.manifest import DATE
+from allanite.batch.scatter import DAY, Distribution, Outlying, Trend
+from allanite.core.language import say
+from allanite.reporting import figures
+from allanite.reporting.digits import digits
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
+
+from . import Rows, View
+from .batch import BATCH, EVERY, symbol_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from allanite.core.fit import Fit
+
+CAPTION = say(
+    "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
+    "straight line: red if its slope differs from zero."
+)
+OUTLYING_KEY = say(
+    "A unit is outlying if the logarithm of its value differs from those of the others by more than a normal "
+    "distribution explains (generalized extreme studentized deviate); one coefficient in twenty of a uniform lot has "
+    "one."
+)
+TREND_KEY = say(
+    "Slope of a straight line through the values of the units, with its 95 % interval; one coefficient in twenty shows "
+    "a trend by chance."
+)
+
+
+def _face(lot: Lot, level: float) -> Face:
+    face = BATCH.face(lot.batch, level)
+    return replace(face, parts=[*face.parts, *_parts(lot)])
+
+
+def _parts(lot: Lot) -> Iterator[Part]:
+    if _drawn(lot):
+        yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
+    if lot.distributions:
+        heads = (*_HEADS, Column(say("units")), *(Column(f"{share} %") for share in (10, 50, 90)), Column("", "unit"))
+        rows = [_distribution(one) for one in lot.distributions]
+        yield Table(heads, rows, say("quantiles of the units in which the term was identified"), most=EVERY)
+    if lot.trends:
+        heads = (
+            *_HEADS, Column(say("against"), "name"), Column(say("units")), Column(say("slope")),
+            Column(say("interval"), "interval"), Column("", "unit"),
+        )  # fmt: skip
+        marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
+        yield Table(heads, [_trend(one) for one in lot.trends], say("trends"), marks, TREND_KEY, most=EVERY)
+    if lot.outlying:
+        heads = (Column(say("file"), "name"), *_HEADS, Column(say("value")), Column(say("median")), Column("", "unit"))
+        rows = [_outlying(lot, one) for one in lot.outlying]
+        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
+    elif lot.distributions:
+        yield Note(say("No unit is outlying."), "good")
+
+
+def _drawn(lot: Lot) -> "list[figures.Coefficient]":
+    """What is drawn: the coefficients with several values."""
+    found = []
+    for one in lot.distributions:
+        own = [t for t in lot.trends if (t.channel, t.symbol, t.signal) == (one.channel, one.symbol, one.signal)]
+        courses = dict(map(_course, own))
+        symbol, values = symbol_of(one.symbol), one.values / one.factor
+        if values.size > 1:
+            found.append(figures.Coefficient(one.channel, symbol, one.sheet_unit, values, courses))
+    return found
+
+
+def _course(trend: Trend) -> "tuple[str, figures.Course]":
+    """The label of the abscissa, and what is drawn over it."""
+    start, label = 0.0, say("temperature (°C)")
+    if trend.along == DATE:
+        start = float(trend.at.min() // DAY * DAY)
+        label = say("days since {date}", date=datetime.fromtimestamp(start, UTC).date().isoformat())
+    at, values = (trend.at - start) / trend.step, trend.values / trend.factor
+    return label, figures.Course(at, values, trend.slope * trend.step / trend.factor, trend.shown)
+
+
+_HEADS = (Column(say("channel"), "name"), Column(say("term"), "symbol"))
+
+
+def _distribution(one: Distribution) -> list[str]:
+    sizes = [_number(value / one.factor) for value in (one.low, one.median, one.high)]
+    return [one.channel, symbol_of(one.symbol), str(one.values.size), *sizes, one.sheet_unit]
+
+
+def _trend(one: Trend) -> list[str]:
+    slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
+    along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
+    unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
+    interval = f"{_number(low)} .. {_number(high)}"
+    return [one.channel, symbol_of(one.symbol), along, str(one.values.size), _number(slope), interval, unit]
+
+
+def _outlying(lot: Lot, one: Outlying) -> list[str]:
+    sizes = [_number(value / one.factor) for value in (one.value, one.median)]
+    file = lot.batch.label(lot.batch[one.file])
+    return [file, one.channel, symbol_of(one.symbol), *sizes, one.sheet_unit]
+
+
+def _number(value: float) -> str:
+    return digits(value).plain()[0]
+
+
+def _plot(lots: Sequence[Lot], fit: "Fit | None", level: float) -> "Figure":
+    assert BATCH.plot  # noqa: S101 - it has one
+    return BATCH.plot([lots[0].batch], fit, level)
+
+
+def _rows(lot: Lot, level: float) -> Rows:
+    assert BATCH.rows  # noqa: S101 - it has them
+    return BATCH.rows(lot.batch, level)
+
+
+def _coefficients(lot: Lot, level: float) -> Rows:
+    assert BATCH.coefficients  # noqa: S101 - it has them
+    return BATCH.coefficients(lot.batch, level)
+
+
+LOT = View(_face, _plot, _rows, _coefficients)

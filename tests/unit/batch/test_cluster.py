@@ -1,0 +1,52 @@
+"""Dask: the same bytes as from one process, on workers of their own."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from distributed import LocalCluster
+from tests.unit.batch.tasks import deadly, doubled
+
+import allanite as al
+from allanite.batch.cluster import Dask
+from allanite.batch.records import run_batch
+from allanite.cli import main
+
+
+@pytest.fixture(scope="module")
+def address():
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        yield cluster.scheduler_address
+
+
+@pytest.fixture
+def units(tmp_path):
+    folder = tmp_path / "units"
+    folder.mkdir()
+    for i in range(3):
+        noise = al.N(0.1, "deg/sqrt(h)") + al.K(5, "deg/h/sqrt(h)")
+        al.write(al.simulate(noise, 2000, 10.0, rng=np.random.default_rng(i), name="gz"), folder / f"u{i}.csv")
+    (folder / "bad.csv").write_text("hello\nworld\n")
+    return folder
+
+
+def test_dask_gives_the_same_bytes(units, tmp_path, address):
+    one, other = tmp_path / "one", tmp_path / "other"
+    assert len(run_batch(units, one).failed) == 1
+    done = CliRunner().invoke(main, ["batch", str(units), "--out", str(other), "--scheduler", address])
+    assert done.exit_code == 5, done.output
+    assert {p.name for p in one.rglob("*.parquet")} == {p.name for p in other.rglob("*.parquet")}
+    for path in one.rglob("*.parquet"):
+        assert path.read_bytes() == (other / path.relative_to(one)).read_bytes(), path.name
+
+
+def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
+    found = {done.item["x"]: done for done in Dask(address).run(doubled, [{"x": x} for x in (1, 3)])}
+    assert (found[1].result, found[3].error) == ({"y": 2}, "internal error (RuntimeError: three)")
+    (done,) = Dask(address).run(deadly, [{"x": "once", "mark": str(tmp_path / "mark")}])
+    assert done.result
+
+
+def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
+    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 1)
+    with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):
+        list(Dask("tcp://127.0.0.1:9").run(doubled, [{"x": 1}]))

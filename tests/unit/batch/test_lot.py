@@ -1,0 +1,120 @@
+"""A lot: what is read from stored results is what the analysis of the files gives, and its tests keep their level."""
+
+import shutil
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.batch.lot import read_lot
+from allanite.batch.phrases import dumps, loads
+from allanite.batch.records import run_batch
+from allanite.batch.scatter import Trend, outliers, slope_of
+from allanite.cli import main
+from allanite.core.language import say, say_count
+from allanite.reporting import to_csv
+
+LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
+SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]
+WARM = [20, 25, 30, 35, 40, 50, 55]
+"""Temperatures: N grows by 0.002 deg/sqrt(h) for each kelvin."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("units")
+    lines = ["file,unit_id,temperature,date"]
+    for i, (size, warm) in enumerate(zip(SIZES, WARM, strict=True)):
+        record = al.simulate(al.N(size, "deg/sqrt(h)"), 2000, 10.0, rng=np.random.default_rng(i), name="gz")
+        al.write(record, folder / f"u{i}.csv")
+        lines.append(f"u{i}.csv,SN{i},{warm},2024-05-01")
+    (folder / "bad.csv").write_text("hello\nworld\n")
+    (folder / "manifest.txt").write_text("\n".join(f"u{i}.csv" for i in range(2)) + "\nbad.csv\n")
+    (folder / "manifest.csv").write_text("\n".join(lines) + "\n")
+    recipe = al.Recipe(terms="N")
+    run_batch(folder / "manifest.csv", folder / "results", recipe)
+    run_batch(folder / "manifest.txt", folder / "few", recipe)
+    return folder
+
+
+def test_a_lot_is_what_the_analysis_of_the_files_gives(folder):
+    files = [folder / name for name in ("bad.csv", "u0.csv", "u1.csv")]
+    batch, lot = al.analyze_files(files, al.Recipe(terms="N"), limits=LIMITS), read_lot(folder / "few", LIMITS)
+    assert lot.batch.across == batch.across
+    assert [(u.file, u.error, u.outcome) for u in lot.batch] == [(u.file, u.error, u.outcome) for u in batch]
+    assert [u.judgements for u in lot.batch] == [u.judgements for u in batch]
+    assert to_csv(lot, coefficients=True) == to_csv(batch, coefficients=True)
+    assert to_csv(lot) == to_csv(batch)
+    assert not lot.trends
+
+
+def test_a_trend_over_temperature_is_found_and_none_where_all_dates_are_the_same(folder):
+    lot = read_lot(folder / "results")
+    (trend,) = [trend for trend in lot.trends if trend.symbol == "N"]
+    assert trend.along == "temperature"
+    assert trend.shown
+    assert trend.low / trend.factor < 0.002 < trend.high / trend.factor
+    assert [one.values.size for one in lot.distributions if one.symbol == "N"] == [len(SIZES)]
+    assert not lot.outlying
+
+
+def test_the_interval_of_a_slope_holds_the_true_one_as_often_as_it_says():
+    rng = np.random.default_rng(1)
+    at = np.linspace(0, 40, 8)
+    limits = [slope_of(at, 3 + 0.1 * at + rng.standard_normal(8))[1:] for _ in range(1000)]
+    assert np.mean([low < 0.1 < high for low, high in limits]) == pytest.approx(0.95, abs=0.025)
+
+
+@pytest.mark.parametrize("size", [6, 14, 25])
+def test_a_uniform_lot_has_an_outlying_unit_one_time_in_twenty(size):
+    rng = np.random.default_rng(size)
+    share = np.mean([bool(outliers(rng.standard_normal(size))) for _ in range(1000)])
+    assert share == pytest.approx(0.05, abs=0.025)
+
+
+def test_two_outliers_do_not_hide_each_other():
+    values = np.random.default_rng(0).standard_normal(25)
+    values[[3, 17]] = 7.0, 7.2
+    assert sorted(outliers(values)) == [3, 17]
+    assert outliers(np.ones(10)) == []
+
+
+def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
+    of = "gz", "N", LIMITS.limits[0].signal, "date", np.arange(9.0), np.ones(9)
+    assert not Trend(*of, 1.0, -1.0, 3.0).shown
+    assert Trend(*of, -1.0, -2.0, -0.5).shown
+
+
+def test_the_verb_shows_it_in_other_languages(folder):
+    shown = CliRunner().invoke(main, ["lot", str(folder / "few"), "--lang", "ru"])
+    assert shown.exit_code == 5
+    assert "квантили" in shown.stdout
+    assert "bad.csv" in shown.stderr
+
+
+def test_limits_end_with_their_exit_code(folder, tmp_path):
+    (tmp_path / "spec.toml").write_text('[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n')
+    shown = CliRunner().invoke(main, ["lot", str(folder / "results"), "--limits", str(tmp_path / "spec.toml")])
+    assert shown.exit_code == 4
+    assert "u6.csv" in shown.stderr
+
+
+def test_what_cannot_be_shown_is_said(folder, tmp_path):
+    with pytest.raises(al.UsageError, match="does not hold the results of a batch"):
+        read_lot(folder)
+    (tmp_path / "bad.txt").write_text(str(folder / "bad.csv"))
+    run_batch(tmp_path / "bad.txt", tmp_path / "none")
+    with pytest.raises(al.DataError, match=r"no file has a result in .*no rows of numbers"):
+        read_lot(tmp_path / "none")
+    shutil.copytree(folder / "few", tmp_path / "few")
+    for part in (tmp_path / "few" / "parts").iterdir():
+        part.write_bytes(b"PAR1")
+    with pytest.raises(al.DataError, match=r"cannot be read .*; run the batch again"):
+        read_lot(tmp_path / "few")
+
+
+def test_a_stored_phrase_is_still_one():
+    phrase = say("{what}: {n}", what=say("minimum"), n=np.int64(3))
+    assert loads(dumps([phrase]))[0].fields["what"].templates == ("minimum",)
+    assert loads(dumps(say_count(2, "{count} sample", "{count} samples"))) == "2 samples"
