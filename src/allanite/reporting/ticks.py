@@ -1,6 +1,6 @@
 """Ticks, labels and grid of an axis drawn at once; matplotlib's one object a tick takes most of a figure's time.
 
-Within `drawn_at_once` the axes of a figure are hidden and an artist that draws the same stands for each. The figure
+Within `drawn_at_once` the axes of a figure are hidden, and an artist that draws the same replaces each. The figure
 is an ordinary one before and afterwards; what matplotlib draws itself is the reference.
 """
 
@@ -58,7 +58,7 @@ def _panels(panels: Sequence[object]) -> Iterator[Axes]:
 
 
 class Ticks(Artist):
-    """What stands for an axis."""
+    """Draws an axis, in its place."""
 
     def __init__(self, axis: Axis) -> None:
         super().__init__()
