@@ -313,3 +313,11 @@ def test_a_fit_with_a_term_that_the_other_lacks():
     assert contrast.limits(0.4) == (math.inf, math.inf)
     assert contrast.limits(0.9) == (pytest.approx(1.1 / 0.4), math.inf)
     assert 0 < contrast.p < 0.05
+
+
+def test_records_of_unequal_length_share_noise_of_a_few_samples():
+    model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)
+    records = [al.simulate(model, n, 10.0, rng=np.random.default_rng(n), name="z") for n in (2**14, 2**13)]
+    (channel,) = al.compare(*records).channels
+    assert {"N", "GM"} <= {change.symbol for change in channel.changes}
+    assert channel.p > 1e-3

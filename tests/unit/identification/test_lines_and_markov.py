@@ -168,10 +168,11 @@ def test_a_periodic_record_without_noise(n, pattern):
     assert al.identify(record).validity == "unexplained"
 
 
+@pytest.mark.parametrize("band", ["auto", "all", (1e-3, 4.9)])
 @pytest.mark.parametrize("seed", range(3))
-def test_noise_of_a_few_samples_is_not_taken_for_a_low_pass_filter(seed):
+def test_noise_of_a_few_samples_is_not_taken_for_a_low_pass_filter(seed, band):
     model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)  # 20 samples
-    fit = al.identify(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed)))
+    fit = al.identify(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed)), band=band)
     assert fit.validity == "explained"
     assert fit.scope.filter is None
     assert fit["N"].value == pytest.approx(model["N"].value, rel=0.05)

@@ -65,11 +65,14 @@ REMOTE = 4.0
 """Subsets that lose more than this in L are not tried at other cut-offs."""
 
 
-def scoped(found: Found, *, rival: bool) -> Found:
-    """The first way to read the spectrum in which the terms explain it; the plain one if there is none."""
+def scoped(found: Found, *, rival: bool, free: bool = True) -> Found:
+    """The first way to read the spectrum in which the terms explain it; the plain one if there is none.
+
+    Where what is read is not free, nothing of it is omitted, and no filter is assumed.
+    """
     if explains(found):
         return found
-    for candidate in _candidates(found, rival):
+    for candidate in _candidates(found, rival) if free else _quick(found.base, rival):
         if explains(candidate):
             return candidate
     return found
@@ -77,7 +80,7 @@ def scoped(found: Found, *, rival: bool) -> Found:
 
 def steady(found: Found, signal: Signal, *, rival: bool, free: bool) -> tuple[WarmUp | None, Found]:
     """What explains the spectrum beside a warm-up, if there is one, and that; `free` to choose what is read."""
-    first = scoped(found, rival=rival) if free else found
+    first = scoped(found, rival=rival, free=free)
     warm, best = without_warm_up(first, signal)
     if warm or not free or (first.used[0] and explains(first)):
         return warm, best
