@@ -29,7 +29,7 @@ READ = {
 }
 """Verbs that read a recording, and what each needs besides."""
 
-WITHOUT = {"batch", "lot", "angle", "simulate", "convert", "explain", "example"}
+WITHOUT = {"batch", "lot", "watch", "angle", "simulate", "convert", "explain", "example"}
 """Verbs that read none, or many."""
 
 OF_SIX = {"vertical"}

@@ -8,7 +8,7 @@ import click
 from allanite.core.errors import UsageError
 
 from .angle_design import plan, simulate
-from .angle_shared import ANGLES, ARCSEC, DEGREE, PRIOR, deliver_study
+from .angle_shared import ANGLES, ARCSEC, DEGREE, deliver_study, prior_option, turn_option
 from .deliver import outputs
 from .options import RESULTS, options
 from .types import NAMES
@@ -79,9 +79,7 @@ def calibrate(file: str, **choices: Any) -> None:
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
     "latitude",
     click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
-    click.option(
-        "--turn-period", type=float, metavar="S", help="Or the period of that rotation, which starts at time 0."
-    ),
+    turn_option("Or the period of that rotation, which starts at time 0."),
     "orders",
     ANGLES,
     click.option(
@@ -92,12 +90,7 @@ def calibrate(file: str, **choices: Any) -> None:
     ),
     "angle unit",
     "estimated sigma",
-    click.option(
-        "--prior",
-        type=PRIOR,
-        metavar="A,B",
-        help="Prior standard deviations: of amplitudes, and of the other parameters, arcsec (arcsec/s for A3).",
-    ),
+    prior_option("arcsec (arcsec/s for A3)"),
     "corrected angles",
     "level",
     "recipe",

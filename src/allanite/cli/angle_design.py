@@ -7,7 +7,7 @@ import click
 
 from allanite.core.errors import UsageError
 
-from .angle_shared import ANGLES, ARCSEC, DEGREE, PRIOR, columns_of, deliver_study
+from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
 from .deliver import STDOUT, Outputs, outputs, put
 from .options import RESULTS, options
 from .types import NUMBERS, Separated
@@ -27,7 +27,7 @@ EXPERIMENT = (
         show_default=True,
         help="Motion of the outer angle: exact, or linear as printed in the paper.",
     ),
-    click.option("--turn-period", type=float, default=300.0, show_default=True, metavar="S", help="Auto-compensation."),
+    turn_option("Auto-compensation.", 300.0),
     click.option(
         "--sway", type=SWAY, metavar="DEG,S", help="Sway of the base in roll and pitch: amplitude and period."
     ),
@@ -45,14 +45,7 @@ EXPERIMENT = (
         help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]",
     ),
     "given sigma",
-    click.option(
-        "--prior",
-        type=PRIOR,
-        default="3,10",
-        show_default=True,
-        metavar="A,B",
-        help="Prior standard deviations: of amplitudes, and of the other parameters, in the unit of --sigma.",
-    ),
+    prior_option("in the unit of --sigma", "3,10"),
     "orders",
     ANGLES,
     "level",

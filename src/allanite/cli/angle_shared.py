@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .deliver import Extra, Outputs, deliver
+from .options import Decorator
 from .types import NAMES, Separated
 
 if TYPE_CHECKING:
@@ -15,6 +16,18 @@ if TYPE_CHECKING:
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
 PRIOR = Separated(float, "two standard deviations", 2, "3,10")
+
+
+def prior_option(words: str, default: str | None = None) -> Decorator:
+    """The option of the prior standard deviations, the second of which are in the units that `words` say."""
+    return click.option("--prior", type=PRIOR, default=default, show_default=True, metavar="A,B",
+        help=f"Prior standard deviations: of amplitudes, and of the other parameters, {words}.")  # fmt: skip
+
+
+def turn_option(words: str, default: float | None = None) -> Decorator:
+    """The option of the period of the auto-compensating rotation."""
+    return click.option("--turn-period", type=float, default=default, show_default=True, metavar="S", help=words)
+
 
 ANGLES = click.option(
     "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar."

@@ -97,6 +97,8 @@ OPTIONS: dict[str, Decorator] = {
     "samples": click.option("--samples", type=int, metavar="N", help="Number of samples."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
+    "accuracy": click.option("--accuracy", type=float, metavar="PERCENT",
+        help="Relative standard error of a coefficient to reach.  [default: 10; of a live stream 20]"),
     "threads": click.option("--threads", type=click.IntRange(1), default=1, show_default=True,
         help="Maximum number of threads."),
     "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat each stretch between gaps separately."),

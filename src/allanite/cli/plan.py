@@ -23,7 +23,7 @@ NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
 @options(
     *NOISE,
     "planned durations",
-    click.option("--accuracy", type=float, metavar="PERCENT", help="Relative standard error to reach.  [default: 10]"),
+    "accuracy",
     click.option(
         "--ramp/--no-ramp", default=None, help="Assume a rate ramp of unknown size.  [default: if the model has one]"
     ),

@@ -16,14 +16,12 @@ from .types import Duration
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
     "rate", "unit", "kind", "scale", "channels", "time", "recipe", "statistic", "terms", "band", "level",
-    click.option("--every", type=Duration(), metavar="TIME", help="Time between reports.  [default: 10 s]"),
+    click.option("--refresh", "every", type=Duration(), metavar="TIME", help="Time between reports.  [default: 10 s]"),
     click.option("--for", "duration", type=Duration(), metavar="TIME", help="Stop after this time.  [default: never]"),
     click.option("--idle", type=Duration(), metavar="TIME", help="Stop after this time without data.  "
         "[default: never]"),
     click.option("--baud", type=int, metavar="N", help="Baud rate of a serial port.  [default: 115200]"),
-    click.option("--accuracy", type=float, metavar="SHARE",
-        help="Relative standard error of a coefficient to foretell.  [default: 0.2]"),
-    "shown in", "coefficients", *RESULTS,
+    "accuracy", "shown in", "coefficients", *RESULTS,
 )  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Watch a live stream.
@@ -36,6 +34,8 @@ def watch(target: str, **choices: Any) -> None:
     from allanite.stream.watching import Watch, WatchSettings
 
     out = outputs(choices, [choices["recipe"]])
+    if choices["accuracy"] is not None:
+        choices["accuracy"] /= 100
     with _stopping() as stopped:
         found = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
         for words in found.events():

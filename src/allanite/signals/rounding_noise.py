@@ -144,7 +144,7 @@ def budget(
     recipe : Recipe, optional
         How the rate noise is identified.
     clipped : sequence of int, optional
-        Samples at the ends of each stage, where they cannot be counted in the record because it combines others.
+        Samples at the ends of each stage, where the record does not show them because it combines others.
 
     Returns
     -------

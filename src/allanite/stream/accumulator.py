@@ -72,7 +72,7 @@ class Accumulator:
     >>> stream = Accumulator(rate=100.0, unit="deg/h", name="z")
     >>> for _ in range(20):
     ...     stream.push(rng.normal(0.0, 2.0, 1000))
-    >>> stream.size, round(float(stream.curve().deviation[0]), 1)
+    >>> stream.size, round(float(stream.curve().to("deg/h").deviation[0]), 1)
     (20000, 2.0)
     """
 

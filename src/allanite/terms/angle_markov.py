@@ -10,7 +10,7 @@ from .exponential import Exponential, rest
 from .row import Block, FloatArray, NoiseTerm, time_constant
 
 SHORTEST = 0.5
-"""Samples from which a time constant is told from quantization."""
+"""Samples from which a time constant can be distinguished from quantization."""
 
 LEAST = 0.02
 """Power of a coefficient over that of the spectrum, at least."""

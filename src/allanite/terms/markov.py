@@ -10,7 +10,7 @@ from .exponential import Exponential
 from .row import Block, NoiseTerm, time_constant
 
 SHORTEST = 3.0
-"""Samples from which a time constant is told from white noise."""
+"""Samples from which a time constant can be distinguished from white noise."""
 
 
 def gauss_markov(T: float) -> NoiseTerm:

@@ -14,7 +14,7 @@ WHITE = -0.5
 """Slope of white rate noise."""
 
 LONGEST = 0.1
-"""Share of a record up to which a time constant is told from a random walk."""
+"""Share of a record up to which a time constant can be distinguished from a random walk."""
 
 
 @dataclass(frozen=True)

@@ -153,7 +153,7 @@ def test_unknown_channel_lists_channels(write):
 def test_missing_rate_and_unit_are_asked_for_together(write):
     with pytest.raises(UsageError) as caught:
         read(write("gx,gy\n" + "1.5,2.5\n" * 20))
-    for words in ("rate=100", "unit=...", "'gx', 'gy'"):
+    for words in ("rate=100", "unit=", "'gx', 'gy'"):
         assert words in str(caught.value)
 
 

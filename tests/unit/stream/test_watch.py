@@ -20,7 +20,7 @@ from allanite.stream.sources import opened
 from allanite.stream.watching import Watch, WatchSettings, lasting
 
 RATE = 1000
-HOW = ["--rate", str(RATE), "--unit", "deg/h", "--every", "1"]
+HOW = ["--rate", str(RATE), "--unit", "deg/h", "--refresh", "1"]
 
 
 def lines_of(values):
