@@ -43,7 +43,7 @@ def plot_lot(found: Sequence[Coefficient]) -> Figure:
     labels = list(dict.fromkeys(label for one in shown for label in one.courses))
     with style.look():
         wide = 1 + len(labels)
-        figure = style.new_figure(3.6 * wide + 1.0, 0.6 + 2.3 * len(shown))
+        figure = style.new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
         grid = figure.subplots(len(shown), wide, squeeze=False)
         for one, axes in zip(shown, grid, strict=True):
             _draw_shares(axes[0], one)
