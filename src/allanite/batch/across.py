@@ -15,7 +15,26 @@ from allanite.terms import TERMS
 
 
 @dataclass(frozen=True, repr=False)
-class Across(Value):
+class Coefficient(Value):
+    """The coefficient of a channel: what everything that is found of it over several units has in common."""
+
+    channel: str
+    symbol: str
+    signal: Signal
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[power_of(self.symbol)]
+
+    @property
+    def factor(self) -> float:
+        """SI units in one unit of data sheets."""
+        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
+
+
+@dataclass(frozen=True, repr=False)
+class Across(Coefficient):
     """One coefficient of one channel over all units, SI.
 
     Attributes
@@ -37,9 +56,6 @@ class Across(Value):
         The largest upper limit of the units in which the term was not identified.
     """
 
-    channel: str
-    symbol: str
-    signal: Signal
     units: int
     identified: int
     mean: float
@@ -47,16 +63,6 @@ class Across(Value):
     worst: float
     file: str
     below: float | None = None
-
-    @property
-    def sheet_unit(self) -> str:
-        """Unit of data sheets."""
-        return self.signal.sheet[power_of(self.symbol)]
-
-    @property
-    def factor(self) -> float:
-        """SI units in one unit of data sheets."""
-        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
 
     def row(self) -> list[Any]:
         """Channel, term, numbers of units, mean, spread, worst and its file, upper limit, unit: of data sheets."""

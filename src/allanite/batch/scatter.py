@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.plain import Value
-from allanite.core.units import Signal, convert
 
-from .across import power_of
+from .across import Coefficient
 from .manifest import DATE
 
 DAY = 86400.0
@@ -17,27 +15,8 @@ FALSE_ALARM = 0.05
 """Probability that a coefficient of a uniform lot has an outlying unit, or shows a trend."""
 
 
-@dataclass(frozen=True, repr=False)
-class OfLot(Value):
-    """The coefficient of a channel: what is common to everything that is found of it in a lot."""
-
-    channel: str
-    symbol: str
-    signal: Signal
-
-    @property
-    def sheet_unit(self) -> str:
-        """Unit of data sheets."""
-        return self.signal.sheet[power_of(self.symbol)]
-
-    @property
-    def factor(self) -> float:
-        """SI units in one unit of data sheets."""
-        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Distribution(OfLot):
+class Distribution(Coefficient):
     """The `values` of a coefficient, SI, of the units that have one, with their 10 %, 50 % and 90 % quantiles."""
 
     values: FloatArray
@@ -47,7 +26,7 @@ class Distribution(OfLot):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trend(OfLot):
+class Trend(Coefficient):
     """A straight line through the values of a coefficient.
 
     Attributes
@@ -78,7 +57,7 @@ class Trend(OfLot):
 
 
 @dataclass(frozen=True, repr=False)
-class Outlying(OfLot):
+class Outlying(Coefficient):
     """A unit whose value differs from the others more than chance explains; `median` is that of all, SI."""
 
     file: str
