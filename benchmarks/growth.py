@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import allanite as al
-from allanite.kernels.allan import overlapped
+from allanite.kernels.overlapped import overlapped
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
 from speed import INCORE, one_difference

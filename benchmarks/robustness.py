@@ -18,7 +18,8 @@ from multiprocessing import Pool
 import numpy as np
 
 import allanite as al
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import likelihood
 from allanite.prepare.outliers import marked, outliers
 from allanite.study.noise import noise_of
 from identification import RATE, SENSORS, bounds

@@ -15,7 +15,8 @@ import numpy as np
 
 import allanite as al
 from allanite.identification.likelihood.selection import Profile, Subset
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import likelihood
 from identification import RATE, SENSORS, bounds
 
 N, K, MEMS = al.N(0.005, "deg/sqrt(s)"), al.K(3e-4, "deg/s/sqrt(s)"), SENSORS["MEMS"]

@@ -30,7 +30,8 @@ from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.portion import Tuned
 from allanite.identification.likelihood.selection import Subset, select, subsets
-from allanite.identification.likelihood.whittle import FEWEST, Spectrum, column, likelihood, spectrum
+from allanite.identification.likelihood.spectrum import FEWEST, Spectrum, spectrum
+from allanite.identification.likelihood.whittle import column, likelihood
 from allanite.terms import TERMS
 
 from .likelihoods import reduced, tied

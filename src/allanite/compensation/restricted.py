@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Record
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import likelihood
 
 FloatArray = NDArray[np.float64]
 Stretch = tuple[int, int]

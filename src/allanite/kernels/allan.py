@@ -49,18 +49,6 @@ def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def overlapped(x, m, order):  # type: ignore[no-untyped-def]
-    """Sum of the squared differences at every i for every m[j], shape of m; all in one pass over x."""
-    sums = np.zeros(m.size)
-    for start in range(0, x.size, BLOCK):
-        for j in range(m.size):
-            stop = min(start + BLOCK, x.size - order * m[j])
-            if stop > start:
-                sums[j] += squares(x, m[j], order, start, stop)
-    return sums
-
-
-@njit(cache=True, nogil=True)
 def strided(x, m, order):  # type: ignore[no-untyped-def]
     """Sum of the squared differences at every m[j]-th i, shape of m."""
     sums = np.zeros(m.size)

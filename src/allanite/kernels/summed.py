@@ -6,7 +6,8 @@ A running sum of the whole record would lose (record / window)^1.5 to ^2.5 digit
 import numpy as np
 from numba import njit
 
-from .allan import BLOCK, FAST, squares
+from .allan import FAST
+from .overlapped import add_overlapped
 
 REACH = 8
 """Averaging factors that share a segment differ by less than this factor."""
@@ -60,21 +61,17 @@ def group_end(m, first):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def modified(x, m):  # type: ignore[no-untyped-def]
     """Sum over i of (sum over k < m of x[i+2m+k] - 2 x[i+m+k] + x[i+k])^2 for every m, ascending, shape of m."""
-    sums = np.zeros(m.size)
+    sums, space = np.zeros(m.size), np.empty(x.size + 1)
     first = 0
     while first < m.size:
         after = group_end(m, first)
         most = 3 * m[after - 1]
         length = max(SHORT, LONG * m[first])
-        S = np.empty(length + most + 1)
+        S = space[: min(length + most, x.size) + 1]
         for start in range(0, x.size + 1 - 3 * m[first], length):
-            running_sum(x[start : min(start + length + most - 1, x.size)], S)
-            for t in range(0, length, BLOCK):
-                for j in range(first, after):
-                    k = m[j]
-                    stop = min(t + BLOCK, length, x.size + 1 - 3 * k - start)
-                    if stop > t:
-                        sums[j] += squares(S, k, 3, t, stop)
+            part = x[start : min(start + length + most - 1, x.size)]
+            running_sum(part, S)
+            add_overlapped(sums[first:after], S[: part.size + 1], m[first:after], 3, min(length, part.size + 1))
         first = after
     return sums
 

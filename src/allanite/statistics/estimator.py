@@ -48,18 +48,7 @@ def integrated(record: Record, order: int) -> Angle:
     A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
     record without two neighbouring samples that are finite is a DataError.
     """
-    from allanite.kernels.allan import integrate
-
-    values, constant = record.values, record.constant if order > 1 else 0
-    pieces = [
-        Piece(
-            a,
-            (values[a:b] - values[a]).astype(np.float64)
-            if record.kind == "angle"
-            else integrate(values[a:b], constant),
-        )
-        for a, b in stretches(values)
-    ]
+    pieces = _angles(record) if record.kind == "angle" else _integrals(record, record.constant if order > 1 else 0)
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
         raise DataError(
@@ -69,6 +58,21 @@ def integrated(record: Record, order: int) -> Angle:
             )
         )
     return Angle(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
+
+
+def _angles(record: Record) -> list[Piece]:
+    values = record.values
+    return [Piece(a, (values[a:b] - values[a]).astype(np.float64)) for a, b in stretches(values)]
+
+
+def _integrals(record: Record, constant: float) -> list[Piece]:
+    """The last sum tells whether there are gaps: what is not finite stays in it."""
+    from allanite.kernels.allan import integrate
+
+    whole = integrate(record.values, constant)
+    if np.isfinite(whole[-1]):
+        return [Piece(0, whole)]
+    return [Piece(a, integrate(record.values[a:b], constant)) for a, b in stretches(record.values)]
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:

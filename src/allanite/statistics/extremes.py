@@ -8,7 +8,7 @@ from .row import FloatArray, IntArray, Statistic, binomial_window
 
 
 def _first(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import overlapped
+    from allanite.kernels.overlapped import overlapped
 
     return overlapped(x, m, 1)  # type: ignore[no-any-return]
 

@@ -8,7 +8,7 @@ from .row import FloatArray, IntArray, Scheme, Statistic, Window, binomial_windo
 
 
 def _parabolic(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import overlapped
+    from allanite.kernels.overlapped import overlapped
     from allanite.kernels.summed import parabolic
 
     return np.asarray(np.where(m == 1, overlapped(x, m, 2), parabolic(x, m)))

@@ -23,7 +23,7 @@ def _modified_total(x: FloatArray, m: IntArray) -> FloatArray:
 
 
 def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.allan import overlapped
+    from allanite.kernels.overlapped import overlapped
 
     sums = _modified_total(np.diff(x), m)
     # SP 1065: at m = 1 the overlapping Hadamard form, which has as many windows

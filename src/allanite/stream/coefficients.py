@@ -20,7 +20,7 @@ from allanite.core.scope import Band, demand_band
 from allanite.identification.likelihood.bins import SINGLE, edges_of
 from allanite.identification.likelihood.families import deterministic
 from allanite.identification.likelihood.identify import whittle_of
-from allanite.identification.likelihood.whittle import ROUNDING, Spectrum, less_slope, transformed
+from allanite.identification.likelihood.spectrum import ROUNDING, Spectrum, less_slope, transformed
 from allanite.identification.methods import symbols_of
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
 from allanite.statistics.moments.gls import second_difference

@@ -11,8 +11,9 @@ from scipy.signal import butter, lfilter
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.portion import Tuned, portion
+from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.tuning import tuning
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.whittle import likelihood
 from allanite.kernels.binned import binned, less_ramp
 from allanite.kernels.leastsquares import weighted_nnls
 from allanite.kernels.whittle import _logarithms as logarithms

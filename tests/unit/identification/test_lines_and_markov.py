@@ -9,8 +9,9 @@ import allanite as al
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.lines import BLOCKS, Wave
 from allanite.identification.likelihood.portion import portion
+from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.timeconstant import Search
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.whittle import likelihood
 
 RATE = 100.0
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")

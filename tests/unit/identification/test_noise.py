@@ -7,7 +7,8 @@ from scipy.fft import dct
 import allanite as al
 from allanite.core.model import term
 from allanite.identification.likelihood.selection import Profile, select, subsets
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import likelihood
 from allanite.statistics.moments.lags import lag_nodes, sum_nodes
 from allanite.terms import TERMS, ramp_coefficients
 

@@ -7,7 +7,8 @@ from scipy.linalg import toeplitz
 import allanite as al
 from allanite.identification.likelihood.pieces import Pieces, apart
 from allanite.identification.likelihood.sines import rate_weights
-from allanite.identification.likelihood.whittle import column, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import column
 from allanite.prepare.gaps import Gaps
 from allanite.statistics.moments.gls import second_difference
 from allanite.terms import TERMS

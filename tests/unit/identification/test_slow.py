@@ -10,8 +10,9 @@ import slow_noise
 from allanite.identification.checks.exponent import exponent
 from allanite.identification.checks.popcorn import _normal, jumps
 from allanite.identification.likelihood.families import look
+from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.warmup import without_warm_up
-from allanite.identification.likelihood.whittle import likelihood, spectrum, with_warm_up
+from allanite.identification.likelihood.whittle import likelihood, with_warm_up
 
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
 RATE, LENGTH = 100.0, 2**15

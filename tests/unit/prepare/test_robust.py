@@ -6,7 +6,8 @@ from scipy.fft import dct
 from scipy.ndimage import median_filter
 
 import allanite as al
-from allanite.identification.likelihood.whittle import likelihood, spectrum
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.whittle import likelihood
 from allanite.prepare import inspect, mark_outliers
 from allanite.prepare.gaps import Gaps, joined, refusal
 from allanite.prepare.outliers import outliers

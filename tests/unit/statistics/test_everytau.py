@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.kernels.allan import overlapped
+from allanite.kernels.overlapped import overlapped
 from allanite.kernels.summed import modified
 from allanite.reporting import table, to_csv
 from allanite.statistics import _warn_of_long

@@ -8,10 +8,10 @@ from allanite.core.arrays import FloatArray
 from allanite.core.language import say
 from allanite.core.scope import LowPass, Scope
 
+from .cells import cell_of, surroundings
 from .families import Found
 from .filters import FILTERS
 from .tuning import limits
-from .whittle import cell_of, surroundings
 
 CONFIDENT = 3.84
 """Rise of 2 L at the 95 % limits of a cut-off."""

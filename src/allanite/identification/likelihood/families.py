@@ -19,8 +19,8 @@ from .law import AKAIKE, Law, law, traces
 from .portion import Portion, portion
 from .selection import PENALTY, Profile, Subset, select, subsets
 from .shapes import Shapes
+from .spectrum import Spectrum, spectrum
 from .timeconstant import CLOSE, Search
-from .whittle import Spectrum, spectrum
 
 SLOW = 30.0
 """Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""

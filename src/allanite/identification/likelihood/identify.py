@@ -28,8 +28,8 @@ from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .selection import correlation
+from .spectrum import Spectrum
 from .transient import warm_up_estimate
-from .whittle import Spectrum
 
 
 def whittle(

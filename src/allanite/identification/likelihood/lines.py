@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
-from .whittle import Spectrum, surroundings
+from .cells import surroundings
+from .spectrum import Spectrum
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""

@@ -10,9 +10,11 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.terms import TERMS
 
+from .cells import CELLS, cell_of
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .whittle import CELLS, Spectrum, cell_of, likelihood, table_column, with_warm_up
+from .spectrum import Spectrum
+from .whittle import likelihood, table_column, with_warm_up
 
 LOWEST = 1e-9
 """Gain of a bin in the stop band, at least."""

@@ -24,9 +24,9 @@ from .families import Found, fitted
 from .humps import humps
 from .portion import Portion, Tuned
 from .selection import Subset
+from .spectrum import FEWEST
 from .tuning import FALL, falls, left_open, octave_levels, tuning
 from .warmup import WarmUp, without_warm_up
-from .whittle import FEWEST
 
 MASKED = 0.25
 """Share of the bins that may be omitted as humps."""

@@ -61,7 +61,7 @@ def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> Fl
 
 def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
     """By the definition: for small m, for those with few windows, and where they are few."""
-    from allanite.kernels.allan import overlapped
+    from allanite.kernels.overlapped import overlapped
     from allanite.kernels.summed import modified
 
     return np.asarray(modified(x, m) if summed else overlapped(x, m, order))

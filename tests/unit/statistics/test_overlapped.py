@@ -1,0 +1,45 @@
+"""Squared differences at many averaging factors: rows, shared first points and tiles against the plain formula."""
+
+import numpy as np
+import pytest
+
+from allanite.kernels.overlapped import BLOCK, ROWS, TILE, add_overlapped, overlapped
+
+
+def literal(x: np.ndarray, m: int, order: int) -> float:
+    difference = x
+    for _ in range(order):
+        difference = difference[m:] - difference[:-m]
+    return float(np.sum(difference**2))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("size", [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777])
+def test_every_size_and_order(order: int, size: int) -> None:
+    x = np.cumsum(np.random.default_rng(size + order).standard_normal(size))
+    most = (size - 1) // order
+    m = np.unique(np.concatenate((np.geomspace(1, most, 37), [ROWS, ROWS + 1, TILE // 4 - 1, TILE // 4, most])))
+    m = m[m <= most].astype(np.int64)
+    m = np.unique(m)
+    assert overlapped(x, m, order) == pytest.approx([literal(x, k, order) for k in m.tolist()], rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [5, BLOCK, TILE + 5])
+def test_only_the_first_windows(size: int) -> None:
+    x = np.cumsum(np.random.default_rng(1).standard_normal(2 * TILE))
+    m = np.array([1, 2, 3, 5, 300, 5000, 40_000])
+    sums = np.ones(m.size)
+    add_overlapped(sums, x, m, 3, size)
+    expected = [1 + literal(x[: min(size + 3 * k, x.size)], k, 3) for k in m.tolist()]
+    assert sums == pytest.approx(expected, rel=1e-12)
+
+
+def test_integers_are_exact() -> None:
+    x = np.cumsum(np.random.default_rng(2).integers(-9, 10, 70_000)).astype(np.float64)
+    m = np.array([1, 2, 3, 4, 7, 255, 256, 1000, 9999])
+    for order in (2, 3):
+        assert overlapped(x, m, order).tolist() == [literal(x, k, order) for k in m.tolist()]
+
+
+def test_nothing_for_no_factor() -> None:
+    assert overlapped(np.arange(9.0), np.empty(0, np.int64), 2).size == 0
