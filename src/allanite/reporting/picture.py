@@ -74,20 +74,31 @@ def _rounded(text: str) -> str:
     return "".join(parts)
 
 
+_POINTS = re.compile(r'\b(?:d|x|y)="[^"]*"')
+_TENTH, _HUNDREDTH = re.compile(r"(\.\d)\d+"), re.compile(r"(\.\d\d)\d+")
+_BLANKS, _PATH, _TURNED = (
+    re.compile(r"\s+"),
+    re.compile(r'(?<= d=")[^"]*'),
+    re.compile(r' transform="rotate\(-0 [^"]*"'),
+)
+_LINES = re.compile(r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)")
+_WHOLE, _LETTERS = re.compile(r"(?<=\d)\.0(?!\d)"), re.compile(r" ?([A-Za-z]) ?| (?=-)")
+
+
 def _short_tag(tag: str) -> str:
-    points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), tag)
-    short = re.sub(r"\s+", " ", re.sub(r"(\.\d\d)\d+", r"\1", points)).replace(' "', '"')
-    short = re.sub(r'(?<= d=")[^"]*', lambda found: _short_path(found[0]), short)
-    return re.sub(r' transform="rotate\(-0 [^"]*"', "", short)
+    if "." in tag:
+        points = _POINTS.sub(lambda found: _TENTH.sub(r"\1", found[0]), tag)
+        tag = _HUNDREDTH.sub(r"\1", points)
+    short = _BLANKS.sub(" ", tag).replace(' "', '"')
+    if ' d="' in short:
+        short = _PATH.sub(lambda found: _short_path(found[0]), short)
+    return _TURNED.sub("", short)
 
 
 def _short_path(path: str) -> str:
     """A path without what its reader supplies: the letters of lines after a line, blanks before letters and signs."""
-    path = re.sub(
-        r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)", lambda m: m[1] + m[2] + m[3].replace(" L", ""), path
-    )
-    path = re.sub(r"(?<=\d)\.0(?!\d)", "", path)
-    return re.sub(r" ?([A-Za-z]) ?| (?=-)", r"\1", path)
+    path = _LINES.sub(lambda m: m[1] + m[2] + m[3].replace(" L", ""), path)
+    return _LETTERS.sub(r"\1", _WHOLE.sub("", path))
 
 
 def _without_groups(text: str) -> str:

@@ -9,6 +9,7 @@ was killed, this process does itself, in the order of the items, so that an erro
 """
 
 import copyreg
+import gc
 import io
 import multiprocessing
 import os
@@ -165,6 +166,7 @@ class _Fork:
 def _begin(work: Callable[[Connection], None], connection: Connection, ends: Sequence[Connection]) -> None:
     """What a fork does first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its forks when it is interrupted
+    gc.disable()  # it writes to all objects, and what is written to is copied first
     for end in ends:
         end.close()
     with processes(1):
