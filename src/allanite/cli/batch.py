@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         help="Processes of this machine.  [default: one for each core]"),
     click.option("--scheduler", metavar="ADDRESS",
         help="Dask scheduler, e.g. tcp://10.0.0.5:8786, whose workers are used instead."),
-    *RECORDING, "statistic", "taus", *IDENTIFYING, "quiet",
+    *(name for name in RECORDING if name != "threads"), "statistic", "taus", *IDENTIFYING, "quiet",
 )  # fmt: skip
 def batch(source: str, results: str, workers: int | None, scheduler: str | None, **choices: Any) -> None:
     """Analyze many records and store the results.

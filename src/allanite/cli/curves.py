@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     "taus",
     "m",
     "to",
-    "threads",
     "intervals",
     "bias",
     "join",

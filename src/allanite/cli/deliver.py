@@ -45,6 +45,7 @@ class Outputs:
     quiet: bool = False
     strict: bool = False
     lang: str = ENGLISH
+    threads: int | None = 1
 
     @property
     def piped(self) -> bool:
@@ -71,7 +72,7 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
     """
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
-    found = Outputs(paths, **{name: choices.pop(name) for name in FLAGS if name in choices})
+    found = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})
     catalogue(found.lang)  # an unknown language is refused now
     if list(paths.values()).count(STDOUT) > 1:
         raise UsageError("only one result can be written to standard output; give a file for the other one")
@@ -126,9 +127,12 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
 
 def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
     """Run a job that reports its progress, and deliver its result."""
-    with progress(out) as tell:
-        found = job(tell)
-    deliver(found, out, extra)
+    from allanite.study.shares import processes
+
+    with processes(out.threads):
+        with progress(out) as tell:
+            found = job(tell)
+        deliver(found, out, extra)
     if out.strict:
         _demand_explained(found)
     return found

@@ -8,7 +8,7 @@ import click
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 
-from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Ranges, Scale, Taus, Units
+from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Ranges, Scale, Taus, Threads, Units
 
 Decorator = Callable[[Any], Any]
 
@@ -99,8 +99,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Seed of the random number generator."),
     "accuracy": click.option("--accuracy", type=float, metavar="PERCENT",
         help="Relative standard error of a coefficient to reach.  [default: 10; of a live stream 20]"),
-    "threads": click.option("--threads", type=click.IntRange(1), default=1, show_default=True,
-        help="Maximum number of threads."),
+    "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
+        help="Processors to use at once, or auto: all of them. The results are the same."),
     "split-gaps": click.option("--split-gaps", is_flag=True, help="Treat each stretch between gaps separately."),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
@@ -209,7 +209,7 @@ IDENTIFYING = ("terms", "method", "ranges", "band", "level", "strict")
 RESULTS = (*OUTPUTS, "lang", "force", "quiet")
 """Options of every verb that has a result."""
 
-RECORDING = (*READING, *SELECTING, "recipe")
+RECORDING = (*READING, *SELECTING, "recipe", "threads")
 """Options of every verb that reads a recording."""
 
 

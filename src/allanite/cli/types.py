@@ -123,6 +123,24 @@ class Duration(ParamType):
         return tuple(part if isinstance(part, float) else seconds_of(str(part)) for part in _parts(value))
 
 
+class Threads(ParamType):
+    """A number of processors; "auto", all of them, is None."""
+
+    name = "threads"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> int | None:
+        """A number as it is, a word by its meaning."""
+        if value == "auto":
+            return None
+        try:
+            count = int(value)
+        except (TypeError, ValueError):
+            count = 0
+        if count < 1:
+            self.fail(f"expected a number of processors, at least 1, or auto, not {value!r}", param, ctx)
+        return count
+
+
 def _parts(value: Any) -> Any:
     return value.split(",") if isinstance(value, str) else value
 

@@ -131,10 +131,14 @@ def page(value: Any, *, level: float | None = None, command: str = "", lang: str
     from .language import speaking
 
     face = view_of(value).face(value, level_of(value, level))
-    data = gzip.compress(to_json(value).encode(), mtime=0)
+
+    def stored() -> bytes:
+        data = gzip.compress(to_json(value).encode(), mtime=0)
+        return data if len(data) < MOST_DATA else b""
+
     with speaking(lang):
         warn_of_page(lang)
-        return render(replace(face, command=command, data=data if len(data) < MOST_DATA else b""))
+        return render(replace(face, command=command), stored)
 
 
 def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False, lang: str = "en") -> str:

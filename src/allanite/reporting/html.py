@@ -1,8 +1,9 @@
 """Sheets as one HTML page that needs nothing else: no script, no font, no request."""
 
 import base64
-from collections.abc import Iterator
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import cache, partial
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +11,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from allanite.core.language import join, say, say_count
+from allanite.study.shares import how_many, shared
 from allanite.terms import TERMS
 
 from .language import spoken, tr
-from .picture import drawer, svg, variable
+from .picture import Picture, drawer, picture, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 
 if TYPE_CHECKING:
@@ -28,13 +30,32 @@ _NOTEBOOK = count()
 """Numbers of the figures of a notebook, whose cells are one page."""
 
 
-def render(face: Face) -> str:
-    """The page as text."""
+def render(face: Face, stored: Callable[[], bytes] = lambda: b"") -> str:
+    """The page as text, with what `stored` gives as its data; that and the figures are made at once."""
     from .style import DARK
 
+    drawings = list(
+        _drawings((*face.parts, *(part for one in face.sheets for part in one.parts), *face.close, *face.how))
+    )
+    tasks: list[Callable[[], Any]] = [stored, *(partial(_picture, drawing) for drawing in drawings)]
+    data, *pictures = shared(lambda task: task(), tasks, count=how_many(len(tasks)))
+    face = replace(face, data=face.data or data)
+    drawn = {id(drawing): picture for drawing, picture in zip(drawings, pictures, strict=True)}
     grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-    made = {"face": face, "draw": drawer(), "grounds": grounds, "lang": spoken()}
+    made = {"face": face, "draw": drawer(drawn), "grounds": grounds, "lang": spoken()}
     return _environment().get_template("page.html.j2").render(made)
+
+
+def _drawings(parts: Iterable[Part]) -> Iterator[Drawing]:
+    for part in _shown(parts):
+        if isinstance(part, Drawing):
+            yield part
+        elif isinstance(part, Fold):
+            yield from _drawings(part.parts)
+
+
+def _picture(drawing: Drawing) -> Picture:
+    return picture(drawing.draw())
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:

@@ -2,7 +2,8 @@
 
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -23,8 +24,29 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A figure as text, before the page around it is known: `wide` points."""
+
+    text: str
+    wide: float
+
+    def within(self, prefix: str, label: str) -> Markup:
+        """With names that begin with `prefix`, so that figures do not share parts by mistake, and words for it."""
+        text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", self.text)
+        label = str(Markup.escape(printable(tr(label))))
+        start = f'<svg role="img" aria-label="{label}" style="--wide: {self.wide:.0f}" stroke-linejoin="round" '
+        # matplotlib escapes the text in a figure
+        return Markup(text.replace("<svg ", start, 1))  # noqa: S704
+
+
 def svg(figure: "Figure", prefix: str, label: str) -> Markup:
-    """A figure whose names begin with `prefix`, so that figures do not share parts by mistake, with words for it."""
+    """A figure whose names begin with `prefix`, with words for it."""
+    return picture(figure).within(prefix, label)
+
+
+def picture(figure: "Figure") -> Picture:
+    """A figure with its letters as text and without what nobody sees."""
     from .style import encode
 
     with warnings.catch_warnings():
@@ -37,13 +59,7 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
     text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", FONT, text)  # of further fonts the reader's browser knows better
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
-    text = _without_groups(_rounded(text))
-    label = str(Markup.escape(printable(tr(label))))
-    wide = figure.get_figwidth() * 72
-    start = f'<svg role="img" aria-label="{label}" style="--wide: {wide:.0f}" stroke-linejoin="round" '
-    # matplotlib escapes the text in a figure
-    return Markup(text.replace("<svg ", start, 1))  # noqa: S704
+    return Picture(_without_groups(_rounded(text)), figure.get_figwidth() * 72)
 
 
 def _rounded(text: str) -> str:
@@ -58,20 +74,31 @@ def _rounded(text: str) -> str:
     return "".join(parts)
 
 
+_POINTS = re.compile(r'\b(?:d|x|y)="[^"]*"')
+_TENTH, _HUNDREDTH = re.compile(r"(\.\d)\d+"), re.compile(r"(\.\d\d)\d+")
+_BLANKS, _PATH, _TURNED = (
+    re.compile(r"\s+"),
+    re.compile(r'(?<= d=")[^"]*'),
+    re.compile(r' transform="rotate\(-0 [^"]*"'),
+)
+_LINES = re.compile(r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)")
+_WHOLE, _LETTERS = re.compile(r"(?<=\d)\.0(?!\d)"), re.compile(r" ?([A-Za-z]) ?| (?=-)")
+
+
 def _short_tag(tag: str) -> str:
-    points = re.sub(r'\b(?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), tag)
-    short = re.sub(r"\s+", " ", re.sub(r"(\.\d\d)\d+", r"\1", points)).replace(' "', '"')
-    short = re.sub(r'(?<= d=")[^"]*', lambda found: _short_path(found[0]), short)
-    return re.sub(r' transform="rotate\(-0 [^"]*"', "", short)
+    if "." in tag:
+        points = _POINTS.sub(lambda found: _TENTH.sub(r"\1", found[0]), tag)
+        tag = _HUNDREDTH.sub(r"\1", points)
+    short = _BLANKS.sub(" ", tag).replace(' "', '"')
+    if ' d="' in short:
+        short = _PATH.sub(lambda found: _short_path(found[0]), short)
+    return _TURNED.sub("", short)
 
 
 def _short_path(path: str) -> str:
     """A path without what its reader supplies: the letters of lines after a line, blanks before letters and signs."""
-    path = re.sub(
-        r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)", lambda m: m[1] + m[2] + m[3].replace(" L", ""), path
-    )
-    path = re.sub(r"(?<=\d)\.0(?!\d)", "", path)
-    return re.sub(r" ?([A-Za-z]) ?| (?=-)", r"\1", path)
+    path = _LINES.sub(lambda m: m[1] + m[2] + m[3].replace(" L", ""), path)
+    return _LETTERS.sub(r"\1", _WHOLE.sub("", path))
 
 
 def _without_groups(text: str) -> str:
@@ -87,8 +114,11 @@ def _without_groups(text: str) -> str:
     return re.sub(r"<g(?:\s[^>]*)?(?<!/)>|</g>", tag, text)
 
 
-def drawer() -> Callable[[Drawing], Markup]:
-    """Draws the figures of one page: each with a prefix of its own, the styles of all of them as common classes."""
+def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
+    """Gives the figures of one page: each with a prefix of its own, the styles of all of them as common classes.
+
+    `pictures` holds those that were drawn before, by the `id` of their drawings.
+    """
     from .style import DARK
 
     numbers, classes = count(), dict[str, str]()
@@ -99,8 +129,9 @@ def drawer() -> Callable[[Drawing], Markup]:
 
     def draw(drawing: Drawing) -> Markup:
         known = len(classes)
-        picture = re.sub(r'style="([^"]*)"', named, svg(drawing.draw(), f"f{next(numbers)}", drawing.label))
+        shown = pictures.get(id(drawing)) or picture(drawing.draw())
+        made = re.sub(r'style="([^"]*)"', named, shown.within(f"f{next(numbers)}", drawing.label))
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
-        return Markup(f"<style>{new}</style>{picture}" if new else picture)  # noqa: S704 - as `svg` has made it
+        return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it
 
     return draw

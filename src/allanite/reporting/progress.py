@@ -1,5 +1,6 @@
 """A bar on stderr for what takes longer than a second."""
 
+import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,7 +13,10 @@ PATIENCE = 1.0
 
 @contextmanager
 def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
-    """Give a function to be called with the current step and the completed fraction."""
+    """Give a function to be called with the current step and the completed fraction.
+
+    Forks of this process have no bar, and must not wait for a lock that its thread held: in them it does nothing.
+    """
     if not shown:
         yield lambda what, fraction: None
         return
@@ -24,11 +28,17 @@ def bar(shown: bool) -> Iterator[Callable[[str, float], None]]:
         TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=Console(stderr=True), transient=True
     )
     task = progress.add_task("", total=1.0)
+    own = os.getpid()
+
+    def tell(what: str, fraction: float) -> None:
+        if os.getpid() == own:
+            progress.update(task, description=escape(printable(what)), completed=fraction)
+
     timer = threading.Timer(PATIENCE, progress.start)
     timer.daemon = True
     timer.start()
     try:
-        yield lambda what, fraction: progress.update(task, description=escape(printable(what)), completed=fraction)
+        yield tell
     finally:
         timer.cancel()
         # a bar that is just starting must have started before it can be stopped

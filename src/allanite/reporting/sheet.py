@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from allanite.core.language import join, say
@@ -90,6 +91,24 @@ class Code:
     text: str
     title: str = ""
     where: Where = ""
+
+
+class Deferred(Sequence["Part"]):
+    """Parts that are made where they are shown, once."""
+
+    def __init__(self, make: "Callable[[], Iterable[Part]]") -> None:
+        self.make = make
+
+    @cached_property
+    def parts(self) -> "tuple[Part, ...]":
+        """The parts."""
+        return tuple(self.make())
+
+    def __getitem__(self, at: Any) -> Any:
+        return self.parts[at]
+
+    def __len__(self) -> int:
+        return len(self.parts)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -91,10 +92,7 @@ def look() -> Iterator[None]:
     """
     lang = spoken()
     with mpl.rc_context(), fonts.quiet(lang):
-        mpl.rcdefaults()
-        mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
-        if lang in fonts.FURTHER:
-            mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
+        dict.update(cast(Any, mpl.rcParams), _settings(lang))  # they were checked when they were collected
         made: list[Figure] = []
         token = _MADE.set(made)
         try:
@@ -103,6 +101,17 @@ def look() -> Iterator[None]:
             _MADE.reset(token)
         for figure in made if lang != ENGLISH else ():
             _translate(figure)
+
+
+@cache
+def _settings(lang: str) -> dict[str, Any]:
+    """All settings of figures in a language."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
+        if lang in fonts.FURTHER:
+            mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
+        return dict(cast(Any, mpl.rcParams))
 
 
 def _translate(figure: Figure) -> None:

@@ -174,6 +174,8 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
     def work(seen: Inspected) -> Channel:
         noise = noise_of(seen.record, recipe)
         curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
+        if curve.law is not None:
+            curve.interval(recipe.level)  # which every form of the result shows, and is remembered
         noise = replace(noise, fit=replace(noise.fit, curve=curve))
         usual = curve.statistic == "oadev" and recipe.taus == "log"
         read = readings(seen.record, curve if usual else None)

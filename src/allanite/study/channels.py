@@ -26,6 +26,7 @@ from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+from .shares import how_many, shared
 
 Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
@@ -93,10 +94,15 @@ class Job(Value, Generic[Result]):
     def to_dict(self, level: float | None = None) -> dict[str, Any]:
         """Plain data, with limits at `level`, by default that of the recipe."""
         level = self.recipe.level if level is None else level
+
+        def written(channel: Any) -> dict[str, Any]:
+            found: dict[str, Any] = channel.to_dict(level)
+            return found
+
         return {
             "allanite": VERSION,
             "type": type(self).__name__,
-            "channels": [channel.to_dict(level) for channel in self.channels],  # type: ignore[attr-defined]
+            "channels": shared(written, self.channels, count=how_many(len(self.channels))),
             "findings": [finding.to_dict() for finding in self.findings],
             "recipe": self.choices(),
             "notes": list(self.notes),
@@ -206,11 +212,18 @@ def each_channel(
     """
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
-    results = []
-    inspected = [Inspected(name, records, tuple(look(record) for record in records)) for name, records in channels]
-    for i, seen in enumerate(_on_bodies(inspected)):
-        tell(f"{doing} {seen.name}", (i + 0.3) / (len(channels) + 0.3))
-        results.append(_result(seen, work, refused, fatal))
+    every = [record for _, records in channels for record in records]
+    count = how_many(len(channels), max((record.size for record in every), default=0))
+
+    def inspected(channel: tuple[str, tuple[Record, ...]]) -> Inspected:
+        name, records = channel
+        return Inspected(name, records, tuple(look(record) for record in records))
+
+    def begun(i: int) -> None:
+        tell(f"{doing} {channels[i][0]}", (i + 0.3) / (len(channels) + 0.3))
+
+    seen = _on_bodies(shared(inspected, channels, count=count, known=every))
+    results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)
     tell("done", 1.0)
     return tuple(results)
 

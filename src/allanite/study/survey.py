@@ -25,6 +25,7 @@ from .channels import Inspected, Job, Progress, Source, run
 from .joint import joints
 from .noise import ChannelResult, Noise, noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+from .shares import how_many
 
 Result = Curve | Spectrum | Surface
 
@@ -95,7 +96,7 @@ class Deviations(Value):
                 divisor=self.divisor,
                 edf=self.edf,
                 power_law=self.power_law,
-                threads=self.threads,
+                threads=max(self.threads, how_many()),
             )
             yield curve if self.intervals else replace(curve, law=None, supposes=None)
 

@@ -1,6 +1,7 @@
 """What a page shows beside the coefficients: all channels in one figure, residuals, record and spectrum."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Drawing, Fold, Note, Part, Table, columns, printed_unit
+from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns, printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel
@@ -55,7 +56,7 @@ def details(channel: Channel, level: float, panel: "figures.Panel | None") -> It
     yield from [Fold(say("residuals: does the model explain the record?"), checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):
-        yield Fold(say("record and spectrum"), list(_raw(record, channel, level)), shut=True)
+        yield Fold(say("record and spectrum"), Deferred(partial(_raw, record, channel, level)), shut=True)
     if panel is not None:
         shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, say("the curve in numbers"), where="page")

@@ -1,7 +1,7 @@
 """The noise that intervals assume, and its description: given, or identified on first use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -24,6 +24,9 @@ class Supposed(NamedTuple):
     noise: Averaged | Literal["auto"]
     words: str
 
+
+Limits = tuple[FloatArray, FloatArray, FloatArray]
+"""Degrees of freedom, lower and upper limits over the variance."""
 
 Supposing = ModelLike | Literal["auto"] | Callable[[], Supposed]
 """Noise that intervals assume; a function is called when they are first needed."""
@@ -60,10 +63,14 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
 
 @dataclass(frozen=True, eq=False)
 class Later:
-    """The law `under` a noise that is identified on first use; pickled as the result."""
+    """The law `under` a noise that is identified on first use; pickled as the result.
+
+    Limits are computed once for each level, also for curves that share them: the same curve in other units.
+    """
 
     suppose: Callable[[], Supposed]
     under: Callable[[Averaged | Literal["auto"]], Law]
+    known: dict[float, Limits] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def found(self) -> tuple[Law, str]:
@@ -71,13 +78,15 @@ class Later:
         noise, words = self.suppose()
         return self.under(noise), words
 
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def __call__(self, level: float) -> Limits:
         """Degrees of freedom and limits over the variance; see `Curve`."""
-        return self.found[0](level)
+        if level not in self.known:
+            self.known[level] = self.found[0](level)
+        return self.known[level]
 
     def words(self) -> str:
         """The assumptions of the intervals."""
         return self.found[1]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"found": self.found}
+        return {"found": self.found, "known": self.known}

@@ -1,0 +1,165 @@
+"""Work that is shared between processes: the same results, the same errors, nothing left behind."""
+
+import multiprocessing
+import os
+import pickle
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.reporting import page
+from allanite.study.shares import how_many, processes, shared
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks only where they are safe")
+
+N = 4000
+
+
+@pytest.fixture(scope="module")
+def recording():
+    model = al.N(0.2, "deg/sqrt(h)") + al.B(2.0, "deg/h")
+    records = [al.simulate(model, n=N, rate=50.0, rng=np.random.default_rng([5, i]), name=f"g{i}") for i in range(3)]
+    return al.Recording(tuple(records))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_results_are_in_the_order_of_the_items(count):
+    assert shared(lambda x: x * x, list(range(20)), count=count) == [x * x for x in range(20)]
+
+
+def test_several_processes_take_part():
+    def where(_: int) -> int:
+        time.sleep(0.05)
+        return os.getpid()
+
+    found = shared(where, list(range(8)), count=2)
+    assert len(set(found)) == 2
+    assert os.getpid() in found
+
+
+def test_what_is_known_is_not_copied():
+    known = [np.arange(5.0), np.arange(3.0)]
+    found = shared(lambda i: (known[i % 2], known[i % 2] + 1), list(range(6)), count=2, known=known)
+    assert all(same is known[i % 2] for i, (same, _) in enumerate(found))
+    assert all((new == known[i % 2] + 1).all() for i, (_, new) in enumerate(found))
+
+
+def test_the_error_is_that_of_the_first_item():
+    def work(i: int) -> int:
+        if i in (3, 5):
+            raise ValueError(f"item {i}")
+        return i
+
+    for count in (1, 2, 3):
+        with pytest.raises(ValueError, match="item 3"):
+            shared(work, list(range(9)), count=count)
+    assert not multiprocessing.active_children()
+
+
+def test_what_a_killed_process_did_not_do_is_done_here():
+    here = os.getpid()
+
+    def work(i: int) -> int:
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(0.02)
+        return i
+
+    assert shared(work, list(range(6)), count=3) == list(range(6))
+    assert not multiprocessing.active_children()
+
+
+def test_what_cannot_be_pickled_is_done_here():
+    assert [found() for found in shared(lambda i: lambda: i, list(range(4)), count=2)] == [0, 1, 2, 3]
+
+
+def test_cached_results_come_back(recording):
+    record = recording[0]
+    curve = al.deviation(record, noise=al.identify(record).model)
+    (back, _) = shared(lambda _: curve, [0, 1], count=2)
+    np.testing.assert_array_equal(back.interval(0.9), curve.interval(0.9))
+    assert pickle.loads(pickle.dumps(curve)).law is not None
+
+
+def test_work_within_work_is_not_shared_again():
+    with processes(3):
+        assert how_many(2) == 2
+        assert shared(lambda _: how_many(5), [0, 1, 2, 3], count=2) == [1, 1, 1, 1]
+    assert how_many(5) == 1
+
+
+def test_as_many_processes_as_the_samples_allow():
+    with processes(None):
+        assert how_many(100, samples=2**30) == 1
+        assert how_many(100) == len(os.sched_getaffinity(0))
+    with processes(2):
+        assert how_many(100, samples=2**30) == 2
+
+
+def results(recording, count):
+    with processes(count):
+        study = al.analyze(recording)
+        text = page(study)
+        return study.to_dict(), re.sub(r"gzip;base64,[^\"]*", "", text), text
+
+
+def test_a_study_and_its_page_are_the_same_bit_for_bit(recording):
+    (one, _, whole), *others = (results(recording, count) for count in (1, 2, 3))
+    for other, _, page_of in others:
+        assert repr(other) == repr(one)
+        assert page_of == whole
+
+
+def test_the_study_keeps_the_records(recording):
+    with processes(2):
+        study = al.analyze(recording)
+    assert all(channel.record is record for channel, record in zip(study.channels, recording, strict=True))
+
+
+def test_a_refused_channel_is_refused_in_any_process(recording):
+    bad = al.Record(np.zeros(N), rate=50.0, unit="deg/h", name="dead")
+    mixed = al.Recording((*recording.records, bad))
+    with processes(2):
+        two = al.analyze(mixed)
+    assert [c.refusal for c in two.channels] == [c.refusal for c in al.analyze(mixed).channels]
+    assert two["dead"].refusal
+
+
+INTERRUPTED = """
+import os, time
+from allanite.study.shares import shared
+
+def work(i):
+    os.write(1, b"%d\\n" % os.getpid())
+    time.sleep(2)
+
+shared(work, list(range(8)), count=3)
+"""
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+def test_no_process_is_left_behind(by):
+    with subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True) as process:  # fmt: skip
+        assert process.stdout is not None
+        workers = {int(process.stdout.readline()) for _ in range(3)}
+        process.send_signal(by)
+        assert process.wait(timeout=20) != 0
+    deadline = time.monotonic() + 10
+    while (left := [pid for pid in workers if running(pid)]) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not left
+
+
+def running(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
