@@ -93,7 +93,7 @@ class Ladder:
 
 
 def _rows(level: int) -> FloatArray:
-    from allanite.kernels.streamed import BAND, HOP
+    from allanite.kernels.ladder import BAND, HOP
 
     return basis(HOP)[: BAND if level else None]
 
@@ -113,7 +113,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> Spectrum:
 
     from allanite.kernels.binned import binned
 
-    cells = stream.cells
+    cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
     left = full - full[0]
@@ -158,10 +158,10 @@ class Upper:
 
 def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
     """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
-    from allanite.kernels.streamed import BAND, UPPER
+    from allanite.kernels.ladder import BAND, UPPER
 
-    state, found = stream.state, []
-    for k in reversed(range(int(stream.cells.size).bit_length() - 1)):
+    state, found = stream.sums.state, []
+    for k in reversed(range(int(stream.sums.cells.size).bit_length() - 1)):
         rows, many = _rows(k), int(state.segments[k])
         hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
         edges = np.rint((hop // 4 + np.arange(len(rows) + 1)) * (n / (hop << k))).astype(np.int64)
