@@ -1,11 +1,11 @@
 """What is kept of a stream: levels of cells, and sums of their squared differences and of powers of segments.
 
 A cell of level k is the sum of 2^k samples; a pair of cells makes one of the next level. At level k the differences
-over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 16 cells,
-one every 8, are transformed for the octave of their frequencies that no other level reads (at level 0 for the upper
-two). What differences need of the past are the last cells of each level; what another part needs that ends where this
-one begins are the first. Every angle is summed from its own level's last cells: no sum grows with the length of the
-stream.
+over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 32 cells, one every
+16, are transformed for the octave of their frequencies that no other level reads, from 1/16 to 1/8 of the rate of the
+cells (at level 0 up to 1/2). What differences need of the past are the last cells of each level; what another part
+needs that ends where this one begins are the first. Every angle is summed from its own level's last cells: no sum grows
+with the length of the stream.
 
 The second channel of a cell, for differences of the running sum of the angle, is the sum of the angle over its samples
 from where the cell begins, by which the sum of the angle grows beside 2^k times the angle there.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 LEVELS = 32
 """Averaging factors reach to 15 * 2^31."""
 
-HOP = 8
+HOP = 16
 """Cells from one segment to the next; a segment is twice as long."""
 
 OCTAVE = 8
@@ -28,7 +28,7 @@ OCTAVE = 8
 FIRST = 15
 """Averaging factors of level 0: 1 .. 15."""
 
-UPPER, BAND = 6, 2
+UPPER, BAND = 14, 2
 """Coefficients of a segment, at level 0 and above."""
 
 
@@ -39,7 +39,7 @@ class State(NamedTuple):
     ----------
     sums, counts : arrays, shape (15 + 8 * 31,)
         Of the squared differences, level by level.
-    powers : array, shape (6 + 2 * 31,)
+    powers : array, shape (14 + 2 * 31,)
         Sums of the squared coefficients.
     segments : array, shape (levels,)
     head, tail : arrays, shape (levels, channels, cells)

@@ -127,30 +127,27 @@ def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, fastmath=FAST)
 def _fold(cells, window, many, folded):  # type: ignore[no-untyped-def]
     """Segments (a, b, c, d) in quarters, times the window, as (-c' - d, a - b') and the sum of the segment."""
-    a, b, c, d = window[0], window[1], window[2], window[3]
-    e, f, g, h = window[4], window[5], window[6], window[7]
+    half, before = HOP // 2, 0.0
+    for i in range(HOP):
+        before += cells[i]
     for s in range(many):
-        x = cells[s * HOP : (s + 2) * HOP]
-        folded[0, s], folded[1, s] = -(e * x[11] + d * x[12]), -(f * x[10] + c * x[13])
-        folded[2, s], folded[3, s] = -(g * x[9] + b * x[14]), -(h * x[8] + a * x[15])
-        folded[4, s], folded[5, s] = a * x[0] - h * x[7], b * x[1] - g * x[6]
-        folded[6, s], folded[7, s] = c * x[2] - f * x[5], d * x[3] - e * x[4]
-        total = 0.0
-        for i in range(2 * HOP):
-            total += x[i]
-        folded[8, s] = total
+        x, total = cells[s * HOP : (s + 2) * HOP], 0.0
+        for i in range(half):
+            c, d = x[3 * half - 1 - i], x[3 * half + i]
+            folded[i, s] = -(window[half + i] * c + window[half - 1 - i] * d)
+            folded[half + i, s] = window[i] * x[i] - window[HOP - 1 - i] * x[HOP - 1 - i]
+            total += c + d
+        folded[HOP, s] = before + total
+        before = total
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def _squared(folded, weights):  # type: ignore[no-untyped-def]
     """Sum of the squares of weights' folded."""
-    a, b, c, d, e = weights[0], weights[1], weights[2], weights[3], weights[4]
-    f, g, h, i = weights[5], weights[6], weights[7], weights[8]
-    r, s, t, u, v = folded[0], folded[1], folded[2], folded[3], folded[4]
-    w, x, y, z = folded[5], folded[6], folded[7], folded[8]
     total = 0.0
-    for n in range(r.size):
-        one = ((a * r[n] + b * s[n]) + (c * t[n] + d * u[n])) + ((e * v[n] + f * w[n]) + (g * x[n] + h * y[n]))
-        one += i * z[n]
+    for n in range(MANY):
+        one = 0.0
+        for i in range(HOP + 1):
+            one += weights[i] * folded[i, n]
         total += one * one
     return total
