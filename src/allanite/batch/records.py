@@ -18,6 +18,7 @@ from .manifest import Entry, manifest_of
 from .sources import PathLike
 from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
 from .store import Store, identity
+from .threads import one_thread
 
 
 def run_batch(
@@ -58,7 +59,8 @@ def run_batch(
     DataError
         No file is found.
     UsageError
-        The manifest is wrong, the folder of results cannot be used, or its disk is full: what is stored is kept.
+        The manifest is wrong, the folder of results cannot be used or another run writes to it, or its disk is full:
+        what is stored is kept.
 
     Examples
     --------
@@ -79,15 +81,15 @@ def run_batch(
     found = manifest_of(source, besides)
     store = Store.opened(results, new=True)
     tell = progress or (lambda what, fraction: None)
-    files = {entry.file: _known(entry, choices, store, tell) for entry in found.entries}
-    put_files(store, files.values(), choices)
-    before = sum(file.status == DONE for file in files.values())
-    missing = _missing(files.values(), choices)
-    _analyze(missing, files, store, executor or Serial(), tell)
-    files = {name: _settled(status, store) for name, status in files.items()}
-    put_files(store, files.values(), choices)
-    put_tables(store, files.values())
-    return Resumed(tuple(files.values()), len(missing), before, found.notes)
+    with store.alone():
+        files = {entry.file: _known(entry, choices, store, tell) for entry in found.entries}
+        put_files(store, files.values(), choices)
+        before = sum(file.status == DONE for file in files.values())
+        missing = _missing(files.values(), choices)
+        _analyze(missing, files, store, executor or Serial(), tell)
+        ended = tuple(put_tables(store, files.values()))
+        put_files(store, ended, choices)
+    return Resumed(ended, len(missing), before, found.notes)
 
 
 def _analyze(
@@ -112,7 +114,8 @@ def analyze_plainly(item: Plain) -> Plain:
     """The study of a file as plain data without its name, or the error: the task that executors are given."""
     file = item["file"]
     try:
-        with command_line():  # what is stored does not depend on who started it, nor on which process it ran in
+        # what is stored does not depend on who started it, nor on which process it ran in
+        with command_line(), one_thread():
             study = analyzed(file, Recipe.from_dict(item["choices"]))
             found = lightened(replace(study, provenance=study.provenance | {"source": ""}))
             return {"study": found.to_dict(), "rejected": ", ".join(study.rejected), "allanite": __version__}
@@ -155,12 +158,3 @@ def _unfit(done: Done) -> str:
     digest = result.get("study", {}).get("provenance", {}).get("sha256") or done.item["sha256"]
     changed = digest != done.item["sha256"]
     return "the file changed while the batch was running; run the batch again" if changed else ""
-
-
-def _settled(status: FileStatus, store: Store) -> FileStatus:
-    """A file with a stored result: failed if that is an error, otherwise with the channels that it rejects."""
-    if status.status != DONE:
-        return status
-    part = store.get(status.key)
-    error = part.get("error", "")
-    return replace(status, status=FAILED if error else DONE, error=error, rejected=part.get("rejected", ""))

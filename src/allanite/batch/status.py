@@ -1,8 +1,9 @@
 """What became of the files of a batch, and the tables that say so."""
 
 import json
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from typing import Any
 
 from allanite.core.version import __version__
@@ -15,7 +16,7 @@ from .tables import TABLES, as_table, schema_of
 DONE, FAILED, OPEN = "done", "failed", "open"
 """Status of a file: it has a result, it has none and why is known, it was not reached yet."""
 
-AT_ONCE = 256
+AT_ONCE = 64
 """Files whose rows are held in memory together."""
 
 
@@ -90,14 +91,33 @@ def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None
     fields = [(name, special.get(name, pa.string())) for name in dict.fromkeys(name for row in rows for name in row)]
     about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
     table = pa.Table.from_pylist(rows, schema=pa.schema(fields, about))
-    store.table(FILES, [table], table.schema)
+    store.write(FILES, table)
 
 
-def put_tables(store: Store, files: Iterable[FileStatus]) -> None:
-    """The other tables, in the order of the files."""
-    done = sorted((file for file in files if file.status == DONE), key=lambda file: file.file)
-    for name, (columns, rows_of) in TABLES.items():
-        schema = schema_of(columns)
-        groups = (done[i : i + AT_ONCE] for i in range(0, len(done), AT_ONCE))
-        rows = ([row for f in group for row in rows_of(f.file, store.get(f.key)["study"])] for group in groups)
-        store.table(name, (as_table(group, schema) for group in rows), schema)
+def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:
+    """Write the other tables in the order of the files, and yield the files with what their results say of them.
+
+    Each result is read once, and a few are held at a time.
+    """
+    with ExitStack() as stack:
+        writers = {
+            name: stack.enter_context(store.writer(name, schema_of(columns))) for name, (columns, _) in TABLES.items()
+        }
+        ordered = sorted(files, key=lambda file: file.file)
+        for i in range(0, len(ordered), AT_ONCE):
+            group = ordered[i : i + AT_ONCE]
+            parts = [store.get(file.key) if file.status == DONE else {} for file in group]
+            for name, (_, rows_of) in TABLES.items():
+                found = zip(group, parts, strict=True)
+                rows = [row for file, part in found if "study" in part for row in rows_of(file.file, part["study"])]
+                if rows:
+                    writers[name].write_table(as_table(rows, writers[name].schema))
+            yield from map(_settled, group, parts)
+
+
+def _settled(file: FileStatus, part: Plain) -> FileStatus:
+    """A file with a stored result: failed if that is an error, otherwise with the channels that it rejects."""
+    if file.status != DONE:
+        return file
+    error = part.get("error", "")
+    return replace(file, status=FAILED if error else DONE, error=error, rejected=part.get("rejected", ""))

@@ -3,7 +3,8 @@
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from allanite.core.version import __version__
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
+from .lock import alone
 from .phrases import dumps, loads
 
 PARTS = "parts"
@@ -89,8 +91,6 @@ class Store:
 
         try:
             return bool(parquet.read_metadata(self.part(key)).num_rows == 1)
-        except FileNotFoundError:
-            return False
         except (OSError, ArrowInvalid):
             return False
 
@@ -105,7 +105,7 @@ class Store:
         import pyarrow as pa
 
         row = {name: dumps(value) for name, value in result.items()}
-        self._write(self.part(key), pa.table({name: [text] for name, text in sorted(row.items())}))
+        self.write(f"{PARTS}/{key}.parquet", pa.table({name: [text] for name, text in sorted(row.items())}))
 
     def get(self, key: str) -> Plain:
         """A stored result.
@@ -123,8 +123,9 @@ class Store:
             raise DataError(f"the part {str(self.part(key))!r} cannot be read ({error}); run the batch again") from None
         return {name: loads(text) for name, text in row.items()}
 
-    def table(self, name: str, batches: Iterable[Any], schema: Any) -> None:
-        """Write a table of the whole batch, part by part.
+    @contextmanager
+    def writer(self, name: str, schema: Any) -> Iterator[Any]:
+        """A table that is written row group by row group, and is there once all of them are.
 
         Raises
         ------
@@ -133,15 +134,19 @@ class Store:
         """
         from pyarrow import parquet
 
-        path = self.folder / name
-        with draft(path, force=True) as part:
+        with draft(self.folder / name, force=True) as part:
             with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
-                for batch in batches:
-                    writer.write_table(batch)
+                yield writer
             _flush(part)
 
-    def _write(self, path: Path, table: Any) -> None:
-        self.table(str(path.relative_to(self.folder)), [table], table.schema)
+    def write(self, name: str, table: Any) -> None:
+        """Write a table; see `writer`."""
+        with self.writer(name, table.schema) as writer:
+            writer.write_table(table)
+
+    def alone(self) -> AbstractContextManager[None]:
+        """Be the only run that writes to this folder; see `lock.alone`."""
+        return alone(self.folder, PARTS)
 
     def files(self) -> tuple[list[Plain], Mapping[bytes, bytes]]:
         """The rows of the table of files, and its metadata.

@@ -11,6 +11,9 @@ from .wording import spelled
 
 PathLike = str | os.PathLike[str]
 
+DRAFTS = ".allanite-*.part"
+"""Pattern of the names of drafts."""
+
 
 def demand_writable(path: PathLike, *, force: bool = False) -> None:
     """Make sure that `path` can be written.
@@ -67,7 +70,7 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
     demand_writable(path, force=force)
     # a link stays a link: its target is replaced
     target = Path(os.path.realpath(path))
-    part = target.with_name(f".allanite-{secrets.token_hex(6)}.part")
+    part = target.with_name(DRAFTS.replace("*", secrets.token_hex(6)))
     try:
         # unlike tempfile, open gives the file the permissions of the user's umask
         part.open("xb").close()

@@ -1,81 +1,10 @@
-"""Sums of squared differences, and powers of short cosine transforms, of samples that come in chunks.
-
-A cell of level k is the sum of 2^k samples; a pair of cells makes one of the next level. At level k the differences
-over m = 8 .. 15 times 2^k are taken at every cell (at level 0 over m = 1 .. 15), and segments of 16 cells,
-one every 8, are transformed for the octave of their frequencies that no other level reads (at level 0 for the upper
-two). What differences need of the past
-are the last cells of each level; what another part needs that ends where this one begins are the first. Every angle
-is summed from its own level's last cells: no sum grows with the length of the stream.
-
-The second channel of a cell, for differences of the running sum of the angle, is the sum of the angle over its samples
-from where the cell begins, by which the sum of the angle grows beside 2^k times the angle there.
-"""
-
-from typing import NamedTuple
+"""Samples that come in chunks, and parts of a stream that are joined; see `ladder` for what is kept of them."""
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from .allan import squares
-
-FAST = {"reassoc", "nsz", "contract"}
-
-LEVELS = 32
-"""Averaging factors reach to 15 * 2^31."""
-
-HOP = 8
-"""Cells from one segment to the next; a segment is twice as long."""
-
-OCTAVE = 8
-"""Averaging factors of a level: q = 8 .. 15."""
-
-FIRST = 15
-"""Averaging factors of level 0: 1 .. 15."""
-
-UPPER, BAND = 6, 2
-"""Coefficients of a segment, at level 0 and above."""
-
-MANY = 128
-"""Segments that are transformed at a time."""
-
-NEAR = 4096
-"""Cells whose differences are taken at a time, so that the cache has them for all averaging factors."""
-
-
-class State(NamedTuple):
-    """What is kept: sums, first and last cells, and what pairs are waiting for.
-
-    Attributes
-    ----------
-    sums, counts : arrays, shape (15 + 8 * 31,)
-        Of the squared differences, level by level.
-    powers : array, shape (6 + 2 * 31,)
-        Sums of the squared coefficients.
-    segments : array, shape (levels,)
-    head, tail : arrays, shape (levels, channels, cells)
-        First cells of the first run, last cells of the last one, of `filled`, shape (levels, 2), of them.
-    odd, even : arrays, shape (levels, channels)
-        A first cell whose partner would be before it, and a last one whose partner is to come; `has`, shape (levels,
-        2), says whether there are.
-    at : array, shape (levels,)
-        Place of the next cell.
-    runs : array, shape (1,)
-        1 while no sample is missing, then 2.
-    """
-
-    sums: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    powers: NDArray[np.float64]
-    segments: NDArray[np.int64]
-    head: NDArray[np.float64]
-    tail: NDArray[np.float64]
-    filled: NDArray[np.int64]
-    odd: NDArray[np.float64]
-    even: NDArray[np.float64]
-    has: NDArray[np.bool_]
-    at: NDArray[np.int64]
-    runs: NDArray[np.int64]
+from .ladder import LEVELS
+from .squared import FAST, read
 
 
 @njit(cache=True, nogil=True)
@@ -94,7 +23,7 @@ def push(state, values, constant, shape):  # type: ignore[no-untyped-def]
         have = state.filled[k, 1]
         row[:, :have] = state.tail[k, :, :have]
         cells, place = row[:, have:], state.at[k]
-        _read(state, k, row, (have, row.shape[1], place - have), shape)
+        read(state, k, row, (have, row.shape[1], place - have), shape)
         first = state.filled[k, 0] == 0
         if state.runs[0] == 1:
             _extend(state, k, cells)
@@ -184,147 +113,6 @@ def _halved(cells, pairs):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
-    """Differences and segments of a row of cells that begin before cell span[1] and end after the span[0]-th.
-
-    span[2] is the place of the row's first cell.
-    """
-    order, transform = shape
-    points = _points(row, k)
-    base = 0 if k == 0 else FIRST + OCTAVE * (k - 1)
-    least = 1 if k == 0 else OCTAVE
-    after, before = span[0], span[1]
-    for q in range(least - least % 4, 2 * OCTAVE, 4):
-        first, last = max(after + 1 - order * q, 0), min(before, points.size - order * (q + 3))
-        for j in range(max(q, least), q + 4):
-            start, stop = max(after + 1 - order * j, 0), min(before, points.size - order * j)
-            if stop > start:
-                state.counts[base + j - least] += stop - start
-                if last <= first:
-                    state.sums[base + j - least] += squares(points, j, order, start, stop)
-                else:
-                    state.sums[base + j - least] += squares(points, j, order, start, first)
-                    state.sums[base + j - least] += squares(points, j, order, last, stop)
-        for near in range(first, last, NEAR):
-            found = _four(points, q, order, near, min(near + NEAR, last))
-            for j in range(max(q, least), q + 4):
-                state.sums[base + j - least] += found[j - q]
-    first = max(after + 1 - 2 * HOP, 0)
-    first += -(span[2] + first) % HOP
-    last = min(before, row.shape[1] - 2 * HOP + 1)
-    if last > first:
-        _transform(state, k, row[0, first:], (last - first + HOP - 1) // HOP, transform)
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _four(x, m, order, start, stop):  # type: ignore[no-untyped-def]
-    """Sums of the squared differences for m, m + 1, m + 2, m + 3, at once: each point is loaded less often."""
-    a, n = x[start:stop], stop - start
-    p, q, r, s = 0.0, 0.0, 0.0, 0.0
-    b0, b1, b2, b3 = x[start + m :], x[start + m + 1 :], x[start + m + 2 :], x[start + m + 3 :]
-    c0, c1, c2, c3 = x[start + 2 * m :], x[start + 2 * m + 2 :], x[start + 2 * m + 4 :], x[start + 2 * m + 6 :]
-    if order == 2:
-        for i in range(n):
-            e, f = (c0[i] - b0[i]) - (b0[i] - a[i]), (c1[i] - b1[i]) - (b1[i] - a[i])
-            g, h = (c2[i] - b2[i]) - (b2[i] - a[i]), (c3[i] - b3[i]) - (b3[i] - a[i])
-            p, q, r, s = p + e * e, q + f * f, r + g * g, s + h * h
-        return p, q, r, s
-    d0, d1, d2, d3 = x[start + 3 * m :], x[start + 3 * m + 3 :], x[start + 3 * m + 6 :], x[start + 3 * m + 9 :]
-    for i in range(n):
-        e, f = (d0[i] - a[i]) - 3.0 * (c0[i] - b0[i]), (d1[i] - a[i]) - 3.0 * (c1[i] - b1[i])
-        g, h = (d2[i] - a[i]) - 3.0 * (c2[i] - b2[i]), (d3[i] - a[i]) - 3.0 * (c3[i] - b3[i])
-        p, q, r, s = p + e * e, q + f * f, r + g * g, s + h * h
-    return p, q, r, s
-
-
-@njit(cache=True, nogil=True)
-def _points(row, k):  # type: ignore[no-untyped-def]
-    """The angle, or its running sum, between the cells of a row, less what differences take away."""
-    n = row.shape[1]
-    x = np.empty(n + 1)
-    x[0] = mean = 0.0
-    step = max(n // 64, 1)
-    for i in range(0, n, step):
-        mean += row[0, i]
-    mean /= max((n + step - 1) // step, 1)
-    if row.shape[0] == 1:
-        _summed(row[0], mean, x)
-        return x
-    width = 2.0**k
-    level = mean * (width + 1.0) / 2.0
-    angle = total = 0.0
-    for i in range(n):
-        total += width * angle + (row[1, i] - level)
-        angle += row[0, i] - mean
-        x[i + 1] = total
-    return x
-
-
-@njit(cache=True, nogil=True)
-def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
-    """Running sums of the cells less their mean: four at a time, so that one addition waits for another once."""
-    total, whole = 0.0, cells.size - cells.size % 4
-    for i in range(0, whole, 4):
-        a = cells[i] - mean
-        b = a + (cells[i + 1] - mean)
-        c = b + (cells[i + 2] - mean)
-        d = b + ((cells[i + 2] - mean) + (cells[i + 3] - mean))
-        x[i + 1], x[i + 2], x[i + 3] = total + a, total + b, total + c
-        total += d
-        x[i + 4] = total
-    for i in range(whole, cells.size):
-        total += cells[i] - mean
-        x[i + 1] = total
-
-
-@njit(cache=True, nogil=True)
-def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
-    """Squares of the coefficients of successive segments; `rows` are the window, and weights of what is folded."""
-    base, size = (UPPER + BAND * (k - 1), BAND) if k else (0, UPPER)
-    folded = np.zeros((HOP + 1, MANY))
-    for start in range(0, segments, MANY):
-        many = min(MANY, segments - start)
-        if many < MANY:
-            folded[:] = 0.0
-        _fold(cells[start * HOP :], rows[0], many, folded)
-        for j in range(size):
-            state.powers[base + j] += _squared(folded, rows[j + 1])
-    state.segments[k] += segments
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _fold(cells, window, many, folded):  # type: ignore[no-untyped-def]
-    """Segments (a, b, c, d) in quarters, times the window, as (-c' - d, a - b') and the sum of the segment."""
-    a, b, c, d = window[0], window[1], window[2], window[3]
-    e, f, g, h = window[4], window[5], window[6], window[7]
-    for s in range(many):
-        x = cells[s * HOP : (s + 2) * HOP]
-        folded[0, s], folded[1, s] = -(e * x[11] + d * x[12]), -(f * x[10] + c * x[13])
-        folded[2, s], folded[3, s] = -(g * x[9] + b * x[14]), -(h * x[8] + a * x[15])
-        folded[4, s], folded[5, s] = a * x[0] - h * x[7], b * x[1] - g * x[6]
-        folded[6, s], folded[7, s] = c * x[2] - f * x[5], d * x[3] - e * x[4]
-        total = 0.0
-        for i in range(2 * HOP):
-            total += x[i]
-        folded[8, s] = total
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _squared(folded, weights):  # type: ignore[no-untyped-def]
-    """Sum of the squares of weights' folded."""
-    a, b, c, d, e = weights[0], weights[1], weights[2], weights[3], weights[4]
-    f, g, h, i = weights[5], weights[6], weights[7], weights[8]
-    r, s, t, u, v = folded[0], folded[1], folded[2], folded[3], folded[4]
-    w, x, y, z = folded[5], folded[6], folded[7], folded[8]
-    total = 0.0
-    for n in range(r.size):
-        one = ((a * r[n] + b * s[n]) + (c * t[n] + d * u[n])) + ((e * v[n] + f * w[n]) + (g * x[n] + h * y[n]))
-        one += i * z[n]
-        total += one * one
-    return total
-
-
-@njit(cache=True, nogil=True)
 def broken(state, place):  # type: ignore[no-untyped-def]
     """Go on at sample `place`, with missing ones before it: nothing that came is still awaited."""
     state.runs[0] = 2
@@ -345,7 +133,7 @@ def join(state, other, shape):  # type: ignore[no-untyped-def]
         row = _joined(state.tail[k][:, :have], after)
         place = state.at[k]
         if row.shape[1]:
-            _read(state, k, row, (have, have + joint.shape[1], place - have), shape)
+            read(state, k, row, (have, have + joint.shape[1], place - have), shape)
         first = state.filled[k, 0] == 0
         if state.runs[0] == 1:
             _extend(state, k, after)

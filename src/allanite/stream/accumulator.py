@@ -6,25 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
-from allanite.statistics.estimator import stretches
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 
-from .cells import Cells
-from .lapped import folded
+from .sums import Sums
 
-TAIL = {2: 32, 3: 48}
-"""Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""
-
-BLOCK = 1 << 15
-"""Samples that are taken at a time, while the cache has them."""
+WAITING = 256
+"""Samples that wait until there are more: what comes in short chunks is added together."""
 
 
 def streamable() -> tuple[str, ...]:
@@ -87,8 +81,6 @@ class Accumulator:
         statistic: str = "oadev",
         start: int = 0,
     ) -> None:
-        from allanite.kernels import streamed
-
         self.like = Record(np.zeros(3, np.int64), rate, unit, kind, scale, name)
         if statistic not in streamable():
             raise UsageError(
@@ -97,28 +89,28 @@ class Accumulator:
         if start < 0:
             raise UsageError(f"start is the place of the first sample in the stream, at least 0, not {start}")
         self.row: Statistic = STATISTICS[statistic]
-        channels, kept = 2 if self.row.summed else 1, TAIL[self.row.differences]
-        levels, points = streamed.LEVELS, streamed.FIRST + streamed.OCTAVE * (streamed.LEVELS - 1)
-        powers = streamed.UPPER + streamed.BAND * (levels - 1)
-        self.state = streamed.State(
-            sums=np.zeros(points),
-            counts=np.zeros(points, np.int64),
-            powers=np.zeros(powers),
-            segments=np.zeros(levels, np.int64),
-            head=np.zeros((levels, channels, kept)),
-            tail=np.zeros((levels, channels, kept)),
-            filled=np.zeros((levels, 2), np.int64),
-            odd=np.zeros((levels, channels)),
-            even=np.zeros((levels, channels)),
-            has=np.zeros((levels, 2), np.bool_),
-            at=np.zeros(levels, np.int64),
-            runs=np.ones(1, np.int64),
-        )
-        self.cells = Cells()
-        self.start = self.stop = self.begins = start
-        self.size = 0
-        self.constant = 0.0
+        self.start = start
+        self._sums = Sums(self.row, start)
+        self._waiting, self._held = np.empty(WAITING), 0
         self.last = math.nan
+
+    @property
+    def sums(self) -> Sums:
+        """What is kept, with all samples that came."""
+        if self._held:
+            held, self._held = self._held, 0
+            self._sums.push(self._waiting[:held])
+        return self._sums
+
+    @property
+    def size(self) -> int:
+        """Number of samples that are not missing."""
+        return self.sums.size
+
+    @property
+    def stop(self) -> int:
+        """Place in the whole stream of the next sample."""
+        return self._sums.stop + self._held
 
     @property
     def missing(self) -> int:
@@ -128,7 +120,7 @@ class Accumulator:
     @property
     def nbytes(self) -> int:
         """Size of what is kept."""
-        return sum(array.nbytes for array in (*self.state, self.cells.total, self.cells.count))
+        return self._sums.nbytes + self._waiting.nbytes
 
     def push(self, chunk: Any) -> None:
         """Add samples that follow the last ones; those that are not finite are missing.
@@ -157,15 +149,20 @@ class Accumulator:
         if self.like.kind == "angle" and values.size:
             begun = self.stop > self.start or math.isfinite(self.last)
             values, self.last = np.diff(np.append(self.last, values) if begun else values), float(values[-1])
-        for at in range(0, values.size, BLOCK):
-            self._push(values[at : at + BLOCK])
+        if self._held + values.size > WAITING:
+            sums = self.sums
+            if values.size > WAITING:
+                sums.push(values)
+                return
+        self._waiting[self._held : self._held + values.size] = values
+        self._held += values.size
 
     def skip(self, samples: int) -> None:
         """Go on after so many missing samples."""
         if samples < 0:
             raise UsageError(f"the number of missing samples cannot be {samples}")
         self.last = math.nan
-        self.stop += samples
+        self.sums.stop += samples
 
     def merge(self, other: "Accumulator") -> None:
         """Add a later part of the same stream, which is not changed.
@@ -178,29 +175,20 @@ class Accumulator:
         UsageError
             The other one is of another kind of stream or statistic, or begins before this one ends.
         """
-        mine, theirs = ((a.like.rate, a.like.unit, a.like.kind, a.like.scale, a.row.name) for a in (self, other))
-        if mine != theirs:
-            raise UsageError(f"only parts of one stream can be merged, not {mine} and {theirs}")
+        own, theirs = ((a.like.rate, a.like.unit, a.like.kind, a.like.scale, a.row.name) for a in (self, other))
+        if own != theirs:
+            raise UsageError(f"only parts of one stream can be merged, not {own} and {theirs}")
         if other.start < self.stop:
             raise UsageError(
                 f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; merge the "
                 "parts in their order, and give each its start=..."
             )
-        from allanite.kernels.streamed import apart, join
-
-        other = deepcopy(other)
-        if not self.size:
-            vars(self).update(vars(other) | {"start": self.start, "like": self.like})
-            return
-        if other.size:
-            other._less(self.constant)
-            if other.begins == self.stop:
-                join(self.state, other.state, self._shape)
-            else:
-                apart(self.state, other.state)
-            self.cells.merge(other.cells)
-            self.size += other.size
-        self.stop, self.last = other.stop, other.last
+        other, mine = deepcopy(other), self.sums
+        if mine.size:
+            mine.merge(other.sums)
+        else:
+            self._sums = other.sums
+        self.last = other.last
 
     def curve(self, noise: "ModelLike | Fit | None" = None) -> Curve:
         """The statistic so far, without intervals unless the `noise` is given, for example `fit()`.
@@ -222,53 +210,3 @@ class Accumulator:
 
     def __repr__(self) -> str:
         return f"Accumulator({self.row.name} of {self.size} samples, {self.like.rate:g} Hz, {self.like.unit})"
-
-    @property
-    def _shape(self) -> tuple[int, FloatArray]:
-        from allanite.kernels.streamed import HOP
-
-        return self.row.differences, folded(HOP)
-
-    def _push(self, values: FloatArray) -> None:
-        """Add a block, or the stretches of it without missing samples."""
-        if not self._add(values):
-            begin = self.stop
-            for a, b in stretches(values):
-                self.stop = begin + a
-                self._add(values[a:b])
-            self.stop = begin + values.size
-
-    def _add(self, values: FloatArray) -> bool:
-        """Add samples, if all of them are finite."""
-        from allanite.kernels.streamed import broken, push
-
-        state, place = self.state, self.stop + self.row.summed
-        if not self.size:
-            if not math.isfinite(values[0]):
-                return False
-            self.begins, self.constant = self.stop, float(values[0])
-            state.at[0] = place
-            if self.row.summed and not self.stop:
-                # the sum of the angle has one point more than the angle: its first window begins a sample before
-                state.at[0] = 0
-                push(state, values[:1], self.constant, self._shape)
-        elif state.at[0] != place:
-            broken(state, place)
-        if not push(state, values, self.constant, self._shape):
-            return False
-        self.cells.add(values, self.constant, self.stop)
-        self.size += values.size
-        self.stop += values.size
-        return True
-
-    def _less(self, constant: float) -> None:
-        """Count from another constant."""
-        more, state = self.constant - constant, self.state
-        width = 2.0 ** np.arange(len(state.at))
-        each = np.stack((more * width, more * width * (width + 1) / 2))[: state.head.shape[1]].T
-        state.head[:] += each[:, :, None]
-        state.tail[:] += each[:, :, None]
-        state.odd[:] += each
-        state.even[:] += each
-        self.cells.total += more * self.cells.count
-        self.constant = constant

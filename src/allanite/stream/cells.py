@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.arrays import FloatArray
 
 MOST = 512
 """Number of cells, an even one."""
@@ -14,13 +15,13 @@ MOST = 512
 class Cells:
     """Sums over `size` samples each, and how many of these there were; the first one begins at sample `first` * size.
 
-    Gaps leave cells with few samples or none, and the rest is not affected.
+    Gaps leave cells with few samples or none, and the rest is not affected. A cell counts to 2^31, the whole to 10^12.
     """
 
     size: int = 1
     first: int = 0
     total: FloatArray = field(default_factory=lambda: np.zeros(MOST))
-    count: IntArray = field(default_factory=lambda: np.zeros(MOST, np.int64))
+    count: NDArray[np.int32] = field(default_factory=lambda: np.zeros(MOST, np.int32))
 
     @property
     def used(self) -> int:
@@ -31,7 +32,7 @@ class Cells:
         """Add finite samples, less a constant, the first of which is sample `place` of the stream."""
         from allanite.kernels.streamed import gathered
 
-        if not self.used:
+        if not self.count.any():
             self.first = place // self.size
         while (place + values.size - 1) // self.size - self.first >= MOST:
             self.halve()

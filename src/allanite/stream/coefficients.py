@@ -1,9 +1,9 @@
 r"""The noise of a stream, from the powers of short cosine transforms at every octave and one of the whole.
 
-Segments of 16 cells of 2^k samples are transformed and squared in the octave from 1/8 to 1/4 of the rate of the cells,
-those of the samples themselves from 1/8 to 1/2. Below that stand the coefficients of the whole stream, of at most 512
+Segments of 32 cells of 2^k samples are transformed and squared in the octave from 1/16 to 1/8 of the rate of the cells,
+those of the samples themselves from 1/16 to 1/2. Below that stand the coefficients of the whole stream, of at most 512
 sums over equal times. The expectations of all of them are exact for every term; what is left out is that cells fold the
-octave above on theirs, whose powers are therefore not quite independent (a tenth, at most).
+octave three above on theirs, whose powers are therefore not quite independent (a twentieth, at most).
 """
 
 from dataclasses import dataclass
@@ -93,7 +93,7 @@ class Ladder:
 
 
 def _rows(level: int) -> FloatArray:
-    from allanite.kernels.streamed import BAND, HOP
+    from allanite.kernels.ladder import BAND, HOP
 
     return basis(HOP)[: BAND if level else None]
 
@@ -113,7 +113,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> Spectrum:
 
     from allanite.kernels.binned import binned
 
-    cells = stream.cells
+    cells = stream.sums.cells
     width, full = cells.size, np.flatnonzero(cells.count >= FULL * cells.size)
     y = cells.total[full] / cells.count[full] * width**0.5
     left = full - full[0]
@@ -158,13 +158,13 @@ class Upper:
 
 def _upper(stream: "Accumulator", n: int, slope: float) -> Upper:
     """The powers of the segments of a stream of n samples, without the part of a ramp of `slope` per sample."""
-    from allanite.kernels.streamed import BAND, UPPER
+    from allanite.kernels.ladder import BAND, UPPER
 
-    state, found = stream.state, []
-    for k in reversed(range(int(stream.cells.size).bit_length() - 1)):
+    state, found = stream.sums.state, []
+    for k in reversed(range(int(stream.sums.cells.size).bit_length() - 2)):
         rows, many = _rows(k), int(state.segments[k])
         hop, base = rows.shape[1] // 2, UPPER + BAND * (k - 1) if k else 0
-        edges = np.rint((hop // 4 + np.arange(len(rows) + 1)) * (n / (hop << k))).astype(np.int64)
+        edges = np.rint((hop // 8 + np.arange(len(rows) + 1)) * (n / (hop << k))).astype(np.int64)
         drift = (slope * 2.0 ** (1.5 * k) * (rows @ np.arange(2.0 * hop))) ** 2
         for j in range(len(rows) if many else 0):
             power = state.powers[base + j] / many / 2.0**k - drift[j]

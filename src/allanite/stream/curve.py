@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def grid() -> tuple[IntArray, IntArray]:
     """Averaging factors over the stride of their windows, and the levels: strides are 2^level."""
-    from allanite.kernels.streamed import FIRST, LEVELS, OCTAVE
+    from allanite.kernels.ladder import FIRST, LEVELS, OCTAVE
 
     q = np.concatenate((np.arange(1, FIRST + 1), np.tile(np.arange(OCTAVE, FIRST + 1), LEVELS - 1)))
     level = np.concatenate((np.zeros(FIRST, np.int64), np.repeat(np.arange(1, LEVELS), OCTAVE)))
@@ -35,7 +35,7 @@ def grid() -> tuple[IntArray, IntArray]:
 
 def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     """The statistic of a stream at all averaging times that have a window; see `Accumulator.curve`."""
-    row, like, state = stream.row, stream.like, stream.state
+    row, like, state = stream.row, stream.like, stream.sums.state
     which = np.flatnonzero(state.counts)
     if not which.size:
         raise DataError(

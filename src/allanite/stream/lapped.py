@@ -17,15 +17,15 @@ from allanite.core.arrays import FloatArray
 
 @cache
 def basis(hop: int) -> FloatArray:
-    """Rows k = hop / 4 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop).
+    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop).
 
     Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
 
     Examples
     --------
-    >>> found = basis(8)
+    >>> found = basis(16)
     >>> found.shape, bool(np.allclose(found.sum(axis=1), 0)), bool(np.allclose((found**2).sum(axis=1), 1))
-    ((6, 16), True, True)
+    ((14, 32), True, True)
     """
     rows = _window(hop) * _cosines(hop)
     rows = rows - rows.mean(axis=1, keepdims=True)
@@ -40,7 +40,7 @@ def folded(hop: int) -> FloatArray:
     that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
     Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
     """
-    k, j = np.arange(hop // 4, hop)[:, None] + 0.5, np.arange(hop) + 0.5
+    k, j = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(hop) + 0.5
     raw = _window(hop) * _cosines(hop)
     mean = raw.mean(axis=1)
     length = np.sqrt(((raw - mean[:, None]) ** 2).sum(axis=1))
@@ -56,5 +56,5 @@ def _window(hop: int) -> FloatArray:
 
 
 def _cosines(hop: int) -> FloatArray:
-    k, i = np.arange(hop // 4, hop)[:, None] + 0.5, np.arange(2 * hop) + 0.5
+    k, i = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(2 * hop) + 0.5
     return np.asarray(np.cos(np.pi / hop * k * (i + hop / 2)))

@@ -52,19 +52,19 @@ def agree(stream, values, statistic, tolerance=1e-9):
         if q << level > N:
             continue
         total, count = literal(values, statistic, q, level)
-        assert stream.state.counts[i] == count, (q, level)
-        assert stream.state.sums[i] == pytest.approx(total, rel=tolerance, abs=0), (q, level)
+        assert stream.sums.state.counts[i] == count, (q, level)
+        assert stream.sums.state.sums[i] == pytest.approx(total, rel=tolerance, abs=0), (q, level)
         seen += count > 0
     assert seen > 50
 
 
 def same(one, other, tolerance=1e-9):
-    np.testing.assert_array_equal(one.state.counts, other.state.counts)
-    np.testing.assert_allclose(one.state.sums, other.state.sums, rtol=tolerance)
-    np.testing.assert_array_equal(one.state.segments, other.state.segments)
-    np.testing.assert_allclose(one.state.powers, other.state.powers, rtol=tolerance)
-    np.testing.assert_array_equal(one.cells.count, other.cells.count)
-    np.testing.assert_allclose(one.cells.total, other.cells.total, rtol=tolerance, atol=1e-6)
+    np.testing.assert_array_equal(one.sums.state.counts, other.sums.state.counts)
+    np.testing.assert_allclose(one.sums.state.sums, other.sums.state.sums, rtol=tolerance)
+    np.testing.assert_array_equal(one.sums.state.segments, other.sums.state.segments)
+    np.testing.assert_allclose(one.sums.state.powers, other.sums.state.powers, rtol=tolerance)
+    np.testing.assert_array_equal(one.sums.cells.count, other.sums.cells.count)
+    np.testing.assert_allclose(one.sums.cells.total, other.sums.cells.total, rtol=tolerance, atol=1e-6)
     assert (one.size, one.start, one.stop) == (other.size, other.start, other.stop)
 
 
@@ -100,11 +100,11 @@ def test_windows_with_missing_samples_are_omitted(cuts, gaps):
     for at, length in gaps:
         values[at : at + length] = np.nan
     stream = stream_of(values, "ohdev", cuts=cuts)
-    agree_with_gaps = [i for i in range(60) if stream.state.counts[i]]
+    agree_with_gaps = [i for i in range(60) if stream.sums.state.counts[i]]
     for i in agree_with_gaps:
         q, level = (int(part[i]) for part in grid())
         total, count = literal(values, "ohdev", q, level)
-        assert (stream.state.counts[i], stream.state.sums[i]) == (count, pytest.approx(total, rel=1e-9))
+        assert (stream.sums.state.counts[i], stream.sums.state.sums[i]) == (count, pytest.approx(total, rel=1e-9))
     assert stream.missing == np.isnan(values).sum()
 
 

@@ -86,9 +86,9 @@ def test_too_little_and_nothing_are_refused():
 
 
 def test_the_basis_is_orthogonal_but_for_its_means_and_folding_is_the_same():
-    rows, weights = basis(8), folded(8)
-    np.testing.assert_allclose(rows @ rows.T, np.eye(6), atol=0.01)
-    segment = np.random.default_rng(4).normal(size=16)
+    rows, weights = basis(16), folded(16)
+    np.testing.assert_allclose(rows @ rows.T, np.eye(14), atol=0.01)
+    segment = np.random.default_rng(4).normal(size=32)
     a, b, c, d = np.split(segment * weights[0], 4)
     short = np.concatenate((-c[::-1] - d, a - b[::-1], [segment.sum()]))
-    np.testing.assert_allclose(weights[1:, :9] @ short, rows @ segment, atol=1e-12)
+    np.testing.assert_allclose(weights[1:, :17] @ short, rows @ segment, atol=1e-12)

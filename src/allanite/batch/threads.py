@@ -1,0 +1,25 @@
+"""Products of matrices by one thread: how many there are changes the last digits, and several processes share cores."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let the libraries for linear algebra, those of numpy and scipy, use one thread.
+
+    Their threads divide a product by their number, and its sums are rounded accordingly. Products are short here, and
+    threads that wait for each other while other processes have the cores take several times as long.
+
+    Examples
+    --------
+    >>> from threadpoolctl import threadpool_info
+    >>> with one_thread():
+    ...     {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+    {1}
+    """
+    import scipy.linalg  # noqa: F401 - a library is limited from when it is loaded
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield
