@@ -72,6 +72,9 @@ OPTIONS: dict[str, Decorator] = {
         help="Use the most stationary window of this length."),
     "outliers": click.option("--outliers", metavar="WORD",
         help="mark: exclude everywhere; keep: use everywhere.  [default: exclude from the fit only]"),
+    "memory": click.option("--memory", metavar="SIZE",
+        help="Memory that a record may take, e.g. 1GB; a larger one is read in parts.  [default: half of what is "
+        "available]"),
     "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [default: auto]"),
     "method": click.option("--method", metavar="NAME",
         help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [default: whittle]"),
@@ -200,7 +203,7 @@ OPTIONS: dict[str, Decorator] = {
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Options that describe the contents of a file."""
 
-SELECTING = ("average", "from", "until", "quiet-window", "outliers")
+SELECTING = ("average", "from", "until", "quiet-window", "outliers", "memory")
 """Options that select samples."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "level", "strict")

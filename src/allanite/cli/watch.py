@@ -31,7 +31,7 @@ def watch(target: str, **choices: Any) -> None:
     takes until more is; says at once when the sensor is moved, which is left out, or unplugged, which is a gap. Ctrl-C,
     SIGTERM, --for or --idle end it, and the results of 'allanite analyze' are printed and written.
     """
-    from allanite.stream.watching import Watch, WatchSettings
+    from allanite.live.watching import Watch, WatchSettings
 
     out = outputs(choices, [choices["recipe"]])
     if choices["accuracy"] is not None:

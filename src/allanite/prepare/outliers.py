@@ -60,14 +60,14 @@ class Outliers:
         )  # fmt: skip
 
 
-def outliers(record: Record) -> Outliers:
+def outliers(record: Record, among: int | None = None) -> Outliers:
     """Samples (for an angle: steps) far from the median of the 31 around them.
 
     The limit is 5 standard deviations, or in a long record the value that one clean record in a thousand exceeds. The
     standard deviation is 1.4826 times the median absolute residual, and at least the typical step between neighbours
     that differ, so that coarse samples are not outliers. The search is repeated without the outliers found, because
     dense spikes widen the scale. If too many samples lie just below the limit, the noise has heavy tails, and there are
-    no outliers.
+    no outliers. Of a record that is only a part of another one, `among` is the number of samples of that.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def outliers(record: Record) -> Outliers:
     nothing = np.empty(0, np.int64)
     if y.size < 64:
         return Outliers(nothing, FEWEST)
-    limit = max(FEWEST, -quantile(FALSE / 2 / y.size))
+    limit = max(FEWEST, -quantile(FALSE / 2 / (among or y.size)))
     at, size, heavy = _off(y, limit)
     if at.size and not heavy:
         rest = np.delete(np.arange(y.size), at)

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.finding import Finding
 from allanite.core.language import join, say, say_count
+from allanite.core.record import Record
 from allanite.core.wording import percent, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
@@ -105,9 +106,9 @@ def quantized(view: View) -> Finding | None:
     )
 
 
-def _why(view: View, found: Outliers) -> str:
-    """Why samples beyond the limit are not outliers."""
-    if found.heavy > MOST * view.steps.size:
+def _why(found: Outliers, size: int) -> str:
+    """Why samples beyond the limit, of so many, are not outliers."""
+    if found.heavy > MOST * size:
         return say("more than {share} of all: another noise rather than single outliers", share=percent(MOST))
     return say(
         "and more than Gaussian noise has beyond {tail:.2g}: heavy tails rather than single outliers",
@@ -117,7 +118,11 @@ def _why(view: View, found: Outliers) -> str:
 
 def outliers(view: View) -> Finding | None:
     """Samples far from the median of their neighbours, or the heavy tails that they belong to."""
-    found = view.outliers
+    return outlying(view.record, view.outliers, view.steps.size)
+
+
+def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
+    """The finding about outliers of a record of which so many samples remain."""
     if found.heavy:
         return Finding(
             "heavy tails",
@@ -125,22 +130,22 @@ def outliers(view: View) -> Finding | None:
                 "{samples} beyond {limit:.2g} standard deviations, {why}",
                 samples=say_count(found.heavy, "{count} sample", "{count} samples"),
                 limit=found.limit,
-                why=_why(view, found),
+                why=_why(found, size),
             ),
             say("the noise is not Gaussian, or its level changes quickly: the intervals are too narrow"),
             say("inspect the samples; none are excluded"),
         )
     if not found.at.size:
         return None
-    cut = view.record.cut
+    cut, rate = record.cut, record.rate
     return Finding(
         "outliers",
-        found.words(view.record),
+        found.words(record),
         say("each of them adds to curves and spectra at all short averaging times"),
         say(
             "exclude them there, too ({option}), or choose a window without them ({choice})",
             option=spelled("--outliers mark", "prepare.mark_outliers"),
             choice=windowing(),
         ),
-        (cut + float(found.at[0]) / view.rate, cut + float(found.at[-1] + 1) / view.rate),
+        (cut + float(found.at[0]) / rate, cut + float(found.at[-1] + 1) / rate),
     )

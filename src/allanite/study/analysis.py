@@ -14,11 +14,14 @@ from allanite.core.residuals import Residuals, Shared
 from allanite.core.units import signal_with, unit_of
 from allanite.core.wording import spelled
 from allanite.identification.checks.shared import shared
+from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings
 
 from .channels import Inspected, Job, Progress, Source, run
-from .noise import ChannelResult, noise_of
+from .gathering import STRIDES, Streams, chosen, demand_grid
+from .noise import ChannelResult, Noise, noise_of
+from .parts import Passed, in_parts, run_in_parts
 from .recipe import Recipe
 
 
@@ -181,7 +184,27 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
         read = readings(seen.record, curve if usual else None)
         return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 
+    with in_parts(source, recipe) as reader:
+        if reader is not None:
+            return _analyzed_in_parts(reader, recipe, progress)
     return run(Study, source, recipe, work, Channel.refused, progress=progress)
+
+
+def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:
+    """The study of a file that does not fit into memory."""
+    demand_grid(recipe.taus)
+
+    def work(passed: Passed) -> Channel:
+        rate, streams = passed.header.rate, passed.gathered
+        fit = streams.fit(rate, recipe)
+        curve = chosen(streams.curves(rate, fit)[0], recipe.taus)
+        noise = Noise(replace(fit, curve=curve))
+        return Channel(passed.header, passed.quality, noise, curves=(curve,)).to(*(recipe.to or ()))
+
+    return run_in_parts(
+        Study, reader, recipe, lambda head: Streams(head, (recipe.statistic,), recipe.outliers), work,
+        lambda passed, why: Channel(passed.header, passed.quality, refusal=why), notes=(STRIDES,), progress=progress,
+    )  # fmt: skip
 
 
 def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None) -> Study:

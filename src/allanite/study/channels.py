@@ -20,6 +20,7 @@ from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_outliers
 from allanite.prepare.window import quiet_window, trim
 from allanite.readers import read
+from allanite.readers.parts import demand_memory
 from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
@@ -178,6 +179,7 @@ def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
         return source
     if isinstance(source, Record):
         return Recording((source,))
+    demand_memory(source, recipe.memory)
     options = recipe.to_dict(READING)
     return read(source, **options, along=tuple(along)) if along else read(source, **options)
 

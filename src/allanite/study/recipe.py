@@ -11,6 +11,7 @@ from allanite.core.scope import Band, demand_band
 from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.meaning.devices import device
 from allanite.prepare.outliers import demand_choice
+from allanite.readers.memory import bytes_of
 from allanite.readers.options import stated_unit
 
 if TYPE_CHECKING:
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Keys that describe the contents of the file."""
 
-SELECTING = ("average", "start", "until", "quiet_window", "outliers")
-"""Keys that select samples."""
+SELECTING = ("average", "start", "until", "quiet_window", "outliers", "memory")
+"""Keys that select samples, and whether all of them are in memory."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "level")
 """Keys of the identification."""
@@ -32,7 +33,7 @@ SHOWING = ("device", "to", "about")
 """Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
 
 _NUMBERS = ("rate", "scale", "average", "start", "until", "quiet_window", "level", "columns", "offset")
-_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "device")
+_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "memory", "device")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class Recipe:
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
     they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
     text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
-    `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`, whose
+    `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
+    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`, whose
     likely causes of each term are shown.
     """
 
@@ -62,6 +64,7 @@ class Recipe:
     until: float | None = None
     quiet_window: float | None = None
     outliers: str | None = None
+    memory: str | None = None
     statistic: str = "oadev"
     taus: str | tuple[float, ...] = "log"
     terms: str = "auto"
@@ -87,6 +90,8 @@ class Recipe:
                 raise UsageError(f"{key} must be a word, not {value!r}")
         if self.outliers is not None:
             demand_choice(self.outliers)
+        if self.memory is not None:
+            bytes_of(self.memory)
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
@@ -14,16 +14,22 @@ from allanite.core.record import Record
 from allanite.core.shown import readable_unit
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
+from allanite.core.wording import spelled
+from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
 from allanite.statistics.spectra.from_spectrum import deviation_of_spectrum
-from allanite.statistics.spectra.spectrum import method_named, spectrum
+from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
+from allanite.statistics.spectra.welch import LONGEST
 
 from .channels import Inspected, Job, Progress, Source, run
+from .gathering import STRIDES, WHOLE, Gathering, Spectra, Streams, demand_grid
+from .gathering import chosen as chosen_points
 from .joint import joints
 from .noise import ChannelResult, Noise, noise_of
+from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .shares import how_many
 
@@ -100,6 +106,28 @@ class Deviations(Value):
             )
             yield curve if self.intervals else replace(curve, law=None, supposes=None)
 
+    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
+        """What takes the samples of a record that is read in parts, if the settings need no more than sums."""
+        for name, usual in (("bias", "plain"), ("edf", "exact"), ("power_law", False)):
+            value = getattr(self, name)
+            if value not in (usual, None):
+                option = spelled(f"--{name.replace('_', '-')}", f"{name}=")
+                raise UsageError(
+                    f"{WHOLE} no {option} {value}: omit it, or allow more memory with {spelled('--memory', 'memory=')}"
+                )
+        demand_grid(self.taus, self.m)
+        return Streams(head, self.statistic, choice)
+
+    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
+        """One curve per statistic, from what was gathered."""
+        curves = passed.gathered.curves(passed.header.rate, fit if self.intervals else None)
+        return tuple(chosen_points(curve, self.taus, self.m) for curve in curves)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Assumptions about a record that is read in parts."""
+        return (STRIDES,)
+
 
 @dataclass(frozen=True, repr=False)
 class Densities(Value):
@@ -142,6 +170,31 @@ class Densities(Value):
         found = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
         yield found if self.deviation is None else deviation_of_spectrum(found, self.deviation)
 
+    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
+        """What takes the samples of a record that is read in parts, if the estimator needs no more than sums."""
+        row = self._row()
+        if not hasattr(row, "in_parts"):
+            raise UsageError(
+                f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
+                f"{spelled('--memory', 'memory=')}"
+            )
+        return Spectra(head, row.in_parts(head, size), choice, fitted=self.fit)
+
+    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
+        """One spectrum, or its deviation, from what was gathered."""
+        raw = passed.gathered.raw(passed.header.rate)
+        bins = self.bins if self.deviation is None else None
+        found = of_raw(raw, passed.header, self._row().title, sides=self.sides, bins=bins or None)
+        return (found if self.deviation is None else deviation_of_spectrum(found, self.deviation),)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Assumptions about a record that is read in parts."""
+        return (
+            say("segments of at most {count} samples, by default an eighth of the record, in a record read in parts",
+                count=LONGEST),
+        )  # fmt: skip
+
 
 @dataclass(frozen=True, repr=False)
 class Windows(Value):
@@ -165,6 +218,18 @@ class Windows(Value):
     def measure(self, record: Record, fit: Fit | None) -> Iterator[Result]:
         """One surface."""
         yield dynamic(record, self.statistic, taus=self.taus, m=self.m, window=self.window, step=self.step)
+
+    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
+        """Refuse a record that is read in parts."""
+        raise UsageError(
+            f"{WHOLE} no sliding windows: allow more memory with {spelled('--memory', 'memory=')}, or use deviation"
+        )
+
+    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
+        """Nothing is gathered."""
+        return ()
+
+    notes: ClassVar[tuple[str, ...]] = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -244,7 +309,39 @@ def survey(
         return Measured(seen.record, seen.quality, noise, values=shown, alerts=(*alerts, *jumps, *seen.alerts))
 
     kind = partial(Survey, settings=settings)
+    with in_parts(source, recipe) as reader:
+        if reader is not None:
+            return _survey_in_parts(reader, settings, recipe, progress)
     return run(kind, source, recipe, work, Measured.refused, doing="measuring", progress=progress)
+
+
+def _survey_in_parts(
+    reader: PartsReader, settings: Deviations | Densities | Windows, recipe: Recipe, progress: Progress | None
+) -> Survey:
+    """The survey of a file that does not fit into memory."""
+
+    def work(passed: Passed) -> Measured:
+        noise, alerts = _gathered_noise(passed, recipe) if settings.fitted else (None, ())
+        values = settings.gathered(passed, None if noise is None else noise.fit)
+        shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
+        told = (*alerts, *map(str, passed.quality.warnings))
+        return Measured(passed.header, passed.quality, noise, values=shown, alerts=told)
+
+    def gather(head: Record) -> Gathering:
+        return settings.gather(head, reader.rows, recipe.outliers)
+
+    return run_in_parts(
+        partial(Survey, settings=settings), reader, recipe, gather, work,
+        lambda passed, why: Measured(passed.header, passed.quality, refusal=why), notes=settings.notes,
+        progress=progress,
+    )  # fmt: skip
+
+
+def _gathered_noise(passed: Passed, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+    try:
+        return Noise(passed.gathered.fit(passed.header.rate, recipe)), ()
+    except DataError as error:
+        return None, (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
 
 
 def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,11 +46,38 @@ class Beat:
         return (*self.grid.findings, *self.contradictions)
 
 
+class Stamped(NamedTuple):
+    """Time stamps before their grid is known: their unit, the given rate, and what is said of them so far."""
+
+    column: Column
+    stamps: NDArray[Any]
+    unit: str
+    sources: Sources
+    rate: float | None
+    given: float | None
+    first: tuple[str, ...]
+    again: tuple[str, ...]
+    guessed: str
+    against: tuple[Finding, ...]
+
+
 def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
     """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
 
     `repeated` marks rows with the same samples as the row before, shape (n - 1,).
     """
+    seen = stamped(sources, rate)
+    if isinstance(seen, Beat):
+        return seen
+    elapsed = seconds_since(seen.stamps, seen.unit)
+    grid = _counted(sources.counter, elapsed) or fit(elapsed, seen.column.label, repeated)
+    if grid.trouble and not seen.given and not elapsed.any():
+        return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
+    return settled(seen, grid, grid.lost)
+
+
+def stamped(sources: Sources, rate: float | None) -> Stamped | Beat:
+    """The time stamps, or the beat where there are none, or their unit is unknown."""
     given, column = rate if rate is not None else sources.rate, sources.stamps
     unstamped = column is None or bool(given and column.text)
     if unstamped and given is None:
@@ -76,11 +103,13 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     if not unit:
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
-    elapsed = seconds_since(stamps, unit)
-    grid = _counted(sources.counter, elapsed) or fit(elapsed, column.label, repeated)
+    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
+
+
+def settled(seen: Stamped, grid: Grid, lost: int) -> Beat:
+    """The beat of time stamps by their grid, on which so many samples are missing."""
+    given, label = seen.given, seen.column.label
     if grid.trouble and not given:
-        if not elapsed.any():
-            return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
         raise DataError(
             say(
                 "{trouble}; {advice}, or {option} for another column",
@@ -92,17 +121,19 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     if grid.trouble:
         return Beat(
             float(given or 0),
-            notes=(*first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
+            notes=(*seen.first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
             grid=grid,
-            contradictions=against,
+            contradictions=seen.against,
         )
     measured = 1 / grid.interval
-    notes, differing = _notes(column.label, (given, measured), guessed, grid.lost)
-    if given is None and _apart(measured, sources.stated, NOMINAL):
-        differing = (_contradiction(measured, sources.stated or 0.0, sources.stated_source),)
-    origin = stamps[0] if grid.rows is None else stamps[grid.rows[0]]
-    said = (*first, *again, *notes)
-    return Beat(given or measured, float(origin) * unit_of(unit).factor, said, (), grid, (*against, *differing))
+    notes, differing = _notes(label, (given, measured), seen.guessed, lost)
+    stated = seen.sources.stated
+    if given is None and _apart(measured, stated, NOMINAL):
+        differing = (_contradiction(measured, stated or 0.0, seen.sources.stated_source),)
+    origin = seen.stamps[0] if grid.rows is None else seen.stamps[grid.rows[0]]
+    said = (*seen.first, *seen.again, *notes)
+    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, said, (), grid,
+                (*seen.against, *differing))  # fmt: skip
 
 
 def _against(sources: Sources, rate: float | None) -> tuple[Finding, ...]:

@@ -127,25 +127,46 @@ def finding(
 
 def lost_samples(places: Places, interval: float, source: str) -> Finding:
     """The finding about missing samples: how many, which share of the record, the first and the longest gap."""
-    gaps = np.diff(places)
-    holes = np.flatnonzero(gaps > 1)
-    first, longest = (
-        Hole(int(gaps[i]) - 1, (int(places[i]) + 1) * interval) for i in (holes[0], holes[gaps[holes].argmax()])
-    )
-    lost = int((gaps[holes] - 1).sum())
-    samples = say_count(lost, "{count} sample", "{count} samples")
-    missing = say(
-        "{samples} ({share}) missing in {gaps}, {source}",
-        samples=samples, share=percent(lost / (places[-1] + 1)), source=source,
-        gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
-    )  # fmt: skip
-    what = [missing, say("the first at {time:.6g} s", time=first.at)]
-    if first.size > 1:
-        what[1] = say("the first of {length:.4g} s at {time:.6g} s", length=first.size * interval, time=first.at)
-    if longest.size > first.size:
-        length = longest.size * interval
-        what.append(say("the longest of {length:.4g} s at {time:.6g} s", length=length, time=longest.at))
-    return finding("missing samples", join(", ", what), (first.at, float(places[holes[-1] + 1]) * interval))
+    return Holes().seen(places).finding(interval, source)
+
+
+class Holes:
+    """The gaps of a grid that is seen in parts: how many, how many samples are missing, the first and the longest."""
+
+    def __init__(self) -> None:
+        self.count = self.lost = self.size = self.end = 0
+        self.first: tuple[int, int] = (0, 0)
+        self.longest: tuple[int, int] = (0, 0)
+
+    def seen(self, places: Places, begin: int = 0) -> "Holes":
+        """Add the gaps between places on the grid, counted from `begin`; a part begins with the last place before."""
+        gaps = np.diff(places)
+        holes = np.flatnonzero(gaps > 1)
+        self.size = begin + int(places[-1]) + 1
+        if holes.size:
+            each = [(int(gaps[i]) - 1, begin + int(places[i]) + 1) for i in (holes[0], holes[gaps[holes].argmax()])]
+            self.first = self.first if self.count else each[0]
+            self.longest = each[1] if each[1][0] > self.longest[0] else self.longest
+            self.count, self.lost = self.count + holes.size, self.lost + int((gaps[holes] - 1).sum())
+            self.end = begin + int(places[holes[-1] + 1])
+        return self
+
+    def finding(self, interval: float, source: str) -> Finding:
+        """The finding about them."""
+        first, longest = (Hole(size, at * interval) for size, at in (self.first, self.longest))
+        samples = say_count(self.lost, "{count} sample", "{count} samples")
+        missing = say(
+            "{samples} ({share}) missing in {gaps}, {source}",
+            samples=samples, share=percent(self.lost / self.size), source=source,
+            gaps=say_count(self.count, "{count} gap", "{count} gaps"),
+        )  # fmt: skip
+        what = [missing, say("the first at {time:.6g} s", time=first.at)]
+        if first.size > 1:
+            what[1] = say("the first of {length:.4g} s at {time:.6g} s", length=first.size * interval, time=first.at)
+        if longest.size > first.size:
+            length = longest.size * interval
+            what.append(say("the longest of {length:.4g} s at {time:.6g} s", length=length, time=longest.at))
+        return finding("missing samples", join(", ", what), (first.at, self.end * interval))
 
 
 def duplicates(stamps: Stamps) -> tuple[Finding, ...]:

@@ -112,6 +112,14 @@ def _nearest(dataset: Dataset, homes: Iterable[str]) -> str | None:
 
 def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = "") -> Recording:
     """The channels of the datasets that belong together; `text` is the output of `table.described`, if present."""
+    table, narrowed, _ = arranged(found, options, notes, text)
+    return table.recording(narrowed)
+
+
+def arranged(
+    found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = ""
+) -> tuple[Table, Options, Family]:
+    """The table of the datasets that belong together, the options for it, and these datasets; see `recording`."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
         none = say("the file contains no array of samples, with one row per sample")
@@ -133,8 +141,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
         pieces = enumerate(split(dataset.path, array, dataset.names), places[dataset.path])
         columns += [_column(piece, position, dataset.unit, stem) for position, piece in pieces]
     rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
-    table = restored(Table(tuple(columns), rate, source, tuple(notes)), text)
-    return table.recording(options)
+    return restored(Table(tuple(columns), rate, source, tuple(notes)), text), options, family
 
 
 def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> Column:

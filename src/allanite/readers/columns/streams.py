@@ -75,6 +75,14 @@ def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] 
 
     A key names a stream, a column as ``stream/column``, or a column that only one stream has.
     """
+    _, table, narrowed = arranged(streams, options, notes)
+    return table.recording(narrowed)
+
+
+def arranged(
+    streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()
+) -> tuple[Stream, Table, Options]:
+    """The stream that is wanted, its table, and the options for that; see `recording`."""
     if not streams:
         raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))
     stream, keys = _named(streams, options.channels) if options.channels else (_only(streams), None)
@@ -84,7 +92,8 @@ def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] 
     table = stream.table()
     said = (say("samples of {stream}", stream=stream.shown),) if len(streams) > 1 or stream.type else ()
     left = (say("left out, other tables of the file: {names}", names=_listed(rest)),) if rest else ()
-    return replace(table, notes=(*said, *notes, *table.notes, *left)).recording(replace(options, channels=keys))
+    told = replace(table, notes=(*said, *notes, *table.notes, *left))
+    return stream, told, replace(options, channels=keys)
 
 
 def _only(streams: Sequence[Stream]) -> Stream:

@@ -4,6 +4,7 @@ The properties of a Recording beyond its numbers are one line of JSON, which eac
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.finding import Finding
 from allanite.core.kinds import signal_of_kind
 from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
@@ -56,33 +58,34 @@ class Table:
             raise DataError(
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
             )
+        seen = self.sense(options)
+        time, along = seen.sources.stamps, seen.along
+        signals = [signal.column for signal in seen.signals]
+        _demand_rows([*signals, *([time] if time else [])])
+        beat = clock.beat(seen.sources, options.rate, lambda: repeated([column.values for column in signals]))
+        seen.demand(beat)
+        records = tuple(_record(signal, beat, self.start) for signal in seen.signals)
+        around = [c for c in seen.columns if c is not time and len(c.values) == len(signals[0].values)]
+        drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
+        others = tuple(_record(signal, beat, self.start) for signal in drivers)
+        return Recording(records, notes=seen.notes(beat), findings=seen.findings(beat), others=others)
+
+    def sense(self, options: Options) -> "Sense":
+        """What the columns are: which of them are signals, and which are the clock."""
         columns, joined = pairs.joined(conventions.applied(unique(self.columns)), options)
-        table = replace(self, columns=columns, notes=(*self.notes, *joined))
-        chosen = channels.named(table.columns, options.channels)
+        chosen = channels.named(columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
-        open_ = tuple(c for c in table.columns if not c.kind) if options.time is None else table.columns
-        stated, place = table.nominal
+        open_ = tuple(c for c in columns if not c.kind) if options.time is None else columns
+        stated, place = self.nominal
         sources = replace(
             clocks.find(open_, options.time, chosen),
-            rate=table.rate, source=table.rate_source, stated=stated, stated_source=place,
+            rate=self.rate, source=self.rate_source, stated=stated, stated_source=place,
         )  # fmt: skip
-        time = sources.stamps
-        along, said = channels.beside(channels.named(table.columns, options.along) or ())
+        along, said = channels.beside(channels.named(columns, options.along) or ())
         taken = [signal.column for signal in along]
-        open_to_choice = tuple(column for column in table.columns if column not in taken)
-        choice = channels.choose(open_to_choice, options, chosen, time)
-        signals = [signal.column for signal in (*choice.signals, *along)]
-        _demand_rows([*signals, *([time] if time else [])])
-        beat = clock.beat(sources, options.rate, lambda: _repeated(signals))
-        questions = [*beat.questions, *choice.questions]
-        if questions:
-            raise UsageError("; ".join((*questions, *choice.left)))
-        records = tuple(_record(signal, beat, table.start) for signal in (*choice.signals, *along))
-        around = [c for c in table.columns if c is not time and len(c.values) == len(signals[0].values)]
-        drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
-        others = tuple(_record(signal, beat, table.start) for signal in drivers)
-        notes = (*table.notes, *beat.notes, *choice.notes, *choice.left, *said)
-        return Recording(records, notes=notes, findings=(*beat.findings, *choice.findings), others=others)
+        open_to_choice = tuple(column for column in columns if column not in taken)
+        choice = channels.choose(open_to_choice, options, chosen, sources.stamps)
+        return Sense(columns, sources, choice, along, ((*self.notes, *joined), said))
 
     def _unmarked(self, options: Options) -> "Table":
         """The table whose selected columns have no unit and kind: sine and cosine in any unit have the same angle."""
@@ -91,9 +94,40 @@ class Table:
         return replace(self, columns=tuple(columns))
 
 
-def _repeated(columns: list[Column]) -> NDArray[np.bool_]:
+@dataclass(frozen=True, eq=False)
+class Sense:
+    """The meaning of the columns of a table: clock, signals, and columns to read in addition; `said` by its steps."""
+
+    columns: tuple[Column, ...]
+    sources: clocks.Sources
+    choice: channels.Choice
+    along: tuple[channels.Signal, ...]
+    said: tuple[tuple[str, ...], tuple[str, ...]]
+
+    @property
+    def signals(self) -> tuple[channels.Signal, ...]:
+        """The signals, then the columns to read in addition."""
+        return (*self.choice.signals, *self.along)
+
+    def demand(self, beat: clock.Beat) -> None:
+        """Ask for what is not known."""
+        questions = [*beat.questions, *self.choice.questions]
+        if questions:
+            raise UsageError("; ".join((*questions, *self.choice.left)))
+
+    def notes(self, beat: clock.Beat) -> tuple[str, ...]:
+        """The assumptions."""
+        before, after = self.said
+        return (*before, *beat.notes, *self.choice.notes, *self.choice.left, *after)
+
+    def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
+        """The findings about the clock, and about the meaning of the columns."""
+        return (*beat.findings, *self.choice.findings)
+
+
+def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
     """Which rows repeat the row before in every column, shape (n - 1,); (False,) without a column."""
-    same = [column.values[1:] == column.values[:-1] for column in columns]
+    same = [values[1:] == values[:-1] for values in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 
 

@@ -11,13 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.language import Phrase, say
 from allanite.core.record import Recording
+from allanite.core.wording import spelled
 from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import Column, some
+from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
@@ -44,8 +47,45 @@ def read(path: str, options: Options) -> Recording:
     with Process("bag", path, {}) as process:
         with worded():
             topics = [_topic(item) for item in process.said["topics"]]
-            found = [_stream(topic, [other.name for other in topics], process) for topic in topics]
+            found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
         return streams.recording(found, options)
+
+
+def parts(path: str, options: Options) -> Parts:
+    """The messages of one topic, which are decoded one part after the other."""
+    _demand_bag(path)
+    with Process("bag", path, {}) as process, worded():
+        topics = [_topic(item) for item in process.said["topics"]]
+    names = [topic.name for topic in topics]
+    found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
+    stream, table, options = streams.arranged([one for one, _ in found.values()], options)
+    topic = found[stream.name][1]
+    order = [*list(topic.units)[1:], next(iter(topic.units))]
+
+    def blocks(wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
+        for values in _blocks(topic, path, rows):
+            yield [values[order[i]] for i in wanted]
+
+    return Parts(table, topic.count, blocks, options)
+
+
+def _blocks(topic: _Topic, path: str, rows: int) -> Iterator[dict[str, NDArray[Any]]]:
+    """The numbers of so many messages at a time, in the order in which they were received."""
+    demand_size(topic.count * topic.dtype.itemsize, path, f"topic {topic.name!r}")
+    first, last = next(iter(topic.units)), None
+    with Process("bag", path, {}) as process:
+        for part in process.parts(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype, rows):
+            values = _ordered({name: part[name] for name in topic.units})
+            if last is not None and values[first][0] < last:
+                raise DataError(
+                    say(
+                        "messages of {topic} are stored before earlier ones, over more than a part of the bag; sort "
+                        "it (rosbag, ros2 bag convert, mcap sort), or read it as a whole with {option}",
+                        topic=topic.name, option=spelled("--memory", "memory="),
+                    )
+                )  # fmt: skip
+            last = values[first][-1]
+            yield values
 
 
 def _demand_bag(path: str) -> None:
@@ -101,13 +141,16 @@ def _topic(said: Mapping[str, Any]) -> _Topic:
     return _Topic(*about, dtype, units, tuple(said["left"]), tuple(said.get("beside", ())), str(said["why"]))
 
 
-def _stream(topic: _Topic, names: Sequence[str], process: Process) -> streams.Stream:
-    """The stream of a topic, with its type in the name if messages of several types have the same topic."""
+def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> streams.Stream:
+    """The stream of a topic, with its type in the name if messages of several types have the same topic.
+
+    Without a process its table is that of the first messages.
+    """
     return streams.Stream(
         topic.name if names.count(topic.name) == 1 else f"{topic.name}/{topic.type}",
         topic.count,
         (*topic.units, *topic.called.values()),
-        lambda: _table(topic, process),
+        lambda: _table(topic, next(_blocks(topic, path, HEAD)) if process is None else _all(topic, process)),
         streams.mean_rate(topic.count, topic.span),
         topic.fits,
         topic.type,
@@ -115,15 +158,23 @@ def _stream(topic: _Topic, names: Sequence[str], process: Process) -> streams.St
     )
 
 
-def _table(topic: _Topic, process: Process) -> Table:
-    """The numbers of the messages in the order in which they were received."""
+def _all(topic: _Topic, process: Process) -> dict[str, NDArray[Any]]:
     demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
-    values = process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)
-    first, *others = topic.units
-    received = values[first]
+    return _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype))
+
+
+def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The numbers of messages in the order in which they were received, the time of which is the first column."""
+    received = next(iter(values.values()))
     if np.any(received[1:] < received[:-1]):
         order = np.argsort(received, kind="stable")
         values = {name: one[order] for name, one in values.items()}
+    return values
+
+
+def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> Table:
+    """The numbers of messages."""
+    first, *others = topic.units
     columns = []
     # the receive time comes last: of two clocks that are equally steady, the stamp of the header is the better one
     for i, name in enumerate((*others, first), 1):

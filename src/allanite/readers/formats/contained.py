@@ -2,7 +2,10 @@
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,22 +15,76 @@ from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
-from allanite.readers.columns.datasets import Dataset, rated, recording
+from allanite.readers.columns.datasets import Dataset, arranged, rated, recording
+from allanite.readers.columns.parts import HEAD, Parts
+from allanite.readers.columns.rows import Rows, columns_of
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.process import Process
 
+NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
+"""What a process looks for in the file."""
+
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
     """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
-    with Process(form, path, {"rates": RATE_NAMES, "text": KEY}) as process:
-        said = process.said
-        with worded():
-            found = [_dataset(item, said["texts"], process, transposed=transposed) for item in said["datasets"]]
-        left = [str(name) for name in said["left"]]
-        notes = [say("left out, not numbers: {names}", names=some(left))] if left else []
-        return recording(rated(found, said["numbers"]), options, notes, said["description"])
+    with Process(form, path, NAMES) as process:
+        found = _listed(process, transposed=transposed)
+        return recording(rated(found, process.said["numbers"]), options, _left(process), process.said["description"])
+
+
+def contained_parts(form: str, path: str, options: Options) -> Parts | None:
+    """The rows of datasets that are read side by side; None if they have no rows in common."""
+    with Process(form, path, NAMES) as process:
+        places = {str(item["path"]): item.get("offset") for item in process.said["datasets"]}
+        found = [replace(d, load=partial(_first, d, places[d.path], (form, path))) for d in _listed(process)]
+        numbers, notes, text = process.said["numbers"], _left(process), process.said["description"]
+    table, options, family = arranged(rated(found, numbers), options, notes, text)
+    shapes = {dataset.shape[0] for dataset in family}
+    if len(shapes) > 1 or any(len(d.shape) == 2 and d.shape[0] < d.shape[1] for d in family):
+        return None
+    owners = [(i, j) for i, dataset in enumerate(family) for j in range(len(dataset.headers))]
+
+    def blocks(wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
+        used = sorted({owners[k][0] for k in wanted})
+        with ExitStack() as stack:
+            sources = [_source(family[i], places[family[i].path], (form, path, rows), stack) for i in used]
+            for found in zip(*sources, strict=True):
+                columns = dict(zip(used, map(columns_of, found), strict=True))
+                yield [columns[owners[k][0]][owners[k][1]] for k in wanted]
+
+    return Parts(table, shapes.pop(), blocks, options)
+
+
+def _source(
+    dataset: Dataset, offset: int | None, where: tuple[str, str, int], stack: ExitStack
+) -> Iterator[NDArray[Any]]:
+    """The rows of a dataset: those of the file itself, or sent by a process of its own."""
+    form, path, rows = where
+    demand_size(math.prod(dataset.shape) * dataset.dtype.itemsize, path, f"dataset {dataset.path!r}")
+    if offset is not None:
+        return Rows(path, dataset.dtype, offset, dataset.shape).whole(rows)
+    process = stack.enter_context(Process(form, path, NAMES))
+    return process.parts(dataset.path, dataset.shape, dataset.dtype, rows)
+
+
+def _first(dataset: Dataset, offset: int | None, where: tuple[str, str]) -> NDArray[Any]:
+    """The first rows of a dataset."""
+    with ExitStack() as stack:
+        return next(_source(dataset, offset, (*where, HEAD), stack))
+
+
+def _listed(process: Process, *, transposed: bool = False) -> list[Dataset]:
+    with worded():
+        return [
+            _dataset(item, process.said["texts"], process, transposed=transposed) for item in process.said["datasets"]
+        ]
+
+
+def _left(process: Process) -> list[str]:
+    left = [str(name) for name in process.said["left"]]
+    return [say("left out, not numbers: {names}", names=some(left))] if left else []
 
 
 def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process, *, transposed: bool) -> Dataset:

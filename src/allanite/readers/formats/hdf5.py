@@ -2,11 +2,12 @@
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
+from allanite.readers.columns.parts import Parts
 from allanite.readers.columns.table import KEY, described, keys
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_library
 
-from .contained import contained
+from .contained import contained, contained_parts
 
 TITLE = "HDF5 .h5 and MATLAB 7.3 .mat (pip install 'allanite[hdf5]')"
 
@@ -26,13 +27,23 @@ def _signed(head: bytes) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of an HDF5 file: datasets of one length and clock, with units and rates from their attributes."""
+    return contained("hdf5", path, options, transposed=_head(path).startswith(MATLAB))
+
+
+def parts(path: str, options: Options) -> Parts | None:
+    """The rows of the datasets of one length and clock; None of MATLAB, whose rows are columns."""
+    return None if _head(path).startswith(MATLAB) else contained_parts("hdf5", path, options)
+
+
+def _head(path: str) -> bytes:
+    """The first bytes of a file, which must have the signature of HDF5 among them."""
     with open(path, "rb") as file:
         head = file.read(_PLACES[-1] + 8)
     if not _signed(head):
         raise DataError(
             f"the file does not begin like an HDF5 file (it begins with {head[:8]!r}); check that it is complete"
         )
-    return contained("hdf5", path, options, transposed=head.startswith(MATLAB))
+    return head
 
 
 def write(recording: Recording, path: str) -> None:

@@ -13,6 +13,8 @@ from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import Column
+from allanite.readers.columns.parts import HEAD, Parts
+from allanite.readers.columns.rows import Rows
 from allanite.readers.columns.table import KEY, Table, described, keys, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
@@ -35,7 +37,31 @@ def read(path: str, options: Options) -> Recording:
     A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a structured
     array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     """
-    arrays, notes = _loaded(path), list[str]()
+    arrays = _loaded(path)
+    return _table(arrays, [note for name, array in arrays if name != KEY for note in _notes(name, array)]).recording(
+        options
+    )
+
+
+def parts(path: str, options: Options) -> Parts | None:
+    """The rows of a .npy file, which are read one after the other; None for an archive."""
+    if _demand_numbers(path).startswith(ZIP):
+        return None
+    with worded():
+        mapped = _mapped(path)
+    if mapped.ndim not in (1, 2):
+        return None
+    upright = mapped.T if turned(mapped) else mapped
+    first = np.array(upright[:HEAD])
+    columns = [values for _, values in split("", first)] if first.shape[0] >= first[:1].size else []
+    if not columns:
+        return None
+    head = _table([("", first)], _notes("", mapped))
+    source = Rows(path, mapped.dtype, mapped.offset, upright.shape, bycolumn=not upright.flags.c_contiguous)
+    return Parts(head, len(upright), source.blocks, options)
+
+
+def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> Table:
     text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
     arrays = [(name, array) for name, array in arrays if name != KEY]
     columns = list[Column]()
@@ -43,13 +69,11 @@ def read(path: str, options: Options) -> Recording:
         (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
     )
     for name, array in arrays:
-        notes += _notes(name, array)
         for header, values in split(name, array):
             columns.append(column(header, values, len(columns) + 1))
     if not columns:
         raise DataError("the file contains no array of samples")
-    table = Table(tuple(columns), rate, say("the number stored beside the arrays"), tuple(notes))
-    return restored(table, text).recording(options)
+    return restored(Table(tuple(columns), rate, say("the number stored beside the arrays"), tuple(notes)), text)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -63,20 +87,26 @@ def write(recording: Recording, path: str) -> None:
 
 def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
     """Names and arrays; the name of a single array is empty."""
+    head = _demand_numbers(path)
+    with worded():
+        return _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]
+
+
+def _demand_numbers(path: str) -> bytes:
+    """The first bytes of a file, which must be those of numbers."""
     with Path(path).open("rb") as file:
         head = file.read(1024)
     if head.startswith(PICKLE) or (head.startswith(NPY) and (b"'|O" in head or b"'O'" in head)):
         raise DataError(_objects("the file"))
     demand_start(head, (NPY, ZIP), say("a NumPy file"))
-    with worded():
-        return _members(path) if head.startswith(ZIP) else [("", _copied(path))]
+    return head
 
 
-def _copied(path: str) -> NDArray[Any]:
+def _mapped(path: str) -> Any:
     # a memory map checks the size claimed by the header against that of the file before memory is allocated
     mapped = np.load(path, mmap_mode="r", allow_pickle=False)
     demand_size(mapped.size, path, "the array")  # elements of zero width take no room in the file
-    return np.array(mapped)
+    return mapped
 
 
 def _members(path: str) -> list[tuple[str, NDArray[Any]]]:

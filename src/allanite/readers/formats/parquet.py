@@ -1,9 +1,11 @@
 """Parquet tables: columns read one by one, units from their metadata or names."""
 
 import json
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.language import say
@@ -11,6 +13,7 @@ from allanite.core.record import Recording
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.datasets import WIDEST
+from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.table import KEY, Table, described, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
@@ -18,6 +21,9 @@ from allanite.readers.sandbox.guard import demand_size, worded
 TITLE = "Apache Parquet .parquet"
 
 _MAGIC = b"PAR1"
+BUFFER = 1 << 20
+"""Bytes of a column that are read ahead; without it a whole row group would be."""
+
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
 
 
@@ -28,26 +34,68 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a Parquet table; a missing value is NaN."""
-    import pyarrow as pa
     from pyarrow import parquet
 
     with worded(), parquet.ParquetFile(path, memory_map=True) as file:
-        schema, rows = file.schema_arrow, file.metadata.num_rows
-        if len(schema) > WIDEST:
-            raise DataError(f"the table has {len(schema)} columns; expected one per channel")
-        demand_size(rows * 8 * len(schema), path, "the table")
-        demand_size(_unpacked(file.metadata), path, "the table")
-        names = schema.names
-        rate, text, index = _metadata(schema.metadata or {})
-        columns, left = list[Column](), list[str]()
-        for place, field in enumerate(schema, 1):
-            if pa.types.is_nested(field.type):
-                left.append(field.name)
-            else:
-                columns.append(_column(file, field, place, names[: place - 1].count(field.name)))
+        table = _table(file, path, lambda field, before: file.read([field.name], use_threads=False).column(before))
+    return table.recording(options)
+
+
+def parts(path: str, options: Options) -> Parts:
+    """The rows of a Parquet table, which are decoded one batch after the other."""
+    from pyarrow import parquet
+
+    with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
+        table = _table(file, path, lambda field, before: _first(file, field.name).column(before))
+        rows, names = file.metadata.num_rows, file.schema_arrow.names
+
+    def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
+        fields = [table.columns[i].position - 1 for i in wanted]
+        keys = list(dict.fromkeys(names[i] for i in fields))
+        with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
+            for batch in file.iter_batches(at_once, columns=keys, use_threads=len(keys) > 1):
+                # columns come in the order of the file, and all that have a name
+                held = [i for i, name in enumerate(names) if name in keys]
+                yield [of_arrow(_chunked(batch.column(held.index(i)))) for i in fields]
+
+    return Parts(table, rows, blocks, options)
+
+
+def _first(file: Any, name: str) -> Any:
+    """The first rows of the columns of a name."""
+    import pyarrow as pa
+
+    batches = file.iter_batches(HEAD, columns=[name], use_threads=False)
+    first = next(batches, None)
+    return pa.Table.from_batches([] if first is None else [first], None if first is None else first.schema)
+
+
+def _chunked(array: Any) -> Any:
+    import pyarrow as pa
+
+    return pa.chunked_array([array])
+
+
+def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> Table:
+    """The columns of a file; `load` reads that of a field which so many of the same name precede."""
+    import pyarrow as pa
+
+    schema, rows = file.schema_arrow, file.metadata.num_rows
+    if len(schema) > WIDEST:
+        raise DataError(f"the table has {len(schema)} columns; expected one per channel")
+    demand_size(rows * 8 * len(schema), path, "the table")
+    demand_size(_unpacked(file.metadata), path, "the table")
+    names = schema.names
+    rate, text, index = _metadata(schema.metadata or {})
+    columns, left = list[Column](), list[str]()
+    for place, field in enumerate(schema, 1):
+        if pa.types.is_nested(field.type):
+            left.append(field.name)
+        else:
+            columns.append(_column(file, field, place, (names[: place - 1].count(field.name), load)))
     notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
     table = Table(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
-    return restored(table, text).recording(options)
+    return restored(table, text)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -92,8 +140,9 @@ def _index(said: dict[bytes, bytes]) -> set[str]:
     return {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
 
 
-def _column(file: Any, field: Any, place: int, before: int) -> Column:
-    """A column; `before` columns of the same name precede it."""
+def _column(file: Any, field: Any, place: int, how: tuple[int, Callable[[Any, int], Any]]) -> Column:
+    """A column, by how many of the same name precede it, and what loads it."""
+    before, load = how
     said = field.metadata or {}
     unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
     if not is_number(field.type):
@@ -101,5 +150,4 @@ def _column(file: Any, field: Any, place: int, before: int) -> Column:
         first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
         word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
         return headed(np.empty(0), place, field.name, text=str(word or "text")[:100])
-    chunks = file.read([field.name], use_threads=False).column(before)
-    return column(field.name, of_arrow(chunks), place, unit=unit)
+    return column(field.name, of_arrow(load(field, before)), place, unit=unit)

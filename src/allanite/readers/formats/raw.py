@@ -1,7 +1,6 @@
 """Raw binary: rows of numbers and nothing else. It has no signature, so it is read only if the user says so."""
 
 import os
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,8 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.core.wording import spelled
 from allanite.readers.columns.arrays import column
+from allanite.readers.columns.parts import HEAD, Parts
+from allanite.readers.columns.rows import Rows, columns_of
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options
 
@@ -24,11 +25,25 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of rows of binary numbers."""
+    row, offset, count = _layout(path, options)
+    return _table(np.memmap(path, row, mode="r", offset=offset, shape=(count,))).recording(options)
+
+
+def parts(path: str, options: Options) -> Parts:
+    """The rows, which are read one after the other."""
+    row, offset, count = _layout(path, options)
+    head = _table(np.array(np.memmap(path, row, mode="r", offset=offset, shape=(min(count, HEAD),))))
+    return Parts(head, count, Rows(path, row.base, offset, (count, *row.shape)).blocks, options)
+
+
+def _layout(path: str, options: Options) -> tuple[np.dtype[Any], int, int]:
+    """The type of a row, the bytes before the first one, and their number."""
     row, offset = _row(options), options.offset or 0
-    count = _rows(os.path.getsize(path) - offset, row, offset)
-    rows = np.memmap(path, row, mode="r", offset=offset, shape=(count,))
-    columns = (column("", values, i) for i, values in enumerate(_columns(rows), 1))
-    return Table(tuple(columns)).recording(options)
+    return row, offset, _rows(os.path.getsize(path) - offset, row, offset)
+
+
+def _table(rows: NDArray[Any]) -> Table:
+    return Table(tuple(column("", values, i) for i, values in enumerate(columns_of(rows), 1)))
 
 
 def _row(options: Options) -> np.dtype[Any]:
@@ -75,11 +90,3 @@ def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
             f"{over} bytes remain; check {spelled('--dtype, --columns and --offset', 'dtype, columns and offset')}"
         )
     return count
-
-
-def _columns(rows: NDArray[Any]) -> Iterator[NDArray[Any]]:
-    if rows.dtype.names:
-        for name in rows.dtype.names:
-            yield from _columns(rows[name])
-    else:
-        yield from rows.reshape(len(rows), -1).T

@@ -85,7 +85,7 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
     """
     with ExitStack() as stack:
         for _ in range(DEPTH):
-            packing = _packing(path, judge, only_by_suffix)
+            packing = packing_of(path, judge, only_by_suffix)
             if packing is None:
                 break
             stack.enter_context(within(path))
@@ -99,7 +99,7 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
         yield path
 
 
-def _packing(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
+def packing_of(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
     """The packing of a file; an .npz is a .zip, but a format of its own."""
     head, suffix = head_of(path), os.path.splitext(path)[1].lower()
     for packing in (ZIP, *PACKINGS):

@@ -1,6 +1,7 @@
 """The process that opens a file of a fragile format, and how it may end."""
 
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -120,6 +121,14 @@ class Process:
                     values[begin : begin + part.size] = part[name]
                 tell((begin + part.size) / count)
         return columns
+
+    def parts(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any], rows: int) -> Iterator[NDArray[Any]]:
+        """A dataset, or those of its fields that are in `dtype`, so many rows at a time."""
+        with self._sending(path, dtype, math.prod(shape) * dtype.itemsize):
+            for begin in range(0, shape[0], rows):
+                part = np.empty((min(rows, shape[0] - begin), *shape[1:]), dtype)
+                self._fill(part.reshape(-1).view(np.uint8), path)
+                yield part
 
     @contextmanager
     def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.statistics.row import FloatArray, IntArray
@@ -60,9 +61,14 @@ def spectrum(
     >>> spectrum(record, Welch(segment=20.0), bins=1).frequency.size
     3
     """
-    factor = side_factor(sides)
+    side_factor(sides)
     chosen = method_named(method) if isinstance(method, str) else method
-    raw = chosen.estimate(record)
+    return of_raw(chosen.estimate(record), record, chosen.title, sides=sides, bins=bins)
+
+
+def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one", bins: int | None = None) -> Spectrum:
+    """The averages over bands of the output of a method of this title."""
+    factor = side_factor(sides)
     starts = _starts(raw.first, raw.density.size, bins)
     size = np.diff(np.append(starts, raw.density.size))
     k = raw.first + starts
@@ -73,7 +79,7 @@ def spectrum(
         dof=_degrees(raw, k, size),
         unit=record.signal.unit,
         sides=sides,
-        method=chosen.title,
+        method=title,
         resolution=raw.resolution,
         rate=record.rate,
         name=record.name,

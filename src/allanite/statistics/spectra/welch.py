@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.language import say
 from allanite.core.record import Record
+from allanite.core.wording import spelled
 from allanite.statistics.estimator import stretches
-from allanite.statistics.row import FloatArray, IntArray
+from allanite.statistics.row import FloatArray
 
 from .raw_spectrum import Raw, demand_frequencies
 
@@ -25,6 +26,9 @@ WINDOWS: dict[str, tuple[float, ...]] = {
 
 Those of scipy.signal, which takes a second to import; the number of cosines says which frequencies are omitted.
 """
+
+LONGEST = 2**22
+"""Samples of a segment of a record that is read in parts, at most."""
 
 AT_ONCE = 2**22
 """Samples that are transformed at once: what bounds the memory."""
@@ -71,19 +75,27 @@ class Welch:
         values = record.rate_values
         runs = [values[a:b] for a, b in stretches(values)]
         length = self._length(record, runs)
-        w = _window(self.window, length)
-        hop = max(1, length // 2)
-        counts = np.array([(run.size - length) // hop + 1 for run in runs if run.size >= length])
-        power = np.zeros(length // 2 + 1)
+        sums = Periodograms(self.window, length)
         for run in runs:
-            if run.size >= length:
-                power += _summed_periodograms(run, w, hop)
-        energy = float(w @ w)
-        first, segments = len(WINDOWS[self.window]), int(counts.sum())
-        density = power[first : (length + 1) // 2] / (segments * energy * record.rate)
-        overlap = _welch_overlap(w, hop, counts)
-        resolution = record.rate * energy / float(w.sum()) ** 2
-        return Raw(first, record.rate / length, length, density, overlap, resolution)
+            sums.push(run)
+            sums.end()
+        return sums.raw(record.rate)
+
+    def in_parts(self, record: Record, size: int) -> "Periodograms":
+        """Sums for a record of so many samples of which `record` is the beginning, to be pushed in parts.
+
+        Without `segment`, segments are an eighth of the record, but at most `LONGEST` samples.
+        """
+        usual = min(max(size // 8, 64), LONGEST)
+        length = usual if self.segment is None else round(self.segment * record.rate)
+        if length > LONGEST:
+            raise UsageError(
+                f"a segment of {self.segment:g} s is {length} samples, and a record that is read in parts has "
+                f"segments of at most {LONGEST}: give {spelled('--segment', 'segment=')} up to "
+                f"{LONGEST / record.rate:.6g} s"
+            )
+        demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
+        return Periodograms(self.window, length)
 
     def _length(self, record: Record, runs: list[FloatArray]) -> int:
         longest = max((run.size for run in runs), default=0)
@@ -98,6 +110,72 @@ class Welch:
                 )
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return length
+
+
+class Periodograms:
+    """Sums of the periodograms of segments that overlap by half, of samples that come in parts."""
+
+    def __init__(self, window: str, length: int) -> None:
+        self.window, self.length, self.hop = window, length, max(1, length // 2)
+        self.w = _window(window, length)
+        self.power = np.zeros(length // 2 + 1)
+        self.counts: dict[int, int] = {}
+        self._now = 0
+        self._rest: list[FloatArray] = []
+
+    def push(self, values: FloatArray) -> None:
+        """Add samples that follow the last ones; segments contain none that is not finite."""
+        runs = stretches(values)
+        at = 0
+        for begin, stop in runs:
+            if begin > at:
+                self.end()
+            self._run(values[begin:stop])
+            at = stop
+        if at < values.size:
+            self.end()
+
+    def end(self) -> None:
+        """The next sample does not follow the last one."""
+        if self._now:
+            self.counts[self._now] = self.counts.get(self._now, 0) + 1
+        self._now, self._rest = 0, []
+
+    def raw(self, rate: float, factor: float = 1.0) -> Raw:
+        """Densities of the samples times `factor`, at this sampling rate.
+
+        Raises
+        ------
+        DataError
+            No segment is complete.
+        """
+        self.end()
+        if not self.counts:
+            raise DataError(
+                say(
+                    "no {length} samples, the length of a segment, are without a gap; use shorter segments",
+                    length=self.length,
+                )
+            )
+        energy, first = float(self.w @ self.w), len(WINDOWS[self.window])
+        segments = sum(size * many for size, many in self.counts.items())
+        density = self.power[first : (self.length + 1) // 2] * (factor**2 / (segments * energy * rate))
+        overlap = _welch_overlap(self.w, self.hop, self.counts)
+        resolution = rate * energy / float(self.w.sum()) ** 2
+        return Raw(first, rate / self.length, self.length, density, overlap, resolution)
+
+    def _run(self, part: FloatArray) -> None:
+        """Add samples that follow the last ones without a gap."""
+        self._rest.append(part)
+        size = sum(one.size for one in self._rest)
+        if size < self.length:
+            self._rest[-1] = part.copy()  # the caller may use its memory again
+            return
+        run = part if len(self._rest) == 1 else np.concatenate(self._rest)
+        self.power += _summed_periodograms(run, self.w, self.hop)
+        count = (size - self.length) // self.hop + 1
+        self._now += count
+        self._rest = [run[count * self.hop :].copy()]
 
 
 def _window(name: str, length: int) -> FloatArray:
@@ -118,16 +196,17 @@ def _summed_periodograms(run: FloatArray, w: FloatArray, hop: int) -> FloatArray
     return power
 
 
-def _welch_overlap(w: FloatArray, hop: int, counts: IntArray) -> FloatArray:
+def _welch_overlap(w: FloatArray, hop: int, counts: dict[int, int]) -> FloatArray:
     """Covariance of two values l frequencies apart over their squared expectation, for a flat spectrum.
 
-    Of two segments j hops apart the squared transforms of w(t) w(t + j hop) count, as often as there are such pairs.
+    Of two segments j hops apart the squared transforms of w(t) w(t + j hop) count, as often as there are such pairs;
+    `counts` are runs without a gap by the number of segments in each.
     """
-    total = float(counts.sum())
+    total = float(sum(size * many for size, many in counts.items()))
     size, energy = w.size, float(w @ w)
     result = np.zeros(size // 2 + 1)
     for j in range(-(-size // hop)):
-        pairs = float(np.maximum(counts - j, 0).sum()) * (2 if j else 1)
+        pairs = float(sum(max(size - j, 0) * many for size, many in counts.items())) * (2 if j else 1)
         product = np.zeros(size)
         product[: size - j * hop] = w[: size - j * hop] * w[j * hop :]
         result += pairs * (np.abs(np.fft.rfft(product)) / energy) ** 2

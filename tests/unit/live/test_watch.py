@@ -15,9 +15,9 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.reporting import table
-from allanite.stream.lines import Lines, places
-from allanite.stream.sources import opened
-from allanite.stream.watching import Watch, WatchSettings, lasting
+from allanite.live.lines import Lines, places
+from allanite.live.sources import opened
+from allanite.live.watching import Watch, WatchSettings, lasting
 
 RATE = 1000
 HOW = ["--rate", str(RATE), "--unit", "deg/h", "--refresh", "1"]

@@ -13,7 +13,7 @@ from allanite.prepare.readings import clipped, stuck
 from allanite.prepare.stillness import AT_REST, MOVING, busy
 from allanite.prepare.view import View
 
-from .accumulator import Accumulator
+from allanite.stream.accumulator import Accumulator
 
 BLOCKS = 64
 """Blocks of a second that are remembered: what a new one is compared with."""

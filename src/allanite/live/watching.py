@@ -21,7 +21,7 @@ from allanite.study.noise import Noise
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
-from .accumulator import Accumulator
+from allanite.stream.accumulator import Accumulator
 from .lines import Lines, places
 from .monitor import Monitor
 from .sources import WAIT, Feed, opened

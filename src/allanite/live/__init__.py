@@ -1,0 +1,1 @@
+"""Live streams: curve and coefficients of a sensor while it records."""

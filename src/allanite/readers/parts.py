@@ -1,0 +1,205 @@
+"""Reading a file in parts: the names, units, rate and gaps that `read` gives, in the memory of a few parts."""
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Any
+
+from numpy.typing import NDArray
+
+from allanite.core.errors import AllaniteError, UsageError
+from allanite.core.finding import Finding
+from allanite.core.language import join, say
+from allanite.core.record import Record
+from allanite.core.wording import spelled
+
+from .clock.parts import Clock, Piece, clock_of
+from .columns import pairs
+from .columns.arrays import column
+from .columns.parts import Parts
+from .columns.table import Sense
+from .memory import allowed, needed, size_in_words
+from .options import Options, channel_names, stated_unit
+
+AT_ONCE = 1 << 20
+"""Samples of all columns that are read at a time, at least a sixteenth of them in each."""
+
+CHARACTERS = 10
+"""Bytes of a file for each sample, where only its size is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class PartsReader:
+    """A file that is read in parts; `pieces` reads it from the beginning, once, and the rest is known after that.
+
+    `heads` are records of the first samples, whose rate is not yet that of the whole.
+    """
+
+    name: str
+    file: str
+    parts: Parts
+    sense: Sense
+    clock: Clock
+    heads: tuple[Record, ...]
+    need: int
+    limit: int
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of the file."""
+        return self.parts.rows
+
+    def pieces(self, rows: int | None = None) -> Iterator[Piece]:
+        """Missing samples before a piece, and the samples of each channel, until the end of the file."""
+        signals = [self._place(signal.column.position) for signal in self.sense.signals]
+        stamps = self._stamp_places()
+        wanted = list(dict.fromkeys((*stamps, *signals)))
+        at_once = rows or max(AT_ONCE // len(wanted), AT_ONCE // 16)
+        for found in self.parts.blocks(wanted, at_once):
+            held = dict(zip(wanted, found, strict=True))
+            clock = [self._stamps([held[i] for i in stamps], stamps)] if stamps else []
+            yield from self.clock.pieces([*clock, *(held[i] for i in signals)])
+
+    def _place(self, position: int) -> int:
+        return next(i for i, one in enumerate(self.parts.head.columns) if one.position == position)
+
+    def _stamp_places(self) -> list[int]:
+        """The columns that the clock is made of: one, or seconds and their fractions."""
+        clock = self.sense.sources.stamps
+        if clock is None or not self.clock.stamped:
+            return []
+        first = self._place(clock.position)
+        head = self.parts.head.columns
+        if clock.header == head[first].header:
+            return [first]
+        rest = clock.header.removeprefix(f"{head[first].header} + ")
+        return [first, next(i for i, one in enumerate(head) if one.header == rest)]
+
+    def _stamps(self, found: list[NDArray[Any]], places: list[int]) -> NDArray[Any]:
+        heads = [self.parts.head.columns[i] for i in places]
+        columns = tuple(
+            replace(head, values=column(head.header, values, head.position).values)
+            for head, values in zip(heads, found, strict=True)
+        )
+        return columns[0].values if len(columns) == 1 else pairs.joined(columns, self.parts.options)[0][0].values
+
+
+def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
+    """Findings about the clock of the whole file, and what of it was not looked at."""
+    counter = reader.sense.sources.counter
+    found = reader.sense.findings(reader.clock.beat())
+    if counter is None:
+        return found
+    what = say(
+        "{column} counts samples and shows that some are missing, which is not looked at when a file is read in parts",
+        column=counter.label,
+    )
+    return (*found, Finding("counter", what, say("windows over these places join what is apart")))
+
+
+@contextmanager
+def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterator[PartsReader | None]:
+    """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else.
+
+    Parameters
+    ----------
+    path : path
+    memory : str, optional
+        Memory that the record may take, as ``"1GB"``; by default half of what is available.
+    choices : mapping
+        The options of `read`.
+
+    Raises
+    ------
+    UsageError
+        The file does not fit, and cannot be read in parts.
+    """
+    from .sandbox.source import STDIN, checked, size_of
+
+    if not isinstance(path, (str, os.PathLike)) or path == STDIN:
+        yield None
+        return
+    file, member = checked(path)
+    limit = allowed(memory)
+    if needed(_most(size_of(file))) <= limit:
+        yield None
+        return
+    options = _options(choices)
+    try:
+        parts = None if member else _parts(file, options)
+        found = None if parts is None else _reader(os.fspath(path), file, parts, limit)
+    except AllaniteError as error:
+        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
+    if found is None:
+        demand_memory(path, memory)
+    elif found.need <= limit:
+        found = None
+    elif options.sincos:
+        raise UsageError(_refused(os.fspath(path), found.need, limit, say("pairs of sine and cosine are")))
+    yield found
+
+
+def demand_memory(path: Any, memory: str | None, what: str = "") -> None:
+    """Refuse a file whose record takes more memory than is there, or than is given.
+
+    Raises
+    ------
+    UsageError
+        It does not fit; the message says how much it may need.
+    """
+    from .sandbox.source import STDIN, checked, size_of
+
+    if not isinstance(path, (str, os.PathLike)) or path == STDIN:
+        return
+    need, limit = needed(size_of(checked(path)[0]) // CHARACTERS), allowed(memory, 1.0)
+    if need > limit:
+        raise UsageError(_refused(os.fspath(path), need, limit, what or say("this format is")))
+
+
+def _refused(name: str, need: int, limit: int, what: str) -> str:
+    more = f"{ceil(need / 10**6)}MB"
+    return say(
+        "{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in parts "
+        "(analyze, deviation and spectrum of .npy, raw binary, Parquet, HDF5 and ROS bags are); write the file as one "
+        "of these, or allow more with {option}",
+        file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
+        option=spelled(f"--memory {more}", f"memory={more!r}"),
+    )  # fmt: skip
+
+
+def _most(size: int) -> int:
+    """Samples that a file of this size may hold, at most."""
+    from .sandbox.guard import RATIO
+
+    return size * RATIO // 8
+
+
+def _options(choices: Mapping[str, Any]) -> Options:
+    named = {k: v for k, v in choices.items() if k not in ("channels", "along", "sincos", "unit") and v is not None}
+    lists = {k: channel_names(choices.get(k)) for k in ("channels", "along", "sincos")}
+    unit = choices.get("unit")
+    return Options(**named, **lists, unit=None if unit is None else stated_unit(unit))
+
+
+def _parts(file: str, options: Options) -> Parts | None:
+    """The parts of a file; None if it is packed, or of a format that is not read in parts."""
+    from .formats.table import readable, reader_for, reader_of_type
+    from .sandbox.packing import packing_of
+    from .sandbox.source import head_of
+
+    if packing_of(file, readable, options.dtype is not None) is not None:
+        return None
+    suffix = os.path.splitext(file)[1].lower()
+    reader = reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(file), suffix)
+    parts: Parts | None = reader.parts(file, options) if hasattr(reader, "parts") else None
+    return parts
+
+
+def _reader(name: str, file: str, parts: Parts, limit: int) -> PartsReader:
+    options = replace(parts.options, sincos=None) if parts.options.sincos else parts.options
+    heads = parts.head.recording(options).records
+    sense = parts.head.sense(options)
+    need = needed(parts.rows * len(sense.signals))
+    return PartsReader(name, file, parts, sense, clock_of(sense, options.rate), heads, need, limit)
