@@ -62,6 +62,14 @@ def write_inputs(folder):
     csv_of(folder / "ids.csv", [noise(), noise()], header="gyro_integral_dt,frame_id")
 
 
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A folder with all of them."""
+    folder = tmp_path_factory.mktemp("inputs")
+    write_inputs(folder)
+    return folder
+
+
 LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]
 """The method of lines."""
 
@@ -118,9 +126,8 @@ CASES = [
 
 
 @pytest.mark.parametrize(("file", "options", "code", "words"), CASES, ids=lambda v: str(v)[:40])
-def test_refused_in_words(tmp_path, file, options, code, words):
-    write_inputs(tmp_path)
-    result = CliRunner().invoke(main, ["analyze", str(tmp_path / file), *options])
+def test_refused_in_words(inputs, file, options, code, words):
+    result = CliRunner().invoke(main, ["analyze", str(inputs / file), *options])
     assert result.exit_code == code, result.output
     said = " ".join(result.stderr.split())
     assert said.startswith("error: ")
@@ -128,7 +135,7 @@ def test_refused_in_words(tmp_path, file, options, code, words):
         assert word.lower() in said.lower()
     assert "Traceback" not in said
     assert result.stdout == ""
-    assert not (tmp_path / "executed").exists()
+    assert not (inputs / "executed").exists()
 
 
 @pytest.mark.parametrize("option", ["--report", "--plot", "--json", "--csv"])
