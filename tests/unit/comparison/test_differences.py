@@ -80,11 +80,11 @@ def test_limits_of_a_ratio_of_amplitudes_are_fiellers():
     assert high == np.inf
 
 
-def correlated(seed, size=0.3):
+def correlated(seed, size=0.3, n=4096):
     """Two records of the same noise, each with a little of its own."""
     rng = np.random.default_rng(seed)
-    both = rng.standard_normal(4096)
-    own = size * rng.standard_normal((2, 4096))
+    both = rng.standard_normal(n)
+    own = size * rng.standard_normal((2, n))
     return tuple(al.Record(both + part, RATE, "deg/h", name="gx") for part in own)
 
 
@@ -110,10 +110,11 @@ def test_a_smoothed_record_and_its_source_are_a_pair():
 
 def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
     """In 200 pairs, at 5 %: 2 to 20."""
-    p = [paired_homogeneity(correlated(seed)).p for seed in range(200)]
+    pairs = [correlated(seed, n=1024) for seed in range(200)]
+    p = [paired_homogeneity(pair).p for pair in pairs]
     assert 2 <= sum(v <= 0.05 for v in p) <= 20
-    curves = [tuple(al.deviation(r, m=[1, 8]) for r in correlated(seed)) for seed in range(200)]
-    laws = [paired_law(correlated(seed), pair) for seed, pair in enumerate(curves)]
+    curves = [tuple(al.deviation(r, m=[1, 8]) for r in pair) for pair in pairs]
+    laws = [paired_law(pair, curve) for pair, curve in zip(pairs, curves, strict=True)]
     ratios = [after.variance / before.variance for before, after in curves]
     p = np.array([law.p(ratio) for law, ratio in zip(laws, ratios, strict=True)])
     assert np.all((p <= 0.05).sum(axis=0) <= 20)
