@@ -214,7 +214,9 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     assert {"gaps", "outliers"} <= set(names)
     # the curve has them, unless they are left out everywhere
     curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}
-    assert curves[""] == curves["keep"] > 1.02 * curves["mark"]
+    # the noise of the exact expectation is another one, which rounds otherwise
+    assert curves[""] == pytest.approx(curves["keep"], rel=1e-12)
+    assert curves["keep"] > 1.02 * curves["mark"]
 
 
 def test_a_clipped_record_is_analysed_with_a_warning(tmp_path):
