@@ -1,11 +1,8 @@
 """Moments of a statistic from full matrices: E = tr(A G), T_ij = tr(A G_i A G_j), A as the definition writes it."""
 
-from functools import lru_cache
-
 import numpy as np
 
 
-@lru_cache(maxsize=16)
 def quadratic_form(row, m, n):
     """A with ``variance = x' A x`` for n intervals of length 1, shape (n + 1, n + 1)."""
     A = np.zeros((n + 1, n + 1))
@@ -18,12 +15,9 @@ def quadratic_form(row, m, n):
         window = (filters.T * weights) @ filters
         for i in range(count):
             A[i : i + len(window), i : i + len(window)] += window
-    A /= count * float(row.norm(np.array([m]))[0]) * m**2
-    A.flags.writeable = False  # it is kept
-    return A
+    return A / (count * float(row.norm(np.array([m]))[0]) * m**2)
 
 
-@lru_cache(maxsize=64)
 def ramp_weights(row, m, n):
     """A x for the ramp x of n intervals, window by window, each less the line through its ends, which it removes."""
     x = np.arange(n + 1.0) ** 2 / 2
@@ -33,9 +27,7 @@ def ramp_weights(row, m, n):
     for i in range(count):
         part = x[i : i + points] - np.linspace(x[i], x[i + points - 1], points)
         v[i : i + points] += (weights * (filters @ part)) @ filters
-    v /= count * float(row.norm(np.array([m]))[0]) * m**2
-    v.flags.writeable = False  # it is kept
-    return v
+    return v / (count * float(row.norm(np.array([m]))[0]) * m**2)
 
 
 def total_rows(m, n):
