@@ -12,7 +12,7 @@ author = "The allanite authors"
 copyright = "The allanite authors, MIT license"  # noqa: A001 - Sphinx wants this name
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml", "navigation"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 INCLUDED = ("help", "methods", "efficiencies", "accuracies", "devices", "exports")

@@ -1,6 +1,7 @@
 """Covariance between averaging times of statistics over windows: against full matrices, and against exact lag sums."""
 
 import dataclasses
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -25,6 +26,16 @@ ROWS = ["theo1", "pdev", "mtotdev", "ttotdev", "htotdev", "oadev", "mdev"]
 SIZE = 300
 
 
+@lru_cache(maxsize=16)
+def form(name, m, size):
+    return quadratic_form(al.STATISTICS[name], m, size)
+
+
+@lru_cache(maxsize=64)
+def weights_of_ramp(name, m, size):
+    return ramp_weights(al.STATISTICS[name], m, size)
+
+
 def model_of(mixture):
     return al.Model(tuple(term(s, v, UNIT[s]) for s, v in mixture.items()))
 
@@ -41,7 +52,7 @@ def test_it_equals_the_full_matrix(name, mixture):
     row, model = al.STATISTICS[name], model_of(mixture)
     m = np.unique([row.step, 2, 4, 10, 16, 30, 64])
     powers = [t.value**2 for t in model]
-    forms = [quadratic_form(row, k, SIZE) for k in m.tolist()]
+    forms = [form(row.name, k, SIZE) for k in m.tolist()]
     scale = (m * row.tau_factor) ** (2.0 * row.power)
     wanted = dense(forms, [t.row for t in model], powers) * np.outer(scale, scale)
     C = covariance(row, model, m, SIZE, 1.0)
@@ -52,7 +63,7 @@ def test_it_equals_the_full_matrix(name, mixture):
 def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
     m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)
-    forms = [quadratic_form(row, k, SIZE) for row, k in zip(rows, m.tolist(), strict=True)]
+    forms = [form(row.name, k, SIZE) for row, k in zip(rows, m.tolist(), strict=True)]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     C = covariance_by_term(rows, model, m, SIZE, 1.0).sum(axis=(2, 3))
     assert correlated(np.where(np.eye(m.size, dtype=bool), wanted, C), wanted) < 1e-6
@@ -62,7 +73,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
 def test_long_windows_equal_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([2, 16, 64, 150, 240])
-    forms = [quadratic_form(row, k, size) for k in m.tolist()]
+    forms = [form(row.name, k, size) for k in m.tolist()]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     assert correlated(covariance(row, model, m, size, 1.0), wanted) < 1e-6
 
@@ -71,7 +82,7 @@ def test_long_windows_equal_the_full_matrix(name):
 def test_the_longest_window_is_near_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([16, 240, row.largest(size)])
-    forms = [quadratic_form(row, k, size) for k in m.tolist()]
+    forms = [form(row.name, k, size) for k in m.tolist()]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     assert correlated(covariance(row, model, m, size, 1.0), wanted) < 0.006
 
@@ -81,7 +92,7 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     """The points of theoh that are fitted, and the longest one."""
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
     size, m, model = 1000, np.array([16, 64, 200, 256, 512, 1000]), model_of(mixture)
-    forms = [quadratic_form(row, k, size) for row, k in zip(rows, m.tolist(), strict=True)]
+    forms = [form(row.name, k, size) for row, k in zip(rows, m.tolist(), strict=True)]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
@@ -95,7 +106,7 @@ def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
     m -= m % row.step
     lag = np.abs(np.subtract.outer(np.arange(size + 1.0), np.arange(size + 1.0)))
     scale = (m * row.tau_factor) ** (2.0 * row.power)
-    v = np.array([ramp_weights(row, k, size) for k in m.tolist()]) * scale[:, None]
+    v = np.array([weights_of_ramp(row.name, k, size) for k in m.tolist()]) * scale[:, None]
     wanted = -2 * v @ model.terms[0].row.structure(lag) @ v.T
     C = covariance_by_term([row] * m.size, model, m, size, 1.0)
     assert correlated(C[..., 0, 1] + C[..., 1, 0], wanted) < 1e-6
@@ -118,7 +129,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):
     row, size, m = al.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
     model = model_of({"N": 1.0, "B": 0.3, "K": 0.02, "R": ramp})
-    forms = [quadratic_form(row, k, size) for k in m.tolist()]
+    forms = [form(row.name, k, size) for k in m.tolist()]
     wanted = dense(forms, [t.row for t in model], [t.value**2 for t in model])
     scale = (m * row.tau_factor) ** (2.0 * row.power)
     assert correlated(covariance(row, model, m, size, 1.0), wanted * np.outer(scale, scale)) < 0.006
@@ -154,12 +165,12 @@ def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
     row, m = al.STATISTICS["theobr"], np.array([20, 100, 200])
     rng = np.random.default_rng(1)
     found = []
-    for _ in range(1500):
+    for _ in range(750):
         record = al.simulate(model, size, 1.0, rng=rng)
         x = np.concatenate(([0.0], np.cumsum(record.values.astype(float))))
         found.append([theobr(x, k, 1.0) for k in m.tolist()])
     C, seen = covariance(row, model, m, size, 1.0), np.cov(np.array(found).T)
-    # 1500 records: 4 % of a variance, and as much beyond the first order
+    # 750 records: 5 % of a variance, and as much beyond the first order
     np.testing.assert_allclose(np.sqrt(np.diag(C)), np.sqrt(np.diag(seen)), rtol=0.12)
     assert correlated(C, seen) < 0.2
     plain = covariance(al.STATISTICS["theo1"], model, m, size, 1.0)

@@ -1,5 +1,7 @@
 """Faults planted in simulated records are named; clean records are let through."""
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -16,8 +18,13 @@ SENSORS = {
 }
 
 
-def clean(sensor, seed):
+@lru_cache(maxsize=10)
+def simulated(sensor, seed):
     return al.simulate(SENSORS[sensor], SIZE, RATE, rng=np.random.default_rng(seed)).values
+
+
+def clean(sensor, seed):
+    return simulated(sensor, seed).copy()
 
 
 def sigma(y):

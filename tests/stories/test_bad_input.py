@@ -62,6 +62,14 @@ def write_inputs(folder):
     csv_of(folder / "ids.csv", [noise(), noise()], header="gyro_integral_dt,frame_id")
 
 
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A folder with all of them."""
+    folder = tmp_path_factory.mktemp("inputs")
+    write_inputs(folder)
+    return folder
+
+
 LINES = [*OPTIONS, "--method", "piecewise", "--terms", "NK"]
 """The method of lines."""
 
@@ -118,9 +126,8 @@ CASES = [
 
 
 @pytest.mark.parametrize(("file", "options", "code", "words"), CASES, ids=lambda v: str(v)[:40])
-def test_refused_in_words(tmp_path, file, options, code, words):
-    write_inputs(tmp_path)
-    result = CliRunner().invoke(main, ["analyze", str(tmp_path / file), *options])
+def test_refused_in_words(inputs, file, options, code, words):
+    result = CliRunner().invoke(main, ["analyze", str(inputs / file), *options])
     assert result.exit_code == code, result.output
     said = " ".join(result.stderr.split())
     assert said.startswith("error: ")
@@ -128,7 +135,7 @@ def test_refused_in_words(tmp_path, file, options, code, words):
         assert word.lower() in said.lower()
     assert "Traceback" not in said
     assert result.stdout == ""
-    assert not (tmp_path / "executed").exists()
+    assert not (inputs / "executed").exists()
 
 
 @pytest.mark.parametrize("option", ["--report", "--plot", "--json", "--csv"])
@@ -207,7 +214,9 @@ def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     assert {"gaps", "outliers"} <= set(names)
     # the curve has them, unless they are left out everywhere
     curves = {name: channel["curves"][0]["deviation"][0] for name, channel in found.items()}
-    assert curves[""] == curves["keep"] > 1.02 * curves["mark"]
+    # the noise of the exact expectation is another one, which rounds otherwise
+    assert curves[""] == pytest.approx(curves["keep"], rel=1e-12)
+    assert curves["keep"] > 1.02 * curves["mark"]
 
 
 def test_a_clipped_record_is_analysed_with_a_warning(tmp_path):

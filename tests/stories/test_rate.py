@@ -37,6 +37,12 @@ def vertical(folder):
     return counts(folder / "vertical.csv", 12.4392, 1200)
 
 
+@pytest.fixture(scope="module")
+def brief(folder):
+    """4 minutes."""
+    return counts(folder / "brief.csv", 12.4392, 240)
+
+
 def run(*arguments):
     return CliRunner().invoke(main, ["rate", *map(str, arguments)])
 
@@ -100,8 +106,8 @@ def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
     assert page.read_text(encoding="utf-8").count("td against the measuring time") == 2
 
 
-def test_json_alone_on_standard_output(vertical):
-    result = run(vertical, *HOW, *NOISE, "--methods", "mean", "--no-times", "--json", "-")
+def test_json_alone_on_standard_output(brief):
+    result = run(brief, *HOW, *NOISE, "--methods", "mean", "--no-times", "--json", "-")
     assert json.loads(result.stdout)["type"] == "RateStudy"
 
 
@@ -166,10 +172,10 @@ BAD = {
 
 
 @pytest.mark.parametrize("what", BAD)
-def test_bad_choices_end_with_a_sentence(vertical, what):
+def test_bad_choices_end_with_a_sentence(brief, what):
     options, code, words = BAD[what]
     noise = () if "--noise" in options else NOISE
-    result = run(vertical, *HOW, *noise, "--no-times", *options)
+    result = run(brief, *HOW, *noise, "--no-times", *options)
     assert result.exit_code == code, result.output
     assert words in " ".join(result.stderr.split())
     assert "Traceback" not in result.stderr
@@ -189,18 +195,18 @@ def test_lost_readings_are_named_or_split(folder):
     assert "1 sample missing" in split.stdout
 
 
-def test_the_recipe_repeats_the_run(vertical, folder, tmp_path):
+def test_the_recipe_repeats_the_run(brief, tmp_path):
     """Whatever was chosen stands in the recipe, under the names of the command line."""
     own = (
-        "--until", "240", "--interval", "30", "--methods", "mean,conditional", "--lines", "40", "--allowed", "1 deg/h",
+        "--until", "200", "--interval", "30", "--methods", "mean,conditional", "--lines", "40", "--allowed", "1 deg/h",
         "--dither", "30.5", "--durations", "1,3", "--most", "6", "--reference", "12.4 deg/h", "--bias", "-0.0948",
-        "--second", vertical,
+        "--second", brief,
     )  # fmt: skip
-    first = run(vertical, *HOW, *NOISE, *own, "--json", "-")
+    first = run(brief, *HOW, *NOISE, *own, "--json", "-")
     assert first.exit_code == 0, first.stderr
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(toml(json.loads(first.stdout)["recipe"]))
-    assert run(vertical, "--recipe", recipe, "--json", "-").stdout == first.stdout
+    assert run(brief, "--recipe", recipe, "--json", "-").stdout == first.stdout
 
 
 def test_every_reading_option_reaches_the_file(folder):
@@ -239,14 +245,14 @@ def test_a_noise_that_explains_nothing_is_not_used(folder):
 
 
 @pytest.mark.parametrize("width", [80, 120])
-def test_text_keeps_to_its_width(vertical, width):
-    study = al.measure_rates(vertical, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795, until=240.0))
+def test_text_keeps_to_its_width(brief, width):
+    study = al.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
     assert max(map(len, table(study, width=width).splitlines())) <= width
 
 
-def test_results_travel(vertical):
-    recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795, until=240.0)
-    study = pickle.loads(pickle.dumps(al.measure_rates(vertical, recipe)))
+def test_results_travel(brief):
+    recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795)
+    study = pickle.loads(pickle.dumps(al.measure_rates(brief, recipe)))
     (channel,) = study.channels
     found = channel.experiment
     again = al.from_dict(json.loads(json.dumps(found.to_dict())))

@@ -72,9 +72,10 @@ def faults(value, schema, where="$"):
     return found
 
 
-@pytest.fixture
-def desk(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
     """The sample, a file with a channel that never changes, one with a temperature, and an hour of a gimbal."""
+    tmp_path = tmp_path_factory.mktemp("desk")
     (tmp_path / "examples").mkdir()
     sample = (ROOT / SAMPLE).read_text("utf-8")
     (tmp_path / SAMPLE).write_text(sample, "utf-8")
@@ -88,11 +89,18 @@ def desk(tmp_path, monkeypatch):
     six = "\n".join(f"{','.join(row[:4])},{x:.6f},{y:.6f},9.8" for row, (x, y) in zip(rows, level, strict=True))
     heads = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],ax [m/s^2],ay [m/s^2],az [m/s^2]"
     (tmp_path / "six.csv").write_text(f"{heads}\n{six}\n", "utf-8")
-    monkeypatch.chdir(tmp_path)
-    made = CliRunner().invoke(
-        main, shlex.split("angle simulate hour.csv --latitude 60 --duration 3600 --error h:128=3,-1")
-    )
+    command = f"angle simulate '{tmp_path}/hour.csv' --latitude 60 --duration 3600 --error h:128=3,-1"
+    made = CliRunner().invoke(main, shlex.split(command))
     assert made.exit_code == 0, made.output
+    return tmp_path
+
+
+@pytest.fixture
+def desk(folder, tmp_path, monkeypatch):
+    """A folder with links to them."""
+    for path in folder.iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 

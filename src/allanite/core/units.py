@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from .errors import UnitError
 from .language import say
@@ -139,6 +140,7 @@ def _named(name: str) -> Unit:
     raise ValueError(name)
 
 
+@lru_cache(maxsize=1024)
 def unit_of(text: str) -> Unit:
     """Read a unit.
 

@@ -50,5 +50,7 @@ def test_an_example_writes_its_files(paper, tmp_path, monkeypatch):
     again = run("example", paper, tmp_path / "made")
     assert again.exit_code == 2
     assert "exists" in again.stderr
+    first = next(command for command in shorter if re.search(r"\.(?:html|png|csv|npz)", command))
+    monkeypatch.setitem(EXAMPLES, paper, type(row)(row.name, row.title, row.source, (first,)))
     forced = run("example", paper, tmp_path / "made", "--force", "--quiet")
     assert forced.exit_code == 0, forced.stderr

@@ -12,6 +12,7 @@ from allanite.comparison.paired import paired_homogeneity, paired_law, resemblan
 from allanite.comparison.sinusoids import Amplitude, LineContrast
 
 RATE = 100.0
+WHITE = al.N(1, "deg/sqrt(h)")
 NB = al.N(0.3, "deg/sqrt(h)") + al.B(20, "deg/h")
 
 
@@ -110,10 +111,11 @@ def test_a_smoothed_record_and_its_source_are_a_pair():
 
 def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
     """In 200 pairs, at 5 %: 2 to 20."""
-    p = [paired_homogeneity(correlated(seed)).p for seed in range(200)]
+    pairs = [correlated(seed) for seed in range(200)]
+    p = [paired_homogeneity(pair).p for pair in pairs]
     assert 2 <= sum(v <= 0.05 for v in p) <= 20
-    curves = [tuple(al.deviation(r, m=[1, 8]) for r in correlated(seed)) for seed in range(200)]
-    laws = [paired_law(correlated(seed), pair) for seed, pair in enumerate(curves)]
+    curves = [tuple(al.deviation(r, m=[1, 8], noise=WHITE) for r in pair) for pair in pairs]
+    laws = [paired_law(pair, curve) for pair, curve in zip(pairs, curves, strict=True)]
     ratios = [after.variance / before.variance for before, after in curves]
     p = np.array([law.p(ratio) for law, ratio in zip(laws, ratios, strict=True)])
     assert np.all((p <= 0.05).sum(axis=0) <= 20)

@@ -86,7 +86,7 @@ def test_written_and_read_back(tmp_path, suffix, recording):
 
 
 @pytest.mark.parametrize("suffix", CONTAINED[1:])
-@settings(max_examples=20, **COMMON)
+@settings(max_examples=10, **COMMON)
 @given(recording=recordings())
 def test_written_and_read_back_by_a_process(tmp_path, suffix, recording):
     al.write(recording, tmp_path / f"a{suffix}", force=True)
@@ -182,7 +182,7 @@ def test_packed_in_an_archive(tmp_path, values):
 
 
 @pytest.mark.parametrize("compress", [False, True])
-@settings(max_examples=8, **COMMON)
+@settings(max_examples=4, **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_matlab_5(tmp_path, compress, values, rate):
     scipy_io = pytest.importorskip("scipy.io")
@@ -205,7 +205,7 @@ def matlab_73(path, content):
         file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
 
 
-@settings(max_examples=10, **COMMON)
+@settings(max_examples=6, **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_matlab_73(tmp_path, values, rate):
     text = np.frombuffer("note".encode("utf-16-le"), np.uint16).reshape(1, 4)
@@ -216,7 +216,7 @@ def test_matlab_73(tmp_path, values, rate):
     assert recording[0].rate == rate
 
 
-@settings(max_examples=8, **COMMON)
+@settings(max_examples=4, **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_r_matrices_and_frames(tmp_path, values, rate):
     rdata, pandas = pytest.importorskip("rdata"), pytest.importorskip("pandas")

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from functools import cache
 from string import Formatter
 
 import pytest
@@ -23,7 +24,12 @@ from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
 from allanite.reporting.text import render
 
 TRANSLATED = [lang for lang in LANGUAGES if lang != "en"]
-SOURCE = catalogues.templates()
+
+
+@cache
+def source():
+    """The templates in the source."""
+    return catalogues.templates()
 
 
 def fields(text):
@@ -62,7 +68,7 @@ def chinese(monkeypatch):
 @pytest.mark.parametrize("lang", TRANSLATED)
 def test_a_catalogue_has_the_templates_of_the_source_and_no_others(lang):
     path = catalogues.LOCALE / f"{lang}.po"
-    assert path.read_text(encoding="utf-8") == catalogues.text_of(catalogues.renewed(lang, SOURCE)), "make catalogues"
+    assert path.read_text(encoding="utf-8") == catalogues.text_of(catalogues.renewed(lang, source())), "make catalogues"
 
 
 def test_every_template_is_translated(stored):

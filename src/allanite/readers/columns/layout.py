@@ -70,6 +70,9 @@ MARKS = ("#", "%", "//", ";")
 # delimiter and decimal sign, the more likely first, which decides if a file can be read in two ways
 _STYLES = ((",", "."), (";", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ","), (" ", ","))
 
+_LETTER = re.compile(r"[^\W\d_eE]")
+"""A letter, or one of the few signs that are neither letters nor decimal digits."""
+
 _BLANK_HEADER = re.compile(r"\S{1,99}?(?: ?\[[^\]]{0,99}\]| ?\([^)]{0,99}\))|\S+")
 
 
@@ -149,7 +152,7 @@ def find(data: bytes) -> Layout:
 
 def _worded(text: str) -> bool:
     """Whether a line has a word, and is not one of numbers."""
-    return any(letter.isalpha() and letter not in "eE" for letter in text)
+    return any(sign.isalpha() for sign in _LETTER.findall(text))
 
 
 def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
