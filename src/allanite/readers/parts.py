@@ -15,13 +15,14 @@ from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.wording import spelled
 
+from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
 from .columns import pairs
 from .columns.arrays import column
 from .columns.parts import Parts
 from .columns.table import Sense
 from .memory import allowed, needed, size_in_words
-from .options import Options, channel_names, stated_unit
+from .options import Options, channel_names
 
 AT_ONCE = 1 << 20
 """Samples of all columns that are read at a time, at least a sixteenth of them in each."""
@@ -87,16 +88,14 @@ class PartsReader:
 
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
-    """Findings about the clock of the whole file, and what of it was not looked at."""
-    counter = reader.sense.sources.counter
+    """Findings about the clock of the whole file, and that a counter is not looked at where there are no time stamps."""
     found = reader.sense.findings(reader.clock.beat())
-    if counter is None:
+    signals = [signal.column for signal in reader.sense.signals]
+    counter = counting(one for one in reader.sense.columns if one not in signals)
+    if counter is None or reader.clock.stamped:
         return found
-    what = say(
-        "{column} counts samples and shows that some are missing, which is not looked at when a file is read in parts",
-        column=counter.label,
-    )
-    return (*found, Finding("counter", what, say("windows over these places join what is apart")))
+    what = say("{column} may count samples, which is not looked at when a file is read in parts", column=counter.label)
+    return (*found, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
 @contextmanager
@@ -177,10 +176,9 @@ def _most(size: int) -> int:
 
 
 def _options(choices: Mapping[str, Any]) -> Options:
-    named = {k: v for k, v in choices.items() if k not in ("channels", "along", "sincos", "unit") and v is not None}
-    lists = {k: channel_names(choices.get(k)) for k in ("channels", "along", "sincos")}
-    unit = choices.get("unit")
-    return Options(**named, **lists, unit=None if unit is None else stated_unit(unit))
+    given: dict[str, Any] = {key: value for key, value in choices.items() if value is not None}
+    given |= {key: channel_names(given[key]) for key in ("channels", "along", "sincos") if key in given}
+    return Options(**given)
 
 
 def _parts(file: str, options: Options) -> Parts | None:

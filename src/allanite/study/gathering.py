@@ -26,8 +26,8 @@ WHOLE = "a record that is read in parts has"
 
 
 STRIDES = say(
-    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start every "
-    "2^k samples, which costs at most 1 % of the accuracy"
+    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start "
+    "every 2^k samples, which costs at most 1 % of the accuracy"
 )
 """What is said of the curves."""
 
