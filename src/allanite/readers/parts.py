@@ -88,7 +88,7 @@ class PartsReader:
 
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
-    """Findings about the clock of the whole file, and that a counter is not looked at where there are no time stamps."""
+    """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
     found = reader.sense.findings(reader.clock.beat())
     signals = [signal.column for signal in reader.sense.signals]
     counter = counting(one for one in reader.sense.columns if one not in signals)

@@ -70,10 +70,10 @@ class Inspection:
         view = self._view(steps, place)
         # shorter runs, and fewer equal extremes, are never reported
         self._keep(stuck(view) if run >= RUN else None, 0)
-        self._keep(clipped(view) if ends >= RUN else None, 0)
+        self._keep(clipped(view) if ends >= RUN and low < high else None, 0)
         if place >= self.next and steps.size >= min(BLOCK, self.size // 2):
             self._block(steps[:BLOCK], place)
-        return NONE if self.choice == "keep" else self._outliers(view, place)
+        return NONE if self.choice == "keep" or low == high else self._outliers(view, place)
 
     def quality(self, rate: float, size: int) -> Quality:
         """All findings, at the sampling rate and length of the whole."""
