@@ -32,7 +32,7 @@ STRIDES = say(
     "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start "
     "every 2^k samples, which costs at most 1 % of the accuracy"
 )
-"""What is said of the curves."""
+"""The note about the curves."""
 
 
 class Gathering(Protocol):
