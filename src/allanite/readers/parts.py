@@ -126,13 +126,9 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
         yield None
         return
     options = _options(choices)
-    try:
-        parts = None if member else _parts(file, options)
-        found = None if parts is None else _reader(os.fspath(path), file, parts, limit)
-    except AllaniteError as error:
-        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
+    found = _found(path, file, member, (options, limit))
     if found is None:
-        demand_memory(path, memory)
+        demand_memory(path, memory, choices)
     elif found.need <= limit:
         found = None
     elif options.sincos:
@@ -140,8 +136,11 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
     yield found
 
 
-def demand_memory(path: Any, memory: str | None, what: str = "") -> None:
+def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
     """Refuse a file whose record takes more memory than is there, or than is given.
+
+    Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
+    otherwise estimated by its size.
 
     Raises
     ------
@@ -152,9 +151,14 @@ def demand_memory(path: Any, memory: str | None, what: str = "") -> None:
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return
-    need, limit = needed(size_of(checked(path)[0]) // CHARACTERS), allowed(memory, 1.0)
+    file, member = checked(path)
+    need, limit = needed(size_of(file) // CHARACTERS), allowed(memory, 1.0)
+    if need <= limit:
+        return
+    found = _found(path, file, member, (_options(choices), limit))
+    need = need if found is None else found.need
     if need > limit:
-        raise UsageError(_refused(os.fspath(path), need, limit, what or say("this format is")))
+        raise UsageError(_refused(os.fspath(path), need, limit, say("this job is") if found else say("this format is")))
 
 
 def _refused(name: str, need: int, limit: int, what: str) -> str:
@@ -179,6 +183,16 @@ def _options(choices: Mapping[str, Any]) -> Options:
     given: dict[str, Any] = {key: value for key, value in choices.items() if value is not None}
     given |= {key: channel_names(given[key]) for key in ("channels", "along", "sincos") if key in given}
     return Options(**given)
+
+
+def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> PartsReader | None:
+    """The reader in parts of a file, if it has one; `how` are the options and the memory that may be used."""
+    options, limit = how
+    try:
+        parts = None if member else _parts(file, options)
+        return None if parts is None else _reader(os.fspath(path), file, parts, limit)
+    except AllaniteError as error:
+        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
 
 
 def _parts(file: str, options: Options) -> Parts | None:

@@ -220,8 +220,18 @@ def test_a_format_that_is_not_read_in_parts_is_refused_with_a_cure_that_works(tm
     with opened(path, cure, UNIT) as reader:
         assert reader is None
     with pytest.raises(UsageError, match="not read in parts"):
-        demand_memory(path, "1MB")
-    demand_memory(path, cure)
+        demand_memory(path, "1MB", UNIT)
+    demand_memory(path, cure, UNIT)
+
+
+def test_what_fits_by_its_rows_is_not_refused_by_its_size(tmp_path):
+    path = npy(tmp_path, np.column_stack([noise()] * 20))
+    some = UNIT | {"channels": ["1"]}
+    demand_memory(path, "3MB", some)  # 30000 samples of one channel
+    with opened(path, "3MB", some) as reader:
+        assert reader is None
+    with pytest.raises(UsageError, match=r"may take 2\.16 MB of memory.* and this job is not read in parts"):
+        demand_memory(path, "2MB", some)
 
 
 def test_every_format_with_parts_is_tried_here():

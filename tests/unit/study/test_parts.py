@@ -210,7 +210,7 @@ def test_the_command_line_takes_the_option(file, tmp_path):
         assert code == 0, said
     code, said = run("info", file, *how)
     assert code == 2
-    assert re.search(r"the record may take 34.6 MB of memory, of which 100 kB may be used", said)
+    assert re.search(r"the record may take 43.2 MB of memory, of which 100 kB may be used", said)
     more = said.partition("allow more with --memory ")[2].split()[0]
     assert run("info", file, *how[:4], "--memory", more)[0] == 0
 
