@@ -12,7 +12,6 @@ from allanite.core.wording import percent
 from allanite.prepare.readings import clipped, stuck
 from allanite.prepare.stillness import AT_REST, MOVING, busy
 from allanite.prepare.view import View
-
 from allanite.stream.accumulator import Accumulator
 
 BLOCKS = 64

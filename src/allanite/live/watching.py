@@ -15,13 +15,13 @@ from allanite.core.header import Header
 from allanite.core.language import join, say
 from allanite.core.wording import percent
 from allanite.planning.plan import plan
+from allanite.stream.accumulator import Accumulator
 from allanite.study.analysis import Channel, Study
 from allanite.study.channels import demand_result
 from allanite.study.noise import Noise
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 
-from allanite.stream.accumulator import Accumulator
 from .lines import Lines, places
 from .monitor import Monitor
 from .sources import WAIT, Feed, opened

@@ -84,10 +84,11 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
     if y.size < 64:
         return Outliers(nothing, FEWEST)
     limit = max(FEWEST, -quantile(FALSE / 2 / (among or y.size)))
-    at, size, heavy = _off(y, limit)
+    part = max(-(-(among or y.size) // PARTS), SHORTEST_PART)
+    at, size, heavy = _off(y, limit, part)
     if at.size and not heavy:
         rest = np.delete(np.arange(y.size), at)
-        more, others, heavy = _off(y[rest], limit)
+        more, others, heavy = _off(y[rest], limit, part)
         at, size = np.concatenate((at, rest[more])), np.concatenate((size, others))
     if heavy or at.size > MOST * y.size:
         return Outliers(nothing, limit, heavy=int(at.size))
@@ -152,13 +153,12 @@ def demand_choice(choice: str) -> None:
         raise UsageError(f"unknown choice for outliers {choice!r}; known choices: {known}")
 
 
-def _off(y: FloatArray, limit: float) -> tuple[IntArray, FloatArray, bool]:
+def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, bool]:
     """Indices beyond the limit, their deviations in standard deviations, and whether the noise has heavy tails."""
     from scipy.special import ndtr
 
     from allanite.kernels.robust import off
 
-    part = max(-(-y.size // PARTS), SHORTEST_PART)
     scale = _scales(y, part)
     near = off(y, TAIL * limit * scale, part)
     size = np.abs(_residuals(y, near)) / scale[near // part]

@@ -20,43 +20,57 @@ def ahead(source: Iterator[T]) -> Iterator[T]:
     >>> list(ahead(iter(range(5))))
     [0, 1, 2, 3, 4]
     """
-    waiting: queue.Queue[tuple[str, Any]] = queue.Queue(DEPTH)
-    ended = threading.Event()
-
-    def put(what: str, item: Any) -> None:
-        while not ended.is_set():
-            try:
-                waiting.put((what, item), timeout=0.1)
-            except queue.Full:
-                continue
-            return
-
-    def work() -> None:
-        try:
-            for item in source:
-                put("item", item)
-                if ended.is_set():
-                    break
-            put("end", None)
-        except BaseException as error:  # noqa: BLE001 - whatever it is, it is raised where the items are used
-            put("error", error)
-        finally:
-            if hasattr(source, "close"):
-                source.close()
-
-    thread = threading.Thread(target=copy_context().run, args=(work,), daemon=True)
+    line = _Line(source)
+    thread = threading.Thread(target=copy_context().run, args=(line.work,), daemon=True)
     thread.start()
     try:
-        while True:
-            what, item = waiting.get()
-            if what == "end":
-                return
-            if what == "error":
-                raise item
-            yield item
+        yield from line.items()
     finally:
-        ended.set()
+        line.ended.set()
         thread.join()
+
+
+class _Line(Generic[T]):
+    """Items that wait to be used, and the error at their end, if there was one."""
+
+    def __init__(self, source: Iterator[T]) -> None:
+        self.source, self.ended = source, threading.Event()
+        self.waiting: queue.Queue[tuple[bool, Any]] = queue.Queue(DEPTH)
+
+    def work(self) -> None:
+        """Put the items in line, until nobody waits."""
+        end: BaseException | None = None
+        try:
+            for item in self.source:
+                if not self._put(False, item):
+                    break
+        except BaseException as error:
+            end = error
+        finally:
+            if hasattr(self.source, "close"):
+                self.source.close()
+        self._put(True, end)
+
+    def items(self) -> Iterator[T]:
+        """Take them out."""
+        while True:
+            last, item = self.waiting.get()
+            if not last:
+                yield item
+            elif item is None:
+                return
+            else:
+                raise item
+
+    def _put(self, last: bool, item: Any) -> bool:
+        """Whether there was somebody to use it."""
+        while not self.ended.is_set():
+            try:
+                self.waiting.put((last, item), timeout=0.1)
+            except queue.Full:
+                continue
+            return True
+        return False
 
 
 class Later(Generic[T]):
@@ -74,13 +88,14 @@ class Later(Generic[T]):
         def run() -> None:
             try:
                 self._found.append((work(), None))
-            except BaseException as error:  # noqa: BLE001 - raised where the result is used
+            except BaseException as error:
                 self._found.append((None, error))
 
         self._thread = threading.Thread(target=copy_context().run, args=(run,), daemon=True)
         self._thread.start()
 
     def __call__(self) -> T:
+        """Wait for it."""
         self._thread.join()
         found, error = self._found[0]
         if error is not None:

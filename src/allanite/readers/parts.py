@@ -15,13 +15,14 @@ from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.wording import spelled
 
+from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
 from .columns import pairs
 from .columns.arrays import column
 from .columns.parts import Parts
 from .columns.table import Sense
 from .memory import allowed, needed, size_in_words
-from .options import Options, channel_names, stated_unit
+from .options import Options, channel_names
 
 AT_ONCE = 1 << 20
 """Samples of all columns that are read at a time, at least a sixteenth of them in each."""
@@ -87,16 +88,14 @@ class PartsReader:
 
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
-    """Findings about the clock of the whole file, and what of it was not looked at."""
-    counter = reader.sense.sources.counter
+    """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
     found = reader.sense.findings(reader.clock.beat())
-    if counter is None:
+    signals = [signal.column for signal in reader.sense.signals]
+    counter = counting(one for one in reader.sense.columns if one not in signals)
+    if counter is None or reader.clock.stamped:
         return found
-    what = say(
-        "{column} counts samples and shows that some are missing, which is not looked at when a file is read in parts",
-        column=counter.label,
-    )
-    return (*found, Finding("counter", what, say("windows over these places join what is apart")))
+    what = say("{column} may count samples, which is not looked at when a file is read in parts", column=counter.label)
+    return (*found, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
 @contextmanager
@@ -127,13 +126,9 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
         yield None
         return
     options = _options(choices)
-    try:
-        parts = None if member else _parts(file, options)
-        found = None if parts is None else _reader(os.fspath(path), file, parts, limit)
-    except AllaniteError as error:
-        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
+    found = _found(path, file, member, (options, limit))
     if found is None:
-        demand_memory(path, memory)
+        demand_memory(path, memory, choices)
     elif found.need <= limit:
         found = None
     elif options.sincos:
@@ -141,8 +136,11 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
     yield found
 
 
-def demand_memory(path: Any, memory: str | None, what: str = "") -> None:
+def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
     """Refuse a file whose record takes more memory than is there, or than is given.
+
+    Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
+    otherwise estimated by its size.
 
     Raises
     ------
@@ -153,9 +151,14 @@ def demand_memory(path: Any, memory: str | None, what: str = "") -> None:
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return
-    need, limit = needed(size_of(checked(path)[0]) // CHARACTERS), allowed(memory, 1.0)
+    file, member = checked(path)
+    need, limit = needed(size_of(file) // CHARACTERS), allowed(memory, 1.0)
+    if need <= limit:
+        return
+    found = _found(path, file, member, (_options(choices), limit))
+    need = need if found is None else found.need
     if need > limit:
-        raise UsageError(_refused(os.fspath(path), need, limit, what or say("this format is")))
+        raise UsageError(_refused(os.fspath(path), need, limit, say("this job is") if found else say("this format is")))
 
 
 def _refused(name: str, need: int, limit: int, what: str) -> str:
@@ -177,10 +180,19 @@ def _most(size: int) -> int:
 
 
 def _options(choices: Mapping[str, Any]) -> Options:
-    named = {k: v for k, v in choices.items() if k not in ("channels", "along", "sincos", "unit") and v is not None}
-    lists = {k: channel_names(choices.get(k)) for k in ("channels", "along", "sincos")}
-    unit = choices.get("unit")
-    return Options(**named, **lists, unit=None if unit is None else stated_unit(unit))
+    given: dict[str, Any] = {key: value for key, value in choices.items() if value is not None}
+    given |= {key: channel_names(given[key]) for key in ("channels", "along", "sincos") if key in given}
+    return Options(**given)
+
+
+def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> PartsReader | None:
+    """The reader in parts of a file, if it has one; `how` are the options and the memory that may be used."""
+    options, limit = how
+    try:
+        parts = None if member else _parts(file, options)
+        return None if parts is None else _reader(os.fspath(path), file, parts, limit)
+    except AllaniteError as error:
+        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
 
 
 def _parts(file: str, options: Options) -> Parts | None:

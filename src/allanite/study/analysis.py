@@ -192,7 +192,7 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 
 def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:
     """The study of a file that does not fit into memory."""
-    demand_grid(recipe.taus)
+    demand_grid(recipe.taus, None, reader.heads[0].rate)
 
     def work(passed: Passed) -> Channel:
         rate, streams = passed.header.rate, passed.gathered

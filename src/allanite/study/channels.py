@@ -179,8 +179,8 @@ def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
         return source
     if isinstance(source, Record):
         return Recording((source,))
-    demand_memory(source, recipe.memory)
     options = recipe.to_dict(READING)
+    demand_memory(source, recipe.memory, options)
     return read(source, **options, along=tuple(along)) if along else read(source, **options)
 
 

@@ -25,11 +25,14 @@ WHOLE = "a record that is read in parts has"
 """How messages about what needs the whole record begin."""
 
 
+NEAR = 1e-3
+"""Relative difference of averaging times that are the same; the sampling rate is known only at the end."""
+
 STRIDES = say(
-    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start every "
-    "2^k samples, which costs at most 1 % of the accuracy"
+    "the variances are exact: up to 15 samples from all windows, at m = q 2^k, q = 8 .. 15, from those that start "
+    "every 2^k samples, which costs at most 1 % of the accuracy"
 )
-"""What is said of the curves."""
+"""The note about the curves."""
 
 
 class Gathering(Protocol):
@@ -151,37 +154,38 @@ def chosen(curve: Curve, taus: str | tuple[float, ...], m: tuple[int, ...] | Non
     return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
 
 
-def demand_grid(taus: str | tuple[float, ...], m: tuple[int, ...] | None = None) -> None:
-    """Refuse averaging times that a record read in parts does not have."""
-    wanted = spelled("--taus", "taus=")
-    if m is None and isinstance(taus, str) and taus not in ("log", "octave"):
-        raise UsageError(f"{WHOLE} the averaging times of {wanted} log or octave, or some of these, not {taus!r}")
+def demand_grid(taus: str | tuple[float, ...], m: tuple[int, ...] | None, rate: float) -> None:
+    """Refuse, before the file is read, averaging times that a record read in parts does not have."""
+    if m is None and isinstance(taus, str):
+        if taus not in ("log", "octave"):
+            wanted = spelled("--taus", "taus=")
+            raise UsageError(f"{WHOLE} the averaging times of {wanted} log or octave, or some of these, not {taus!r}")
+        return
     q, level = grid()
     known = np.unique(q << level)
     for one in m or ():
         if one not in known:
-            raise UsageError(_not_there(one, known, "averaging factor"))
+            raise UsageError(_not_there(one, known, ""))
+    for tau in () if m is not None else map(float, taus):
+        factor = round(tau * rate)
+        if factor not in known or abs(factor / rate - tau) > NEAR * tau:
+            raise UsageError(_not_there(tau, known / rate, " s"))
 
 
 def _places(curve: Curve, taus: str | tuple[float, ...], m: tuple[int, ...] | None) -> IntArray:
     if m is None and isinstance(taus, str):
         some = np.ones(curve.m.size, bool) if taus == "log" else (curve.m & (curve.m - 1)) == 0
         return np.flatnonzero(some)
-    own = curve.tau[0] / curve.m[0]
-    factors = m if m is not None else [round(tau / own) for tau in map(float, taus)]
-    if m is None:
-        for tau, one in zip(map(float, taus), factors, strict=True):
-            if abs(one * own - tau) > 1e-6 * tau or one not in curve.m:
-                raise UsageError(_not_there(tau, curve.tau, "averaging time of s:"))
+    factors = m if m is not None else tuple(round(tau * curve.rate) for tau in map(float, taus))
     for one in factors:
         if one not in curve.m:
-            raise UsageError(_not_there(one, curve.m, "averaging factor"))
+            raise UsageError(_not_there(one, curve.m, ""))
     return np.flatnonzero(np.isin(curve.m, factors))
 
 
-def _not_there(one: float, known: IntArray | FloatArray, what: str) -> str:
+def _not_there(one: float, known: IntArray | FloatArray, unit: str) -> str:
     near = known[np.argsort(np.abs(known - one))[:2]]
     return (
-        f"{WHOLE} no {what} {one:g}; its averaging factors are 1 to 15 and 8 to 15 times a power of 2, the nearest "
-        f"{' and '.join(f'{value:.9g}' for value in np.sort(near))}"
+        f"{WHOLE} no averaging {'time' if unit else 'factor'} {one:g}{unit}; its averaging factors are 1 to 15 and 8 "
+        f"to 15 times a power of 2, the nearest {' and '.join(f'{value:.9g}{unit}' for value in np.sort(near))}"
     )

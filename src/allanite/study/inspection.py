@@ -20,6 +20,9 @@ BLOCK = 1 << 16
 BLOCKS = 32
 """Blocks that are inspected, at most about so many, evenly spread."""
 
+RUN = 10
+"""Equal values below which none is stuck or clipped."""
+
 FEWEST = 64
 """Samples in which anything is looked for."""
 
@@ -55,19 +58,22 @@ class Inspection:
 
     def look(self, steps: FloatArray, place: int) -> IntArray:
         """Look at a part that begins at a place of the whole; the indices of its outliers."""
+        from allanite.kernels.passing import looked
+
         left = int(np.isfinite(steps).sum()) if not np.isfinite(steps.sum()) else steps.size
         self.lost += steps.size - left
         self.parts += 1
         if left < FEWEST:
             return NONE
-        self.count += 1
-        self._change(steps)
+        low, high, ends, run = looked(steps)
+        self._change(float(low), float(high))
         view = self._view(steps, place)
-        for check in (stuck, clipped):
-            self._keep(check(view), 0)
+        # shorter runs, and fewer equal extremes, are never reported
+        self._keep(stuck(view) if run >= RUN else None, 0)
+        self._keep(clipped(view) if ends >= RUN and low < high else None, 0)
         if place >= self.next and steps.size >= min(BLOCK, self.size // 2):
             self._block(steps[:BLOCK], place)
-        return NONE if self.choice == "keep" else self._outliers(view, place)
+        return NONE if self.choice == "keep" or low == high else self._outliers(view, place)
 
     def quality(self, rate: float, size: int) -> Quality:
         """All findings, at the sampling rate and length of the whole."""
@@ -87,13 +93,11 @@ class Inspection:
     def _view(self, steps: FloatArray, place: int) -> View:
         return View(replace(self.like, values=steps, cut=place / self.like.rate))
 
-    def _change(self, steps: FloatArray) -> None:
+    def _change(self, low: float, high: float) -> None:
         """Note that the signal is constant so far."""
-        if self.count > 1 and self.constant is None:
-            return
-        low, high = float(np.nanmin(steps)), float(np.nanmax(steps))
+        self.count += 1
         what = say("the signal never changes (always {value:.10g})", value=low)
-        same = self.constant is None or self.constant.what == what
+        same = self.count == 1 or (self.constant is not None and self.constant.what == what)
         remedy = say("check that the sensor is connected and this is its column")
         self.constant = Finding("constant", what, remedy=remedy, fatal=True) if low == high and same else None
 

@@ -72,7 +72,7 @@ def _demand_choices(recipe: Recipe) -> None:
         )
 
 
-def run_in_parts(
+def run_in_parts(  # noqa: PLR0917 - as `run`
     kind: Callable[..., Result],
     reader: PartsReader,
     recipe: Recipe,
@@ -115,9 +115,7 @@ def run_in_parts(
     return kind(tuple(made), recipe, findings, said, provenance)
 
 
-def _made(
-    passed: Passed, why: str, work: Callable[[Passed], Any], refused: Callable[[Passed, str], Any]
-) -> Any:
+def _made(passed: Passed, why: str, work: Callable[[Passed], Any], refused: Callable[[Passed, str], Any]) -> Any:
     """The result of a channel, or why there is none."""
     if why:
         return refused(passed, why)

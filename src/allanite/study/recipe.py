@@ -45,8 +45,8 @@ class Recipe:
     they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
     text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
     `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
-    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in `DEVICES`, whose
-    likely causes of each term are shown.
+    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in
+    `DEVICES`, whose likely causes of each term are shown.
     """
 
     rate: float | None = None

@@ -115,7 +115,7 @@ class Deviations(Value):
                 raise UsageError(
                     f"{WHOLE} no {option} {value}: omit it, or allow more memory with {spelled('--memory', 'memory=')}"
                 )
-        demand_grid(self.taus, self.m)
+        demand_grid(self.taus, self.m, head.rate)
         return Streams(head, self.statistic, choice)
 
     def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:

@@ -14,10 +14,10 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import table
 from allanite.live.lines import Lines, places
 from allanite.live.sources import opened
 from allanite.live.watching import Watch, WatchSettings, lasting
+from allanite.reporting import table
 
 RATE = 1000
 HOW = ["--rate", str(RATE), "--unit", "deg/h", "--refresh", "1"]

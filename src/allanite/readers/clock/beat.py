@@ -47,7 +47,7 @@ class Beat:
 
 
 class Stamped(NamedTuple):
-    """Time stamps before their grid is known: their unit, the given rate, and what is said of them so far."""
+    """Time stamps before their grid is known: their unit, the given rate, and the notes about them so far."""
 
     column: Column
     stamps: NDArray[Any]

@@ -4,6 +4,7 @@ Counters of samples or packets show which samples are missing where time stamps 
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -125,6 +126,12 @@ def counter_of(columns: list[Column], clock: Column | None) -> Column | None:
     """The column that counts samples, by its name, if its counts have gaps."""
     named = (column for column in columns if column is not clock and _NAME.search(column.name.strip().lower()))
     return next((column for column in named if places(column) is not None), None)
+
+
+def counting(columns: Iterable[Column]) -> Column | None:
+    """The first column of whole numbers that is named like a counter, whether or not its counts have gaps."""
+    named = (column for column in columns if _NAME.search(column.name.strip().lower()))
+    return next((column for column in named if column.values.dtype.kind == "i" and len(column.values)), None)
 
 
 def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:

@@ -92,8 +92,7 @@ class Clock:
         rows = np.arange(len(joined[0])) if grid.rows is None else grid.rows
         self._last = [values[rows[-1:]] for values in joined]
         places = np.arange(rows.size) if grid.places is None else grid.places
-        for lost, piece in _pieces(grid, places, joined[1:], known):
-            yield lost, piece
+        yield from _pieces(grid, places, joined[1:], known)
         self.place += int(places[-1])
         self._marks.append((self.place, self.elapsed))
 

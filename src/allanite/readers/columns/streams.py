@@ -79,9 +79,7 @@ def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] 
     return table.recording(narrowed)
 
 
-def arranged(
-    streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()
-) -> tuple[Stream, Table, Options]:
+def arranged(streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()) -> tuple[Stream, Table, Options]:
     """The stream that is wanted, its table, and the options for that; see `recording`."""
     if not streams:
         raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))

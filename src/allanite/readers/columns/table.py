@@ -59,7 +59,7 @@ class Table:
                 say("the file contains fewer than 2 rows of numbers; a record needs thousands, one row per sample")
             )
         seen = self.sense(options)
-        time, along = seen.sources.stamps, seen.along
+        time = seen.sources.stamps
         signals = [signal.column for signal in seen.signals]
         _demand_rows([*signals, *([time] if time else [])])
         beat = clock.beat(seen.sources, options.rate, lambda: repeated([column.values for column in signals]))

@@ -69,7 +69,7 @@ def parts(path: str, options: Options) -> Parts:
     return Parts(table, topic.count, blocks, options)
 
 
-def _blocks(topic: _Topic, path: str, rows: int) -> Iterator[dict[str, NDArray[Any]]]:
+def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray[Any]]]:
     """The numbers of so many messages at a time, in the order in which they were received."""
     demand_size(topic.count * topic.dtype.itemsize, path, f"topic {topic.name!r}")
     first, last = next(iter(topic.units)), None

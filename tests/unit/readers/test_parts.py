@@ -1,0 +1,274 @@
+"""Files read in parts: the samples, rate, names, notes and findings of the same file read as a whole."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pyarrow as pa
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyarrow import parquet
+
+import allanite as al
+from allanite.core.errors import DataError, UsageError
+from allanite.readers.ahead import Later, ahead
+from allanite.readers.columns import parts as head
+from allanite.readers.formats.table import READERS, reader_named
+from allanite.readers.memory import bytes_of
+from allanite.readers.parts import demand_memory, opened, whole_findings
+
+N = 30_000
+RATE = 100.0
+UNIT = {"rate": RATE, "unit": "deg/s"}
+
+
+def noise():
+    return np.random.default_rng(1).normal(size=(N, 3))
+
+
+def stamped(lost=((1000, 1010), (20_000, 20_300))):
+    """Time stamps and two channels, without some rows."""
+    table = np.column_stack([np.arange(N) / RATE, noise()[:, :2]])
+    there = np.ones(N, bool)
+    for begin, end in lost:
+        there[begin:end] = False
+    return table[there]
+
+
+def npy(folder, array):
+    np.save(folder / "a.npy", array)
+    return folder / "a.npy"
+
+
+def fields(folder, lost=((1000, 1010), (20_000, 20_300))):
+    return npy(folder, np.rec.fromarrays(stamped(lost).T, names=["time_s", "gx", "gy"]))
+
+
+def table(folder):
+    columns = stamped().T
+    nanoseconds = np.rint(columns[0] * 1e9).astype("M8[ns]")
+    named = {"stamp": nanoseconds, "gx [deg/s]": columns[1].astype("f4"), "word": ["a"] * len(columns[0]),
+             "gy [deg/s]": pa.array(columns[2], mask=np.arange(len(columns[0])) % 997 == 5)}  # fmt: skip
+    parquet.write_table(pa.table(named), folder / "a.parquet", row_group_size=7000)
+    return folder / "a.parquet"
+
+
+def epoch(folder):
+    """Whole seconds and nanoseconds in two columns, which are one clock."""
+    whole = np.rint(stamped()[:, 0] * 1e9).astype(np.int64) + 1_700_000_000 * 10**9
+    named = {"stamp.sec": whole // 10**9, "stamp.nanosec": whole % 10**9, "gx [deg/s]": stamped()[:, 1]}
+    parquet.write_table(pa.table(named), folder / "b.parquet")
+    return folder / "b.parquet"
+
+
+def written(suffix):
+    def make(folder):
+        records = (al.Record(column, RATE, "deg/s", name=name) for name, column in zip("xyz", noise().T, strict=True))
+        al.readers.write(al.Recording(tuple(records)), folder / f"w{suffix}")
+        return folder / f"w{suffix}"
+
+    return make
+
+
+def datasets(folder):
+    with h5py.File(folder / "d.h5", "w") as file:
+        file.create_dataset("imu/gyro", data=noise(), chunks=(1000, 3), compression="gzip").attrs["units"] = "rad/s"
+        file["imu/time"] = np.arange(N) / RATE
+        file["imu/time"].attrs["units"] = "s"
+        file["camera/time"] = np.arange(200) / 3
+    return folder / "d.h5"
+
+
+def raw(folder):
+    noise().astype(">f4").tofile(folder / "a.bin")
+    return folder / "a.bin"
+
+
+def mixed(folder):
+    rows = np.zeros(N, [("a", "<u4"), ("b", "<i2", (2,))])
+    rows["b"] = np.rint(noise()[:, :2] * 100)
+    rows.tofile(folder / "m.bin")
+    return folder / "m.bin"
+
+
+CASES = {
+    "one column": (lambda folder: npy(folder, noise()[:, 0]), UNIT),
+    "integers": (lambda folder: npy(folder, np.rint(noise() * 50).astype("i2")), UNIT),
+    "columns one after the other": (lambda folder: npy(folder, np.asfortranarray(noise())), UNIT),
+    "channels are rows": (lambda folder: npy(folder, noise().T.copy()), UNIT),
+    "fields with time": (fields, {"unit": "deg/s", "time": "time_s"}),
+    "some channels": (fields, {"unit": "deg/s", "time": "time_s", "channels": ["gy"]}),
+    "the rate overrides time": (fields, {"unit": "deg/s", "time": "none", "rate": 50.0, "channels": ["gx"]}),
+    "parquet": (table, {}),
+    "two columns are the clock": (epoch, {}),
+    "parquet of allanite": (written(".parquet"), {}),
+    "hdf5 of allanite": (written(".h5"), {}),
+    "hdf5 with time": (datasets, {}),
+    "raw": (raw, UNIT | {"dtype": ">f4", "columns": 3}),
+    "mixed rows": (mixed, UNIT | {"dtype": "u4,2i2", "channels": ["2", "3"]}),
+    "points of an angle": (lambda folder: npy(folder, noise()[:, 0]), {"rate": RATE, "unit": "deg", "kind": "angle"}),
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def short_head(monkeypatch):
+    """The meaning of a file is found in its first rows, not in all of these short files."""
+    for name in ("numpy_file", "raw", "parquet", "contained", "bag"):
+        monkeypatch.setattr(f"allanite.readers.formats.{name}.HEAD", 5000)
+    assert head.HEAD > 5000
+
+
+def gathered(path, rows, choices):
+    """The samples of each channel, the beat, notes and findings of a file read in parts."""
+    with opened(path, "1kB", choices) as reader:
+        found = [[np.empty(0)] for _ in reader.heads]
+        for lost, columns in reader.pieces(rows):
+            for parts, values in zip(found, columns, strict=True):
+                parts += [np.full(lost, np.nan), values]
+        beat = reader.clock.beat()
+        return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_parts_are_the_whole(case, tmp_path):
+    make, choices = CASES[case]
+    path = make(tmp_path)
+    whole = al.read(path, **choices)
+    for rows in (4096, 7777):
+        found, beat, notes, findings = gathered(path, rows, choices)
+        for values, record in zip(found, whole, strict=True):
+            np.testing.assert_array_equal(values, record.values)
+        assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
+        assert beat.start == whole[0].start
+        assert notes == whole.notes
+        assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5), st.integers(1100, 12_000))
+def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, rows):
+    path = fields(tmp_path_factory.mktemp("gaps"), [(begin, begin + length) for begin, length in holes])
+    choices = {"unit": "deg/s", "time": "time_s"}
+    whole = al.read(path, **choices)
+    found, beat, _, findings = gathered(path, rows, choices)
+    for values, record in zip(found, whole, strict=True):
+        np.testing.assert_array_equal(values, record.values)
+    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-9)
+    assert [f.what for f in findings] == [f.what for f in whole.findings]
+
+
+@pytest.mark.parametrize("form", ["bag", "db3", "mcap"])
+def test_a_bag_is_read_in_parts(tmp_path, form):
+    bag_files = pytest.importorskip("bag_files", reason="pip install 'allanite[ros]'")
+    start, many = 1_700_000_000_999_999_990, 9000
+    values = np.random.default_rng(2).normal(size=(many, 6))
+    rows = [
+        (start + 10_000_000 * k, bag_files.packed(form, bag_files.imu(form, start + 10_000_000 * k, row, seq=k)))
+        for k, row in enumerate(values)
+        if not 6000 <= k < 6100
+    ]
+    path = bag_files.write(tmp_path, form, [bag_files.Topic("/imu", bag_files.IMU, rows)])
+    whole = al.read(path)
+    found, beat, _, findings = gathered(bag_files.file_of(path) if form != "bag" else path, 4096, {})
+    for values, record in zip(found, whole, strict=True):
+        np.testing.assert_array_equal(values, record.values)
+    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
+    # the whole of ROS 1 is counted by its header.seq, a part by its stamps
+    said = ([f.what.partition(", according to")[0] for f in all_] for all_ in (findings, whole.findings))
+    assert len(set(map(tuple, said))) == 1
+
+
+def test_a_long_gap_takes_no_memory(tmp_path):
+    time, values = np.arange(N) / RATE, noise()[:, 0]
+    time[20_000:] += 1500.0
+    path = npy(tmp_path, np.rec.fromarrays([time, values], names=["time_s", "gx"]))
+    with opened(path, "1kB", {"unit": "deg/s", "time": "time_s"}) as reader:
+        pieces = [(lost, columns[0].size) for lost, columns in reader.pieces(N)]
+    assert pieces == [(0, 20_000), (150_000, 10_000)]
+
+
+def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
+    time = np.arange(N) / RATE
+    time[20_000:] -= 150.0
+    path = npy(tmp_path, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
+    choices = {"unit": "deg/s", "time": "time_s"}
+    for rows, row in ((7000, 14_001), (5000, 20_001)):
+        with pytest.raises(DataError, match=f"from row {row} on: rows are out of order"):
+            gathered(path, rows, choices)
+    found, beat, notes, _ = gathered(path, 5000, choices | {"rate": RATE})
+    np.testing.assert_array_equal(found[0], noise()[:, 0])
+    assert beat.rate == RATE
+    assert any("the rows are assumed to be evenly spaced" in note for note in notes)
+
+
+def test_what_fits_is_read_as_a_whole(tmp_path):
+    path = npy(tmp_path, noise())
+    for memory in (None, "1TB", "7MB"):
+        with opened(path, memory, UNIT) as reader:
+            assert reader is None
+    with opened(path, "6MB", UNIT) as reader:
+        assert reader.rows == N
+
+
+def test_a_format_that_is_not_read_in_parts_is_refused_with_a_cure_that_works(tmp_path):
+    path = tmp_path / "a.csv"
+    np.savetxt(path, noise()[:, 0], header="gx [deg/s]", comments="")
+    with pytest.raises(UsageError, match=r"may take 5\.\d+ MB of memory, of which 1 MB may be used") as error:
+        opened(path, "1MB", UNIT).__enter__()
+    cure = str(error.value).partition("allow more with memory=")[2].strip("'")
+    with opened(path, cure, UNIT) as reader:
+        assert reader is None
+    with pytest.raises(UsageError, match="not read in parts"):
+        demand_memory(path, "1MB", UNIT)
+    demand_memory(path, cure, UNIT)
+
+
+def test_what_fits_by_its_rows_is_not_refused_by_its_size(tmp_path):
+    path = npy(tmp_path, np.column_stack([noise()] * 20))
+    some = UNIT | {"channels": ["1"]}
+    demand_memory(path, "3MB", some)  # 30000 samples of one channel
+    with opened(path, "3MB", some) as reader:
+        assert reader is None
+    with pytest.raises(UsageError, match=r"may take 2\.16 MB of memory.* and this job is not read in parts"):
+        demand_memory(path, "2MB", some)
+
+
+def test_every_format_with_parts_is_tried_here():
+    having = {name for name in READERS if hasattr(reader_named(name), "parts")}
+    assert having == {"numpy", "parquet", "hdf5", "bag", "raw"}
+
+
+@pytest.mark.parametrize("text", ["much", "0", "-1GB", "GB", ""])
+def test_a_size_is_a_number_of_bytes(text):
+    with pytest.raises(UsageError, match="a size such as 1GB or 500MB"):
+        bytes_of(text)
+
+
+def test_an_error_of_a_thread_comes_where_its_results_are_used():
+    def broken():
+        yield 1
+        raise DataError("no more")
+
+    items = ahead(broken())
+    assert next(items) == 1
+    with pytest.raises(DataError, match="no more"):
+        next(items)
+    with pytest.raises(ZeroDivisionError):
+        Later(lambda: 1 / 0)()
+
+
+def test_a_thread_ends_when_nobody_waits():
+    closed = []
+
+    def endless():
+        try:
+            while True:
+                yield Path()
+        finally:
+            closed.append(True)
+
+    items = ahead(endless())
+    next(items)
+    items.close()
+    assert closed == [True]

@@ -1,0 +1,237 @@
+"""Files that do not fit into memory: the numbers of the same file in memory, and what is refused by name."""
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+from allanite.reporting import page, table
+from allanite.study.recipe import Recipe
+from allanite.study.survey import Densities, Deviations, Windows, survey
+
+N = 200_000
+HOW = {"rate": 100.0, "unit": "deg/h"}
+PARTS = Recipe(**HOW, memory="100kB")
+WHOLE = Recipe(**HOW)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """Three channels: white noise with a random walk and two outliers, a gap, and one that is quiet."""
+    rng = np.random.default_rng(4)
+    values = 10 * rng.normal(size=(N, 3))
+    values[:, 0] += np.cumsum(0.02 * rng.normal(size=N))
+    values[[500, 150_000], 0] += (900.0, -700.0)
+    values[40_000:40_500, 1] = np.nan
+    path = tmp_path_factory.mktemp("large") / "three.npy"
+    np.save(path, values)
+    return path
+
+
+@pytest.fixture(autouse=True)
+def short_parts(monkeypatch):
+    monkeypatch.setattr("allanite.readers.formats.numpy_file.HEAD", 20_000)
+    monkeypatch.setattr("allanite.readers.parts.AT_ONCE", 90_000)
+
+
+def by_m(curve):
+    return dict(zip(curve.m.tolist(), curve.variance.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "tdev", "haar"])
+def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file, statistic):
+    settings_ = Deviations((statistic,), taus="octave", intervals=False)
+    mine, whole = (survey(file, settings_, recipe).values for recipe in (PARTS, WHOLE))
+    # windows with gaps are omitted
+    gapped = al.statistics.deviation(al.read(file, **HOW)[1], statistic, gaps="complete", noise=None)
+    for one, other in zip(mine, (whole[0], gapped.to(mine[1].unit), whole[2]), strict=True):
+        exact, known = by_m(other), by_m(one)
+        # a stream of mdev and tdev begins a window later after a gap than the whole
+        rel = 1e-4 if other.name == "column 2" and statistic in ("mdev", "tdev") else 1e-9
+        for m in (1, 2, 4, 8):
+            assert known[m] == pytest.approx(exact[m], rel=rel)
+        far = [m for m in known if m > 15 and m < N / 20]
+        assert [known[m] / exact[m] for m in far] == pytest.approx([1.0] * len(far), rel=0.1)
+
+
+@pytest.mark.parametrize("choice", ["mark", "keep"])
+def test_outliers_are_marked_or_kept(file, choice):
+    job = Deviations(m=(1, 2, 8), intervals=False)
+    mine, whole = (
+        survey(file, job, Recipe(**HOW, outliers=choice, memory=memory)).values[0] for memory in ("100kB", None)
+    )
+    assert mine.variance == pytest.approx(whole.variance, rel=1e-9)
+
+
+def test_spectra_are_those_of_the_whole(file):
+    mine, whole = (survey(file, Densities(segment=50.0), recipe).values for recipe in (PARTS, WHOLE))
+    for one, other in zip(mine, whole, strict=True):
+        np.testing.assert_allclose(one.density, other.density, rtol=1e-9)
+        np.testing.assert_allclose(one.dof, other.dof, rtol=1e-9)
+
+
+def test_the_study_has_the_coefficients_of_the_whole(file):
+    mine, whole = (al.analyze(file, recipe) for recipe in (PARTS, WHOLE))
+    for one, other in zip(mine, whole, strict=True):
+        found, known = one.fit["N"], other.fit["N"]
+        assert found.value == pytest.approx(known.value, rel=0.01)
+        assert one.record.size == other.record.size
+    assert mine["column 1"].fit["K"].value == pytest.approx(whole["column 1"].fit["K"].value, rel=0.3)
+    assert "outliers" in mine["column 1"].quality.names
+    assert "gaps" in mine["column 2"].quality.names
+    assert mine["column 3"].quality.names == ()
+    assert mine.provenance["sha256"] == whole.provenance["sha256"]
+
+
+def test_nothing_is_done_in_silence(file):
+    study = al.analyze(file, PARTS)
+    said = " ".join(table(study).split())
+    for words in (
+        "the file was read in parts: as a whole the record may take 43.2 MB of memory, of which 100 kB may be used",
+        "from those that start every 2^k samples",
+        "every sample was checked for gaps, outliers, stuck and clipped values",
+        "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals",
+    ):
+        assert words in said
+    assert al.from_dict(study.to_dict()).to_dict() == study.to_dict()
+    assert "read in parts" in page(study)
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.integers(3, 60_000))
+def test_the_length_of_the_parts_does_not_matter(file, samples):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("allanite.readers.parts.AT_ONCE", max(samples, 1000))
+        job = Deviations(m=(1, 3, 15, 128, 8192), intervals=False)
+        mine = survey(file, job, Recipe(**HOW, channels=("3",), memory="100kB", outliers="keep")).values[0]
+    values = np.load(file)[:, 2]
+    stream = al.Accumulator(100.0, "deg/h")
+    stream.push(values)
+    exact = by_m(stream.curve())
+    unit = mine.to("rad/s")
+    assert unit.variance.tolist() == pytest.approx([exact[m] for m in unit.m.tolist()], rel=1e-9)
+
+
+def test_a_window_is_cut(file):
+    job = Deviations(m=(1, 8), intervals=False)
+    choice = {**HOW, "start": 100.0, "until": 1500.0, "outliers": "keep"}
+    mine, whole = (survey(file, job, Recipe(**choice, memory=memory)) for memory in ("100kB", None))
+    for one, other in zip(mine, whole, strict=True):
+        assert one.record.size == other.record.size == 140_000
+        assert one.record.start == pytest.approx(100.0)
+    assert mine.values[0].variance == pytest.approx(whole.values[0].variance, rel=1e-9)
+    assert mine.values[2].variance == pytest.approx(whole.values[2].variance, rel=1e-9)
+
+
+def test_defects_are_found_wherever_they_are(tmp_path):
+    rng = np.random.default_rng(7)
+    values = rng.normal(size=(N, 3))
+    values[170_000:170_400, 0] = values[170_000, 0]
+    values[:, 1] = np.clip(values[:, 1], -2.5, 2.5)
+    values[:, 2] = 1.25
+    np.save(tmp_path / "bad.npy", values)
+    study = al.analyze(tmp_path / "bad.npy", PARTS)
+    assert "stuck" in study[0].quality.names
+    assert "clipped" in study[1].quality.names
+    assert "the signal never changes (always 1.25)" in study[2].refusal
+    assert "in 1 of 7 parts of the record, first: the output is stuck in 1 place, the first from 1700 s" in str(
+        next(f for f in study[0].quality.findings if f.name == "stuck")
+    )
+    np.save(tmp_path / "worse.npy", values[:, 2:])
+    with pytest.raises(DataError, match="never changes"):
+        al.analyze(tmp_path / "worse.npy", PARTS)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "words"),
+    [
+        ({"average": 1.0}, "no average: omit it, or allow more memory with memory="),
+        ({"quiet_window": 100.0}, "no quiet_window: omit it"),
+        ({"method": "gls"}, "no method 'gls': only 'whittle'"),
+        ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),
+        ({"taus": "all"}, "the averaging times of taus= log or octave"),
+        ({"taus": (1.0, 10.0)}, "no averaging time 1 s; .* the nearest 0.96 s and 1.04 s"),
+    ],
+)
+def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
+    with pytest.raises(UsageError, match=words):
+        al.analyze(file, Recipe(**HOW, memory="100kB", **recipe))
+    al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), **recipe))  # the cure
+
+
+@pytest.mark.parametrize(
+    ("job", "words"),
+    [
+        (Deviations(("adev",)), "no 'adev'"),
+        (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
+        (Deviations(edf="published"), "no edf= published"),
+        (Deviations(power_law=True), "no power_law= True"),
+        (Densities("multitaper"), "no estimator 'multitaper': choose welch"),
+        (Windows(), "no sliding windows"),
+    ],
+)
+def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
+    with pytest.raises(UsageError, match=words):
+        survey(file, job, PARTS)
+
+
+def test_segments_are_bounded(file, monkeypatch):
+    monkeypatch.setattr("allanite.statistics.spectra.welch.LONGEST", 4096)
+    with pytest.raises(UsageError, match=r"a segment of 50 s is 5000 samples.*segment= up to 40.96 s"):
+        survey(file, Densities(segment=50.0), PARTS)
+    assert survey(file, Densities(segment=40.96), PARTS).values[0].resolution > 0
+
+
+def run(*words):
+    result = CliRunner().invoke(main, [*map(str, words)])
+    return result.exit_code, " ".join((result.stdout + result.stderr).split())
+
+
+def test_the_command_line_takes_the_option(file, tmp_path):
+    how = ("--rate", "100", "--unit", "deg/h", "--memory", "100kB")
+    code, said = run("analyze", file, *how, "--json", tmp_path / "s.json", "--report", tmp_path / "s.html")
+    assert code == 0, said
+    assert "may be used (--memory)" in said
+    assert json.loads((tmp_path / "s.json").read_text())["recipe"]["memory"] == "100kB"
+    code, said = run("deviation", file, *how, "--statistic", "hdev")
+    assert code == 2
+    assert "choose one of oadev, mdev, tdev, ohdev, haar, or allow more memory with --memory" in said
+    for verb in (("spectrum", file, "--fit"), ("deviation", file, "--statistic", "mdev")):
+        code, said = run(*verb, *how)
+        assert code == 0, said
+    code, said = run("info", file, *how)
+    assert code == 2
+    assert re.search(r"the record may take 43.2 MB of memory, of which 100 kB may be used", said)
+    more = said.partition("allow more with --memory ")[2].split()[0]
+    assert run("info", file, *how[:4], "--memory", more)[0] == 0
+
+
+LIMITED = """
+import resource, sys
+import numpy, allanite as al
+from allanite.study.recipe import Recipe
+al.analyze(sys.argv[1], Recipe(rate=100.0, unit="deg/h", memory="1MB"))  # compiled code and libraries
+base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+al.analyze(sys.argv[2], Recipe(rate=100.0, unit="deg/h", memory="1MB"))
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base) // 1024)
+"""
+
+
+def test_memory_does_not_grow_with_the_file(tmp_path):
+    rng = np.random.default_rng(2)
+    for name, size in (("small", 3_000_000), ("large", 24_000_000)):
+        np.save(tmp_path / f"{name}.npy", rng.standard_normal(size, dtype=np.float32))
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, tmp_path / "small.npy", tmp_path / "large.npy"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert int(done.stdout) < 40  # MB more; the large file has 96 MB, and its samples as float64 192 MB
