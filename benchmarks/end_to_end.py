@@ -143,6 +143,7 @@ def main() -> int:
                 "seed 1",
                 f"{run.asked.samples} samples of six channels with stamps, {path.stat().st_size / 1e6:.0f} MB; "
                 f"pyarrow reads them in {read:.2f} s with one thread",
+                f"load of the machine by this and other programs: {os.getloadavg()[1]:.1f} on {os.cpu_count()} processors",
                 f"numpy.loadtxt and allantools.oadev at 100 averaging times, and nothing else: {peer:.1f} s",
             ),
             (
