@@ -43,8 +43,8 @@ STAGES = {
     "residuals and their tests": "identification/checks/residuals.py:residuals",
     "limits of curves": "core/curve.py:_limits",
     "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
-    "figures: their data and artists": "sheet.py:draw",
-    "figures: to SVG": "reporting/picture.py:svg",
+    "figures": "reporting/html.py:_picture",
+    "figures: to SVG": "reporting/picture.py:picture",
     "text for the terminal": "reporting/__init__.py:table",
 }
 """Functions whose time is listed: the end of a path, and a name; a stage may contain another."""
@@ -143,6 +143,7 @@ def main() -> int:
                 "seed 1",
                 f"{run.asked.samples} samples of six channels with stamps, {path.stat().st_size / 1e6:.0f} MB; "
                 f"pyarrow reads them in {read:.2f} s with one thread",
+                f"load of the machine, with other programs: {os.getloadavg()[1]:.1f} on {os.cpu_count()} processors",
                 f"numpy.loadtxt and allantools.oadev at 100 averaging times, and nothing else: {peer:.1f} s",
             ),
             (

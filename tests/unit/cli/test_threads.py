@@ -1,0 +1,50 @@
+"""The number of processors changes the time only."""
+
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import main
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "gyro.csv"
+    data = np.column_stack([np.arange(3000) / 10, np.random.default_rng(8).standard_normal((3000, 3))])
+    np.savetxt(path, data, delimiter=",", fmt="%.9g", header="time [s],x [deg/h],y [deg/h],z [deg/h]", comments="")
+    return str(path)
+
+
+def output(*arguments):
+    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    assert result.exit_code == 0, result.stderr
+    return result.stdout
+
+
+@pytest.mark.parametrize("verb", ["analyze", "info", "deviation", "spectrum"])
+def test_json_is_the_same(verb, file):
+    found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}
+    assert len(found) == 1
+
+
+def test_the_page_is_the_same(file, tmp_path):
+    found = set()
+    for threads in ("1", "2", "auto"):
+        output("analyze", file, "--quiet", "--report", tmp_path / "page.html", "--force", "--threads", threads)
+        page = (tmp_path / "page.html").read_text(encoding="utf-8")
+        found.add(re.sub(r"--threads \w+", "", page))
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("wrong", ["0", "-1", "many", "1.5"])
+def test_a_wrong_number_is_refused(wrong, file):
+    result = CliRunner().invoke(main, ["analyze", file, "--threads", wrong])
+    assert result.exit_code == 2
+    assert f"expected a number of processors, at least 1, or auto, not '{wrong}'" in result.stderr
+
+
+def test_a_recipe_may_hold_it(file, tmp_path):
+    (tmp_path / "two.toml").write_text("threads = 2\n", encoding="utf-8")
+    assert output("analyze", file, "--recipe", tmp_path / "two.toml") == output("analyze", file)
