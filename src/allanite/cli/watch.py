@@ -28,8 +28,9 @@ def watch(target: str, **choices: Any) -> None:
 
     Reads lines of numbers, a column for each channel, from a file that grows, a serial port, or datagrams sent to this
     machine, at --rate Hz and in --unit. Says every few seconds what is known of each channel and how much longer it
-    takes until more is; says at once when the sensor is moved, which is left out, or unplugged, which is a gap. Ctrl-C,
-    SIGTERM, --for or --idle end it, and the results of 'allanite analyze' are printed and written.
+    takes until more is; says at once when the sensor is moved, which is left out, or unplugged, which is a gap; when
+    its mean jumps; and that an outlier came, which is replaced. Ctrl-C, SIGTERM, --for or --idle end it, and the
+    results of 'allanite analyze' are printed and written.
     """
     from allanite.live.watching import Watch, WatchSettings
 

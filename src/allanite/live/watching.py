@@ -78,11 +78,10 @@ class Watch:
     _columns: tuple[dict[str, int], int | None] | None = None
 
     def __post_init__(self) -> None:
-        missing = [f"--{name}" for name in ("rate", "unit") if getattr(self.recipe, name) is None]
+        missing = [name for name in ("rate", "unit") if getattr(self.recipe, name) is None]
         if missing:
-            raise UsageError(f"a stream does not say its rate and unit: give {' and '.join(missing)}")
-        if self.recipe.kind == "angle":
-            raise UsageError("a stream of angles cannot be watched: send rates, increments or counts")
+            options = " and ".join(f"--{name}" for name in missing)
+            raise UsageError(f"a stream does not say its {' and '.join(missing)}: give {options}")
         self._stream("")  # impossible choices are refused now
 
     def events(self) -> Iterator[str]:
@@ -152,7 +151,8 @@ class Watch:
         made = self.recipe
         unit, rate = str(made.unit), float(made.rate or 0.0)
         scale = None if made.scale is None else float(made.scale)
-        return Accumulator(rate, unit, made.kind or "rate", scale=scale, name=name, statistic=made.statistic)
+        kind = "increment" if made.kind == "angle" else made.kind or "rate"  # a monitor takes differences
+        return Accumulator(rate, unit, kind, scale=scale, name=name, statistic=made.statistic)
 
     def _take(self, data: bytes) -> Iterator[str]:
         rows = self.lines.rows(data) if data else []
@@ -160,7 +160,8 @@ class Watch:
             return
         if self._columns is None:
             self._columns = places(self.lines, self.recipe.channels, self.recipe.time)
-            self.monitors |= {name: Monitor(self._stream(name)) for name in self._columns[0]}
+            points = self.recipe.kind == "angle"
+            self.monitors |= {name: Monitor(self._stream(name), points=points) for name in self._columns[0]}
         table = np.array(rows)
         clock = self._columns[1]
         cuts = [] if clock is None else self._gaps(table[:, clock])
@@ -168,10 +169,9 @@ class Watch:
         for at, lost in [*cuts, (len(table), 0)]:
             for name, column in self._columns[0].items():
                 monitor = self.monitors[name]
-                for one in monitor.push(table[begin:at, column]):
+                found = monitor.push(table[begin:at, column])
+                for one in found + (monitor.gap(lost) if lost else []):
                     yield say("{channel}: {reason}", channel=name, reason=str(one))
-                if lost:
-                    monitor.gap(lost)
             begin = at
 
     def _gaps(self, stamps: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[tuple[int, int]]:
@@ -199,8 +199,9 @@ class Watch:
             except DataError:
                 continue
             lost = round((time.monotonic() - begun) * float(self.recipe.rate or 0.0))
-            for monitor in self.monitors.values():
-                monitor.gap(lost)
+            for name, monitor in self.monitors.items():
+                for one in monitor.gap(lost):
+                    yield say("{channel}: {reason}", channel=name, reason=str(one))
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             break
         return feed

@@ -17,7 +17,7 @@ from allanite.statistics.table import STATISTICS
 
 from .sums import Sums
 
-WAITING = 256
+WAITING = 320
 """Samples that wait until there are more: what comes in short chunks is added together."""
 
 

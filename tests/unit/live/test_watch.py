@@ -150,6 +150,56 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     assert al.from_dict(study.to_dict()).channels[1].fit["N"].value == study["y"].fit["N"].value
 
 
+def watched(values, rate=100.0, unit="deg/h", kind=None):
+    """Everything that is said of these values, and the study."""
+    watch = Watch("-", al.Recipe(rate=rate, unit=unit, kind=kind), WatchSettings())
+    text = "".join(f"{value!r}\n" for value in np.asarray(values).tolist()).encode()
+    said = [words for at in range(0, len(text), 9973) for words in watch._take(text[at : at + 9973])]
+    return said, watch.study()[0]
+
+
+@pytest.mark.parametrize("at", [7, 33_333])
+def test_outliers_are_replaced_counted_and_said(at):
+    clean = np.random.default_rng(3).normal(size=60_000)
+    spiky = clean.copy()
+    spiky[[at, 40_000, 55_555]] += 1000.0, -8.0, 3000.0
+    said, channel = watched(spiky)
+    assert [words for words in said if "outlier" in words] == [
+        f"0: outlier at {at / 100:.6g} s; it is replaced, and so are further ones"
+    ]
+    (finding,) = [one for one in channel.quality.findings if one.name == "outliers"]
+    assert finding.what == f"3 outliers, the first at {at / 100:.6g} s, are replaced by the medians of their blocks"
+    (_, plain) = watched(clean)
+    assert "outliers" not in plain.quality.names
+    np.testing.assert_allclose(channel.curve.deviation, plain.curve.deviation, rtol=0.02)
+    np.testing.assert_array_equal(channel.curve.count, plain.curve.count)
+    assert "moving" not in channel.quality.names
+    assert "gaps" not in channel.quality.names
+
+
+def test_a_step_is_said_when_it_comes_and_noise_has_none():
+    noise = al.simulate(al.N(1, "deg/h*sqrt(s)") + al.B(0.3, "deg/h") + al.K(1, "deg/h/sqrt(h)"), 200_000, 100.0,
+                        rng=np.random.default_rng(4))  # fmt: skip
+    values = np.rad2deg(noise.values) * 3600
+    assert watched(values)[0] == []
+    values[123_450:] += 15.0
+    said, channel = watched(values)
+    assert len(said) == 1
+    assert said[0].startswith("0: the mean jumps at 1234 s, by ")
+    assert "analyze what was recorded before it and after it separately" in said[0]
+    (finding,) = [one for one in channel.quality.findings if one.name == "step"]
+    assert finding.place == (1234.0, 1235.0)
+
+
+def test_an_angle_is_watched_as_its_steps():
+    rates = np.random.default_rng(5).normal(size=30_000)
+    angle = np.concatenate(([5.0], 5.0 + np.cumsum(rates) / 100.0))
+    (_, channel), (_, plain) = watched(angle, unit="deg", kind="angle"), watched(rates, unit="deg/s")
+    assert channel.curve.m.size == plain.curve.m.size
+    np.testing.assert_allclose(channel.curve.deviation, plain.curve.deviation, rtol=1e-9)
+    np.testing.assert_allclose(channel.fit["N"].value, plain.fit["N"].value, rtol=1e-6)
+
+
 def test_it_foretells_when_more_is_known():
     model = al.N(1, "deg/h*sqrt(s)") + al.B(1, "deg/h")
     record = al.simulate(model, 60_000, 10.0, rng=np.random.default_rng(1))
@@ -183,8 +233,9 @@ def test_choices_are_refused_before_anything_is_read(tmp_path):
     path = tmp_path / "log.txt"
     path.write_text("1 2\n3 4\n")
     for options, says in (
-        (["--rate", "1"], "give --unit"),
-        ([*HOW, "--kind", "angle"], "angles cannot be watched"),
+        (["--rate", "1"], "a stream does not say its unit: give --unit"),
+        (["--unit", "deg/h"], "a stream does not say its rate: give --rate"),
+        ([], "a stream does not say its rate and unit: give --rate and --unit"),
         ([*HOW, "--statistic", "theo1"], "a stream has no 'theo1'"),
         ([*HOW, "--channels", "7", "--idle", "0.1"], "no column '7'; its columns: 0, 1"),
         ([*HOW, "--idle", "0.1"], "2 samples are too few"),
