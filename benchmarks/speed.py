@@ -134,11 +134,11 @@ HELD = """
 ## What holds back what is missed
 
 The in-cache bound is u times the differences: one difference at a time, its three or four points loaded from the
-first-level cache and its four or five operations (benchmarks/incache.py). Jobs include the integration of the rate, about
-4 ms, of which half is new memory.
+first-level cache and its four or five operations (benchmarks/incache.py). Jobs include the integration of the rate,
+about 4 ms, of which half is new memory.
 
 - oadev, ohdev: up to m of 256 four tau share a point, above four differences of a row share theirs: up to m of 32768 a
-  difference takes 0.9 to 1.1 u. The rows of larger m do not fit the second-level cache (2 MB): 30 of 100 tau, a fifth of
+  difference takes 0.9 to 1.1 u. Rows of larger m do not fit the second-level cache (2 MB): 30 of 100 tau, a fifth of
   the differences, take 2 to 2.4 u, which is reading 8 bytes a difference from the third-level cache at 20 to 30 GB/s.
 - mdev: as ohdev of the running sum of the angle. For its digits this sum is made anew for every factor of 8 in m, in
   segments of 64 m that overlap by up to 24 m: seven passes of 1 to 1.5 ns a sample, a third of the time.
