@@ -102,7 +102,7 @@ SLOW = {
     "oadev at 100 tau": f"0.69 of the in-cache bound instead of 0.8, 0.77 at a lower load: {FAR}",
     "ohdev at 100 tau": f"0.75 of the in-cache bound instead of 0.8, 0.82 at a lower load: {FAR}",
     "mdev at 100 tau": "0.46 of the in-cache bound instead of 0.8: running sums are made anew every three octaves",
-    "whole analysis": "9.4 times instead of 6: 7.8 before the overlapped Allan became faster; tests and limits are the rest",
+    "whole analysis": "9.4 times instead of 6: 7.8 before the overlapped Allan became faster",
     "`allanite --help`": "2.4 times instead of 2.2",
 }
 """Rows of the table that are missed, and why."""
