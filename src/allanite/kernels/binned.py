@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-FAST = {"reassoc", "nsz", "contract", "nnan"}
+FAST = {"reassoc", "nsz", "contract"}
 
 swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 
@@ -11,22 +11,33 @@ BLOCK = 1024
 """Coefficients that are summed before they are added to the rest of their bin: rounding grows with neither."""
 
 
+SIZE = np.int64(0x7FFF_FFFF_FFFF_FFFF)
+"""The bits of a number without its sign: as integers they are ordered as the sizes are, and compared side by side."""
+
+
 @swift
 def _block(c):  # type: ignore[no-untyped-def]
-    """Sum of squares, largest square, sums of the first, third .. and of the second, fourth .. of some coefficients."""
-    squares = peak = first = second = 0.0
+    """Sum of squares, sums of the first, third .. and of the second, fourth .. of some coefficients."""
+    squares = first = second = 0.0
     for i in range(c.size // 2):
         a, b = c[2 * i], c[2 * i + 1]
         first += a
         second += b
         squares += a * a + b * b
-        peak = max(peak, a * a, b * b)
     if c.size % 2:
         a = c[-1]
         first += a
         squares += a * a
-        peak = max(peak, a * a)
-    return squares, peak, first, second
+    return squares, first, second
+
+
+@swift
+def _largest(bits):  # type: ignore[no-untyped-def]
+    """Bits of the largest of some numbers, without its sign."""
+    found = np.int64(0)
+    for i in range(bits.size):
+        found = max(found, bits[i] & SIZE)
+    return found
 
 
 @swift
@@ -35,21 +46,35 @@ def binned(c, edges):  # type: ignore[no-untyped-def]
 
     Shapes (edges - 1,), the indices as floats; no bin is empty.
     """
-    result = np.zeros((5, edges.size - 1))
+    result, bits = np.zeros((5, edges.size - 1)), c.view(np.int64)
     for j in range(edges.size - 1):
-        at = edges[j]
+        at, most = edges[j], np.int64(0)
         for start in range(edges[j], edges[j + 1], BLOCK):
-            squares, peak, first, second = _block(c[start : min(start + BLOCK, edges[j + 1])])
+            stop = min(start + BLOCK, edges[j + 1])
+            squares, first, second = _block(c[start:stop])
             result[0, j] += squares
             result[3 + start % 2, j] += first
             result[4 - start % 2, j] += second
-            if peak > result[1, j]:
-                result[1, j], at = peak, start
-        while c[at] * c[at] < result[1, j]:
+            largest = _largest(bits[start:stop])
+            if largest > most:
+                most, at = largest, start
+        while (bits[at] & SIZE) < most:
             at += 1
         result[0, j] /= edges[j + 1] - edges[j]
+        result[1, j] = c[at] * c[at]
         result[2, j] = at
     return result
+
+
+@swift
+def less_constant(values, constant):  # type: ignore[no-untyped-def]
+    """Values less a constant, float64, and their sum, which is finite if all of them are."""
+    y = np.empty(values.size)
+    total = 0.0
+    for i in range(values.size):
+        y[i] = values[i] - constant
+        total += y[i]
+    return y, total
 
 
 @swift

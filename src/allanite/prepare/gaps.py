@@ -81,10 +81,15 @@ def whole(size: int) -> Gaps:
 
 def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
     """Rates in the record's unit, joined over the gaps; the gaps; indices of the remaining samples (None: all)."""
+    from allanite.kernels.binned import less_constant
+
     values = record.values
-    if values.dtype.kind != "f" or np.isfinite(values.sum()):
-        steps = np.diff(values) if record.kind == "angle" else values - record.constant
-        return np.asarray(steps, dtype=np.float64), whole(steps.size), None
+    if record.kind != "angle":
+        y, total = less_constant(values, record.constant)
+        if np.isfinite(total):
+            return y, whole(y.size), None
+    elif values.dtype.kind != "f" or np.isfinite(values.sum()):
+        return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
     there = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
         return _stepped(values[there], there[:-1], np.diff(there))
