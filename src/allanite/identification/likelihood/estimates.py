@@ -70,16 +70,22 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class LawLimits:
-    """Limits of a noise term, in SI; 0 and infinity where nothing is known."""
+    """Limits of a noise term, in SI; 0 and infinity where nothing is known.
+
+    They always include the `value`. Limits are averaged over more models than the value is (Akaike's penalty instead of
+    Schwarz's), so that without this a value could lie outside where two terms can replace each other.
+    """
 
     symbol: str
     law: Law | None
     scale: Scale
+    value: float | None = None
 
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""
-        low, high = self.law.limits(level) if self.law else (0.0, math.inf)
-        return self.scale.coefficient_of(self.symbol, low), self.scale.coefficient_of(self.symbol, high)
+        ends = self.law.limits(level) if self.law else (0.0, math.inf)
+        low, high = (self.scale.coefficient_of(self.symbol, end) for end in ends)
+        return (low, high) if self.value is None else (min(low, self.value), max(high, self.value))
 
     def upper(self, level: float) -> float:
         """One-sided upper limit."""
@@ -93,6 +99,8 @@ def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estim
     limits, upper = Remembered(law), Remembered(law.upper)
     median = scale.coefficient_of(symbol, valued.quantile(0.5)) if valued else None
     claimed = found.chosen.free[which] and found.profile(which).excludes_zero() and limits(0.95)[0] > 0
+    if claimed:
+        limits = Remembered(replace(law, value=median))
     if not claimed or limited is None or median is None:
         return _absent(symbol, scale, upper, limits, median)
     # the lower limit is not beyond two standard errors
