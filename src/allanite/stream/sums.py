@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 TAIL = {2: 32, 3: 48}
 """Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""
 
-BLOCK = 1 << 15
+BLOCK = 1 << 16
 """Samples that are taken at a time, while the cache has them."""
 
 
