@@ -11,7 +11,8 @@ BLOCK = 2048
 def looked(y):  # type: ignore[no-untyped-def]
     """Number of finite values, the extremes, how often the more frequent one occurs, the longest run of neighbours.
 
-    A run is one of equal values, and its length that of their steps. Values are looked at one by one only in blocks with new extremes, equal neighbours, or missing values.
+    A run is one of equal values, and its length that of their steps. Values are looked at one by one only in blocks
+    with new extremes, equal neighbours, or missing values.
     """
     low, high = np.inf, -np.inf
     lows = highs = left = longest = run = 0
