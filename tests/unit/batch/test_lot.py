@@ -1,5 +1,6 @@
 """A lot: what is read from stored results is what the analysis of the files gives, and its tests keep their level."""
 
+import pickle
 import shutil
 
 import numpy as np
@@ -15,6 +16,7 @@ from allanite.batch.scatter import Trend, outliers, slope_of
 from allanite.cli import main
 from allanite.core.language import say, say_count
 from allanite.reporting import to_csv
+from allanite.study.analysis import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
 SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]
