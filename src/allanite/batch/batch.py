@@ -41,7 +41,8 @@ class BatchUnit(Value):
     @property
     def channels(self) -> tuple[Channel, ...]:
         """The results of its channels."""
-        return () if self.study is None else self.study.channels
+        study = self.study
+        return () if study is None else study.channels
 
     def _summary(self) -> str:
         return f"{self.file!r}: {self.error or self.outcome or 'analyzed'}"

@@ -22,6 +22,7 @@ from .manifest import DATE, TEMPERATURE
 from .scatter import Distribution, Outlying, Trend, outliers, slope_of
 from .sources import PathLike
 from .specification import Specification
+from .spool import Spool, spooled
 from .status import DONE, OPEN
 from .store import Store
 
@@ -109,7 +110,8 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     wanted = limits if limits is None or isinstance(limits, Specification) else Specification.load(limits)
     store = Store.opened(results)
     rows, about = store.files()
-    units = tuple(_unit(row, store, wanted) for row in rows)
+    spool = Spool()
+    units = tuple(spooled(_unit(row, store, wanted), spool) for row in rows)
     if all(unit.error for unit in units):
         raise DataError(f"no file has a result in {str(store.folder)!r}; the first one: {units[0].file}: "
                         f"{units[0].error}")  # fmt: skip

@@ -183,11 +183,8 @@ class Accumulator:
                 f"a part that begins at sample {other.start} cannot follow one that ends at {self.stop}; merge the "
                 "parts in their order, and give each its start=..."
             )
-        other, mine = deepcopy(other), self.sums
-        if mine.size:
-            mine.merge(other.sums)
-        else:
-            self._sums = other.sums
+        other = deepcopy(other)
+        self.sums.merge(other.sums)
         self.last = other.last
 
     def curve(self, noise: "ModelLike | Fit | None" = None) -> Curve:

@@ -1,6 +1,7 @@
 """The sums of a stream, to which stretches of samples and later parts of the stream are added."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,13 @@ from allanite.statistics.row import Statistic
 from .cells import Cells
 from .lapped import folded
 
+if TYPE_CHECKING:
+    from allanite.kernels.ladder import State
+
 TAIL = {2: 32, 3: 48}
 """Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""
 
-BLOCK = 1 << 15
+BLOCK = 1 << 16
 """Samples that are taken at a time, while the cache has them."""
 
 
@@ -22,19 +26,21 @@ class Sums:
     """The sums of the differences of a statistic over samples `begins` .. `stop` of a stream.
 
     Samples are added less the first of them, `constant`, of which the sums do not depend. `size` is their number
-    without missing ones; `cells` are the sums over longer times that the coefficients need.
+    without missing ones; `cells` are the sums over longer times that the coefficients need. `led` says whether a point
+    stands before the first sample, with which differences of the running sum of the angle begin.
     """
 
     def __init__(self, row: Statistic, start: int) -> None:
-        from allanite.kernels.ladder import HOP, empty
+        from allanite.kernels.ladder import HOP
 
         self.row = row
-        self.state = empty(2 if row.summed else 1, TAIL[row.differences])
+        self.state = self._empty()
         self.shape = row.differences, folded(HOP)
         self.cells = Cells()
-        self.begins = self.stop = start
+        self.start = self.begins = self.stop = start
         self.size = 0
         self.constant = 0.0
+        self.led = False
 
     @property
     def nbytes(self) -> int:
@@ -46,17 +52,29 @@ class Sums:
         for at in range(0, values.size, BLOCK):
             self._push(values[at : at + BLOCK])
 
+    @property
+    def _end(self) -> int:
+        """Place after the last sample that is not missing."""
+        return int(self.state.at[0]) - self.row.summed
+
     def merge(self, other: "Sums") -> None:
         """Add those of a later part of the stream, which are changed."""
         from allanite.kernels.streamed import apart, join
 
         if other.size:
-            other._less(self.constant)
-            if other.begins == self.stop:
-                join(self.state, other.state, self.shape)
+            joined = other.begins == (self._end if self.size else self.start)
+            if not (joined or other.led):
+                other._led()
+            if not self.size:
+                self.state, self.cells, self.constant = other.state, other.cells, other.constant
+                self.begins, self.led = other.begins, other.led
             else:
-                apart(self.state, other.state)
-            self.cells.merge(other.cells)
+                other._less(self.constant)
+                if joined:
+                    join(self.state, other.state, self.shape)
+                else:
+                    apart(self.state, other.state)
+                self.cells.merge(other.cells)
             self.size += other.size
         self.stop = other.stop
 
@@ -73,24 +91,51 @@ class Sums:
         """Add samples, if all of them are finite."""
         from allanite.kernels.streamed import broken, push
 
-        state, place = self.state, self.stop + self.row.summed
+        place, first = self.stop + self.row.summed, float(values[0])
         if not self.size:
-            if not math.isfinite(values[0]):
+            if not math.isfinite(first):
                 return False
-            self.begins, self.constant = self.stop, float(values[0])
-            state.at[0] = place
-            if self.row.summed and not self.stop:
-                # the sum of the angle has one point more than the angle: its first window begins a sample before
-                state.at[0] = 0
-                push(state, values[:1], self.constant, self.shape)
-        elif state.at[0] != place:
-            broken(state, place)
-        if not push(state, values, self.constant, self.shape):
+            self.state = self._empty()  # without what has been put there, if only the first samples were finite
+            self.state.at[0], self.begins, self.constant = place, self.stop, first
+            self.led = self.stop == 0 or self.stop > self.start
+            if self.led:
+                self._lead(self.state, first)
+        elif self.state.at[0] != place:
+            broken(self.state, place)
+            self._lead(self.state, first)
+        if not push(self.state, values, self.constant, self.shape):
             return False
         self.cells.add(values, self.constant, self.stop)
         self.size += values.size
         self.stop += values.size
         return True
+
+    def _lead(self, state: "State", value: float) -> None:
+        """Put a value before the next sample: the sum of the angle has one point more than the angle.
+
+        That sample is missing, or before the record. No difference depends on the value.
+        """
+        from allanite.kernels.streamed import push
+
+        if self.row.summed:
+            state.at[0] -= 1
+            push(state, np.array([value]), self.constant, self.shape)
+
+    def _led(self) -> None:
+        """Put a value before the first sample, where what came before it is known to be missing."""
+        from allanite.kernels.streamed import join
+
+        if self.row.summed:
+            state = self._empty()
+            state.at[0] = self.begins + 1
+            self._lead(state, float(self.state.head[0, 0, 0]) + self.constant)
+            join(state, self.state, self.shape)
+            self.state, self.led = state, True
+
+    def _empty(self) -> "State":
+        from allanite.kernels.ladder import empty
+
+        return empty(2 if self.row.summed else 1, TAIL[self.row.differences])
 
     def _less(self, constant: float) -> None:
         """Count from another constant."""

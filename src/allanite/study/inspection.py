@@ -60,12 +60,11 @@ class Inspection:
         """Look at a part that begins at a place of the whole; the indices of its outliers."""
         from allanite.kernels.passing import looked
 
-        left = int(np.isfinite(steps).sum()) if not np.isfinite(steps.sum()) else steps.size
+        left, low, high, ends, run = looked(steps)
         self.lost += steps.size - left
         self.parts += 1
         if left < FEWEST:
             return NONE
-        low, high, ends, run = looked(steps)
         self._change(float(low), float(high))
         view = self._view(steps, place)
         # shorter runs, and fewer equal extremes, are never reported

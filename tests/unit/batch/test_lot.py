@@ -1,5 +1,6 @@
 """A lot: what is read from stored results is what the analysis of the files gives, and its tests keep their level."""
 
+import pickle
 import shutil
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import allanite as al
+from allanite.batch.batch import BatchUnit
 from allanite.batch.lot import read_lot
 from allanite.batch.phrases import dumps, loads
 from allanite.batch.records import run_batch
@@ -14,6 +16,7 @@ from allanite.batch.scatter import Trend, outliers, slope_of
 from allanite.cli import main
 from allanite.core.language import say, say_count
 from allanite.reporting import to_csv
+from allanite.study.analysis import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
 SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]
@@ -118,3 +121,14 @@ def test_a_stored_phrase_is_still_one():
     phrase = say("{what}: {n}", what=say("minimum"), n=np.int64(3))
     assert loads(dumps([phrase]))[0].fields["what"].templates == ("minimum",)
     assert loads(dumps(say_count(2, "{count} sample", "{count} samples"))) == "2 samples"
+
+
+def test_a_unit_of_a_lot_holds_no_study_and_is_stored_and_pickled_as_any_other(folder):
+    lot = read_lot(folder / "few", LIMITS)
+    unit = next(unit for unit in lot.batch if not unit.error)
+    assert not any(isinstance(held, Study) for held in vars(unit).values())
+    again = pickle.loads(pickle.dumps(unit))
+    assert type(again) is BatchUnit
+    assert again.to_dict() == unit.to_dict() == BatchUnit.from_dict(unit.to_dict()).to_dict()
+    assert unit.study.channels[0].fit["N"].value == again.study.channels[0].fit["N"].value
+    assert type(lot).from_dict(lot.to_dict()).to_dict() == lot.to_dict()

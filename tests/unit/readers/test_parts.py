@@ -1,5 +1,6 @@
 """Files read in parts: the samples, rate, names, notes and findings of the same file read as a whole."""
 
+import hashlib
 from pathlib import Path
 
 import h5py
@@ -17,6 +18,7 @@ from allanite.readers.columns import parts as head
 from allanite.readers.formats.table import READERS, reader_named
 from allanite.readers.memory import bytes_of
 from allanite.readers.parts import demand_memory, opened, whole_findings
+from allanite.readers.sandbox.source import digest_of
 
 N = 30_000
 RATE = 100.0
@@ -272,3 +274,10 @@ def test_a_thread_ends_when_nobody_waits():
     next(items)
     items.close()
     assert closed == [True]
+
+
+@pytest.mark.parametrize("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])
+def test_digest_is_that_of_the_whole_file(size, tmp_path):
+    content = np.random.default_rng(size).bytes(size)
+    (tmp_path / "file").write_bytes(content)
+    assert digest_of(str(tmp_path / "file")) == hashlib.sha256(content).hexdigest()

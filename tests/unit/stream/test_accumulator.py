@@ -30,18 +30,18 @@ def literal_sums(statistic, **made):
 
 def literal(values, statistic, q, level):
     """Sum of the squared differences over m = q 2^level at every 2^level-th point, and how many; complete ones only."""
-    order = 2 if statistic in ("oadev", "haar") else 3
+    order, ends = 2 if statistic in ("oadev", "haar") else 3, 0
     there = np.isfinite(values)
     rest = np.where(there, values - np.nanmean(values), 0.0)
     x, lost = np.concatenate(([0.0], np.cumsum(rest))), np.concatenate(([0], np.cumsum(~there)))
     if statistic in ("mdev", "tdev"):
-        x = np.concatenate(([0.0], np.cumsum(x)))
-        assert there.all()
-        lost = np.zeros(x.size)
+        # the window from point k of the sum takes x from k to k + 3 m - 1, and no sample before the k-th
+        x, lost = np.concatenate(([0.0], np.cumsum(x))), np.concatenate((lost, lost[-1:]))
+        ends = -1
     m, step = q << level, 1 << level
     at = np.arange(0, x.size - order * m, step)
     total = sum((-1) ** k * comb(order, k) * x[at + k * m] for k in range(order + 1))
-    whole = lost[at + order * m] == lost[at]
+    whole = lost[at + order * m + ends] == lost[at]
     return float((total[whole] ** 2).sum()), int(whole.sum())
 
 
@@ -101,27 +101,50 @@ def test_parts_merged_in_any_order_are_one_stream(statistic, cuts, data):
     agree(parts[0], statistic, bias=50.0)
 
 
-@settings(max_examples=20, deadline=None)
-@given(cuts=places, gaps=st.lists(st.tuples(st.integers(0, N - 1), st.integers(1, 40)), max_size=5))
-def test_windows_with_missing_samples_are_omitted(cuts, gaps):
+holes = st.lists(st.tuples(st.integers(0, N - 1), st.integers(1, 40)), max_size=5)
+
+
+def with_holes(holes):
     values = noise()
-    for at, length in gaps:
+    for at, length in holes:
         values[at : at + length] = np.nan
-    stream = stream_of(values, "ohdev", cuts=cuts)
-    agree_with_gaps = [i for i in range(60) if stream.sums.state.counts[i]]
-    for i in agree_with_gaps:
+    return values
+
+
+@pytest.mark.parametrize("statistic", streamable())
+@settings(max_examples=20, deadline=None)
+@given(cuts=places, holes=holes)
+def test_windows_with_missing_samples_are_omitted(statistic, cuts, holes):
+    values = with_holes(holes)
+    stream = stream_of(values, statistic, cuts=cuts)
+    for i in range(60):
         q, level = (int(part[i]) for part in grid())
-        total, count = literal(values, "ohdev", q, level)
+        total, count = literal(values, statistic, q, level)
         assert (stream.sums.state.counts[i], stream.sums.state.sums[i]) == (count, pytest.approx(total, rel=1e-9))
     assert stream.missing == np.isnan(values).sum()
 
 
-def test_merge_over_a_gap_is_a_stream_with_missing_samples():
+@pytest.mark.parametrize("statistic", streamable())
+@pytest.mark.parametrize("holes", [[(0, 7)], [(3, 1)], [(50, 1), (52, 1), (700, 64)], [(2990, 10)]])
+def test_curve_is_that_of_the_record_without_incomplete_windows(statistic, holes):
+    values = with_holes(holes)
+    record = al.Record(values, RATE, "deg/h")
+    batch = al.deviation(record, statistic, m=range(1, 16), noise=None, gaps="complete")
+    for cuts in ((), (1, 51, 699)):
+        curve = stream_of(values, statistic, cuts=cuts).curve()
+        np.testing.assert_array_equal(curve.count[:15], batch.count)
+        np.testing.assert_allclose(curve.deviation[:15], batch.deviation, rtol=1e-9)
+
+
+@pytest.mark.parametrize("statistic", streamable())
+@pytest.mark.parametrize("at", [0, 1000])
+def test_merge_over_a_gap_is_a_stream_with_missing_samples(statistic, at):
     values = noise()
-    values[1000:1100] = np.nan
-    first, second = stream_of(values[:1000]), stream_of(values[1100:], start=1100)
+    values[at : at + 99] = np.nan
+    first, second = stream_of(values[:at], statistic), stream_of(values[at + 99 :], statistic, start=at + 99)
+    first.merge(stream_of(values[at : at + 99], statistic, start=at))
     first.merge(second)
-    same(first, stream_of(values))
+    same(first, stream_of(values, statistic))
 
 
 def test_merge_does_not_change_the_part_that_is_added():

@@ -53,7 +53,7 @@ CAPTION = say("The Allan deviation of all units; those that exceed a limit are i
 
 
 def _face(batch: Batch, level: float) -> Face:
-    fits = [channel.fit for unit in batch for channel in unit.channels if channel.fit]
+    fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
     return Face(
         say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
         say("noise coefficients of inertial sensors"),
@@ -151,16 +151,20 @@ def _signals(batch: Batch) -> list[Signal]:
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
     """A row for each channel of each unit: coefficients in the units of data sheets."""
-    rows = [(unit, c) for unit in batch for c in unit.channels if c.record.signal is signal]
-    symbols = list(dict.fromkeys(e.symbol for _, c in rows for e in c.fit or ()))
+    symbols = list(dict.fromkeys(e.symbol for _, c in _of(batch, signal) for e in c.fit or ()))
     heads = [Column(say("file"), "name"), Column(say("channel"), "name")]
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
     heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
     heads += [Column(say("result"), "name")] if batch.specification else []
-    cells = [_row(batch, unit, channel, symbols, level) for unit, channel in rows]
-    marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in rows]
+    cells = [_row(batch, unit, channel, symbols, level) for unit, channel in _of(batch, signal)]
+    marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in _of(batch, signal)]
     title = say("units: {sensor}", sensor=words.SENSORS[signal.name])
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
+
+
+def _of(batch: Batch, signal: Signal) -> Iterator[tuple[BatchUnit, Channel]]:
+    """The channels of a kind of sensor, one after the other: a lot may be too large to hold all of them."""
+    return ((unit, c) for unit in batch for c in unit.channels if c.record.signal is signal)
 
 
 def _outcome(unit: BatchUnit, channel: Channel) -> str:
