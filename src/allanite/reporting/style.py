@@ -111,7 +111,9 @@ def _settings(lang: str) -> dict[str, Any]:
         mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
         if lang in fonts.FURTHER:
             mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
-        return dict(cast(Any, mpl.rcParams))
+        settings = dict(cast(Any, mpl.rcParams.copy()))  # asking the original for its backend imports pyplot
+        del settings["backend"]
+        return settings
 
 
 def _translate(figure: Figure) -> None:

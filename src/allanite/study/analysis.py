@@ -20,6 +20,7 @@ from allanite.statistics.readings import readings
 
 from .channels import Inspected, Job, Progress, Source, run
 from .gathering import STRIDES, Streams, chosen, demand_grid
+from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import Recipe
@@ -184,10 +185,10 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
         read = readings(seen.record, curve if usual else None)
         return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 
-    with in_parts(source, recipe) as reader:
+    with importing(IDENTIFICATION), in_parts(source, recipe) as reader:
         if reader is not None:
             return _analyzed_in_parts(reader, recipe, progress)
-    return run(Study, source, recipe, work, Channel.refused, progress=progress)
+        return run(Study, source, recipe, work, Channel.refused, progress=progress)
 
 
 def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:
