@@ -24,6 +24,7 @@ from allanite.terms import TERMS
 
 from . import fonts
 from .language import ENGLISH, spoken, tr
+from .measure import measured
 from .sheet import printable
 from .ticks import drawn_at_once
 
@@ -196,7 +197,7 @@ def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
 def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
     """The figure as png, svg or pdf; with `text`, an svg keeps its letters as text and needs a font to show them."""
     buffer = io.BytesIO()
-    with look(), drawn_at_once(figure):
+    with look(), drawn_at_once(figure, measured if form == "svg" else None):
         mpl.rcParams["svg.fonttype"] = "none" if text else "path"
         figure.savefig(buffer, format=form, metadata=FORMATS[form])
     return buffer.getvalue()

@@ -24,6 +24,7 @@ from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import Recipe
+from .shares import how_many
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,7 +109,8 @@ class Study(Job[Channel]):
         records = tuple(c.record for c in self.channels if c.record.name in fits and isinstance(c.record, Record))
         if len(records) < 2 or len({record.size for record in records}) > 1:
             return self.common
-        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark")
+        threads = how_many(len(records), max(record.size for record in records))
+        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark", threads=threads)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
