@@ -26,8 +26,9 @@ def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def less_parabola(x, start, step, constant, line, square):  # type: ignore[no-untyped-def]
-    """The samples less constant + line u + square u^2, u = start + step i."""
+def less_parabola(x, start, step, factors):  # type: ignore[no-untyped-def]
+    """The samples less constant + line u + square u^2, with these three factors, u = start + step i."""
+    constant, line, square = factors
     z = np.empty(x.size)
     for i in range(x.size):
         u = start + step * i

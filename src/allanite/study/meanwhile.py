@@ -1,7 +1,7 @@
 """Modules imported while a file is read: most of a job's start, on a processor that has nothing else to do.
 
-One thread imports at a time. What it imports does not import what the reading thread does, so that neither waits for the
-other. It has ended when a process is forked.
+One thread imports at a time. What it imports does not import what the reading thread does, so that neither waits for
+the other. It has ended when a process is forked.
 """
 
 from collections.abc import Iterator, Sequence

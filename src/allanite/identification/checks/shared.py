@@ -24,9 +24,7 @@ SIGMAS, MATTERS = 5.0, 0.05
 """Standard errors, and size, above which a correlation is reported."""
 
 
-def shared(
-    recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark", threads: int = 1
-) -> Shared:
+def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark", threads: int = 1) -> Shared:
     """Correlations between the residuals of channels, which separate models of the channels cannot describe.
 
     Parameters

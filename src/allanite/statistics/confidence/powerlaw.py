@@ -150,7 +150,7 @@ def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
     line, square = np.linalg.solve(gram, right).tolist()
     constants = [piece.x[0] + x - line * u - square * uu for piece, (x, u, uu) in zip(pieces, means, strict=True)]
     return tuple(
-        Piece(piece.start, less_parabola(piece.x, begin, step, constant, line, square))
+        Piece(piece.start, less_parabola(piece.x, begin, step, (constant, line, square)))
         for piece, begin, constant in zip(pieces, begins, constants, strict=True)
     )
 
