@@ -127,9 +127,11 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
 
 def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
     """Run a job that reports its progress, and deliver its result."""
+    from allanite.study.meanwhile import FIGURES, importing
     from allanite.study.shares import processes
 
-    with processes(out.threads):
+    drawn = {"report", "plot"} & out.paths.keys()
+    with processes(out.threads), importing(FIGURES if drawn else ()):
         with progress(out) as tell:
             found = job(tell)
         deliver(found, out, extra)

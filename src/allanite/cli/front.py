@@ -1,6 +1,7 @@
 """How the program ends: with a message and an exit code, never with a traceback."""
 
 import errno
+import gc
 import os
 import shlex
 import sys
@@ -18,6 +19,9 @@ from allanite.core.wording import command_line
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """One thread each unless something else is set: products here are short, and handing them to threads takes longer."""
+
+OBJECTS = 100_000
+"""New objects after which those that refer to each other are looked for; imports alone make more than the usual 700."""
 
 LINE = "allanite.line"
 """Key of the command line in the context."""
@@ -77,6 +81,7 @@ class Front(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
         extra["standalone_mode"] = False
+        gc.set_threshold(OBJECTS)
         for threads in BLAS:
             os.environ.setdefault(threads, "1")
         try:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core.errors import UnitError, UsageError
-from allanite.core.record import Record
 
 from .deliver import Extra, Outputs, carry_out, encoded, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
@@ -97,6 +96,7 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
 
 def _closeups(study: "RateStudy", out: Outputs) -> bytes:
     """The figure of the first interval of every channel."""
+    from allanite.core.record import Record
     from allanite.reporting.views.rate import first_of
 
     found = [

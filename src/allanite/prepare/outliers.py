@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -60,6 +61,10 @@ class Outliers:
         )  # fmt: skip
 
 
+_known: WeakKeyDictionary[Record, Outliers] = WeakKeyDictionary()
+"""What was found in records that are still there: checks, fit and residuals ask for it one after another."""
+
+
 def outliers(record: Record, among: int | None = None) -> Outliers:
     """Samples (for an angle: steps) far from the median of the 31 around them.
 
@@ -76,6 +81,14 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
     >>> outliers(Record(y, rate=10.0, unit="deg/s")).at.tolist()
     [300, 500]
     """
+    if among is not None:
+        return _found(record, among)
+    if record not in _known:
+        _known[record] = _found(record, None)
+    return _known[record]
+
+
+def _found(record: Record, among: int | None) -> Outliers:
     steps = record.steps
     whole = steps.dtype.kind != "f" or bool(np.isfinite(steps.sum()))
     there = None if whole else np.flatnonzero(np.isfinite(steps))

@@ -24,6 +24,7 @@ from allanite.terms import TERMS
 
 from . import fonts
 from .language import ENGLISH, spoken, tr
+from .measure import measured
 from .sheet import printable
 from .ticks import drawn_at_once
 
@@ -111,7 +112,9 @@ def _settings(lang: str) -> dict[str, Any]:
         mpl.rcParams.update(cast(Any, _LOOK | {"font.family": fonts.families(lang)}))
         if lang in fonts.FURTHER:
             mpl.rcParams["pdf.fonttype"] = 3  # a subset of so large a font takes seconds as 42
-        return dict(cast(Any, mpl.rcParams))
+        settings = dict(cast(Any, mpl.rcParams.copy()))  # asking the original for its backend imports pyplot
+        del settings["backend"]
+        return settings
 
 
 def _translate(figure: Figure) -> None:
@@ -194,7 +197,7 @@ def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
 def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
     """The figure as png, svg or pdf; with `text`, an svg keeps its letters as text and needs a font to show them."""
     buffer = io.BytesIO()
-    with look(), drawn_at_once(figure):
+    with look(), drawn_at_once(figure, measured if form == "svg" else None):
         mpl.rcParams["svg.fonttype"] = "none" if text else "path"
         figure.savefig(buffer, format=form, metadata=FORMATS[form])
     return buffer.getvalue()

@@ -22,19 +22,24 @@ from matplotlib.transforms import Bbox
 
 from allanite.core.arrays import BoolArray, FloatArray
 
+from .measure import Measure
+
 NEAR = 1e-10
 """A tick so far outside of the view, relative to its width, is drawn."""
 
 
 @contextmanager
-def drawn_at_once(figure: Figure) -> Iterator[None]:
-    """Save a figure with its ticks drawn by `Ticks`, and without drawing it for its layout."""
+def drawn_at_once(figure: Figure, measure: Measure | None = None) -> Iterator[None]:
+    """Save a figure with its ticks drawn by `Ticks`, and without drawing it for its layout.
+
+    `measure` gives the size of a text, instead of the renderer.
+    """
     panels = [axes for axes in _panels(figure.axes) if axes.axison and axes.get_visible()]
     made = [Ticks(axis) for axes in panels for axis in (axes.xaxis, axes.yaxis) if axis.get_visible()]
     try:
         for ticks in made:
             ticks.begin()
-        vars(figure)["draw"] = partial(_draw, figure, figure.get_layout_engine())
+        vars(figure)["draw"] = partial(_draw, figure, figure.get_layout_engine(), measure)
         yield
     finally:
         vars(figure).pop("draw", None)
@@ -42,8 +47,10 @@ def drawn_at_once(figure: Figure) -> Iterator[None]:
             ticks.end()
 
 
-def _draw(figure: Figure, layout: LayoutEngine | None, renderer: RendererBase) -> None:
+def _draw(figure: Figure, layout: LayoutEngine | None, measure: Measure | None, renderer: RendererBase) -> None:
     """`savefig` draws a figure twice: with its layout and nothing to see, and as it is then, without one."""
+    if measure is not None:
+        vars(renderer)["get_text_width_height_descent"] = measure
     if layout is None or figure.get_layout_engine() is not layout:
         type(figure).draw(figure, renderer)
     else:

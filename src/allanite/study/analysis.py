@@ -20,9 +20,11 @@ from allanite.statistics.readings import readings
 
 from .channels import Inspected, Job, Progress, Source, run
 from .gathering import STRIDES, Streams, chosen, demand_grid
+from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import Recipe
+from .shares import how_many
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,7 +109,8 @@ class Study(Job[Channel]):
         records = tuple(c.record for c in self.channels if c.record.name in fits and isinstance(c.record, Record))
         if len(records) < 2 or len({record.size for record in records}) > 1:
             return self.common
-        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark")
+        threads = how_many(len(records), max(record.size for record in records))
+        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark", threads=threads)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
@@ -184,10 +187,10 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
         read = readings(seen.record, curve if usual else None)
         return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 
-    with in_parts(source, recipe) as reader:
+    with importing(IDENTIFICATION), in_parts(source, recipe) as reader:
         if reader is not None:
             return _analyzed_in_parts(reader, recipe, progress)
-    return run(Study, source, recipe, work, Channel.refused, progress=progress)
+        return run(Study, source, recipe, work, Channel.refused, progress=progress)
 
 
 def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:

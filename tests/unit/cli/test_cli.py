@@ -192,7 +192,7 @@ def test_version_and_help():
     assert run().exit_code == 2
 
 
-HEAVY = ("numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
+HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])

@@ -62,6 +62,15 @@ def test_runs_of_outliers_are_found_whole(length):
     assert outliers(record_of(y)).at.tolist() == at.tolist()
 
 
+def test_they_are_looked_for_once(monkeypatch):
+    record = al.Record(np.random.default_rng(3).standard_normal(500), rate=1.0, unit="deg/s")
+    first = outliers(record)
+    monkeypatch.setattr("allanite.prepare.outliers._off", None)
+    assert outliers(record) is first
+    with pytest.raises(TypeError):
+        outliers(record.with_values(record.values, "again"))
+
+
 def test_clean_records_have_none():
     """3 million readings of three sensors: two of 45 records have one with probability 0.001."""
     found = [outliers(record_of(values_of(sensor, seed))) for sensor in SENSORS for seed in range(1, 16)]

@@ -5,10 +5,13 @@ import io
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_svg import RendererSVG
+from matplotlib.font_manager import FontProperties
 from matplotlib.image import imread
 
 import allanite as al
 from allanite.reporting import style
+from allanite.reporting.measure import measured
 from allanite.reporting.ticks import drawn_at_once
 
 X = np.geomspace(0.01, 3e4, 50)
@@ -113,3 +116,14 @@ def test_figures_of_results():
         with drawn_at_once(figure):
             drawn = pixels(figure)
         assert (np.abs(drawn - expected).max(axis=2) > 0.1).mean() < 1e-3
+
+
+def test_texts_are_as_large_as_the_renderer_finds_them():
+    renderer = RendererSVG(100, 100, io.StringIO())
+    for words, size, is_math in (("10 s", 8.0, False), ("10 s", 9.0, False), ("$10^{-3}$", 9.0, True)):
+        font = FontProperties(size=size)
+        for _ in range(2):
+            assert measured(words, font, is_math) == renderer.get_text_width_height_descent(words, font, is_math)
+        font.set_size(2 * size)
+        once = measured(words, FontProperties(size=size), is_math)[0]
+        assert measured(words, font, is_math)[0] == pytest.approx(2 * once)

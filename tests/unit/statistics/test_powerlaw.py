@@ -159,3 +159,17 @@ def test_no_term_is_too_hopeful():
     for m in (1, 8, 64):
         assert greenhall_riley(0, 2, m, 257) <= 1.25 * greenhall_riley(1, 2, m, 257)
     assert {powerlaw.symbol_of(alpha) for alpha in STRUCTURES} <= set(al.TERMS)
+
+
+def test_the_parabola_is_that_of_least_squares():
+    rng = np.random.default_rng(4)
+    y = np.cumsum(rng.standard_normal(900)) + 1e6
+    y[[200, 201, 500]] = np.nan
+    pieces = integrated(record_of(y), 2).pieces
+    t = [np.arange(piece.start, piece.start + piece.x.size) / y.size for piece in pieces]
+    own = np.repeat(np.eye(len(pieces)), [u.size for u in t], axis=0)
+    u, x = np.concatenate(t), np.concatenate([piece.x for piece in pieces])
+    design = np.column_stack((own, u, u**2))
+    expected = x - design @ np.linalg.lstsq(design, x, rcond=None)[0]
+    flat = np.concatenate([piece.x for piece in powerlaw._flat(pieces)])
+    np.testing.assert_allclose(flat, expected, atol=1e-9 * np.ptp(x))

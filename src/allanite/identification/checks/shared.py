@@ -1,6 +1,7 @@
 """Correlations between channels beyond their models: vibration, temperature, supply voltage."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ SIGMAS, MATTERS = 5.0, 0.05
 """Standard errors, and size, above which a correlation is reported."""
 
 
-def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark") -> Shared:
+def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark", threads: int = 1) -> Shared:
     """Correlations between the residuals of channels, which separate models of the channels cannot describe.
 
     Parameters
@@ -33,6 +34,8 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
         At least two, as returned by ``identify(recording)``.
     outliers : {"mark", "keep"}
         How the fits treated outliers.
+    threads : int
+        Channels that are processed at once; the result is the same.
 
     Returns
     -------
@@ -61,14 +64,16 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     names = [name for name in recording.channels if name in fits]
     if len(names) < 2 or len({recording[name].size for name in names}) > 1:
         raise UsageError(f"correlations need at least two channels of equal length, not {', '.join(names) or 'none'}")
-    series, means = [], []
-    for name in names:
+
+    def left(name: str) -> NDArray[np.float32]:
         record = treated(recording[name], outliers)
         # missing samples are zero and do not contribute
-        u = np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
-        bounds = np.linspace(0, u.size, STRETCHES + 1).astype(np.int64)[:-1]
-        series.append(u)
-        means.append(np.add.reduceat(u, bounds, dtype=np.float64))
+        return np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
+
+    with ThreadPoolExecutor(threads) as pool:
+        series = list(pool.map(left, names))
+    bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
+    means = [np.add.reduceat(u, bounds, dtype=np.float64) for u in series]
     fast, slow = _correlations(series), _correlations(means)
     return Shared(tuple(names), fast, slow, tuple(_hints(names, fast, slow, series[0].size)))
 

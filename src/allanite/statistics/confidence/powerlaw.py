@@ -135,18 +135,24 @@ def _law(angle: Angle, flat: Angle, m: int, order: int) -> PowerLaw:
 
 def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
     """The pieces less one parabola whose constant is each piece's own."""
-    end = pieces[-1].start + pieces[-1].x.size
-    lines = [np.linspace(2 * start / end - 1, 2 * (start + x.size - 1) / end - 1, x.size) for start, x in pieces]
-    squares, x = [u * u for u in lines], [piece.x - piece.x.mean() for piece in pieces]
-    for z in (*lines, *squares):  # in place, here and below: a record may fill the memory
-        np.subtract(z, z.mean(), out=z)
-    # two columns, all but orthogonal: normal equations lose no digits that matter, and take a tenth of the time
-    gram = np.array([[_dot(a, b) for b in (lines, squares)] for a in (lines, squares)])
-    line, square = np.linalg.solve(gram, [_dot(lines, x), _dot(squares, x)])
-    for z, u, v in zip(x, lines, squares, strict=True):
-        np.subtract(z, np.multiply(u, line, out=u), out=z)
-        np.subtract(z, np.multiply(v, square, out=v), out=z)
-    return tuple(Piece(piece.start, z) for piece, z in zip(pieces, x, strict=True))
+    from allanite.kernels.parabola import less_parabola, parabola_sums
+
+    step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
+    begins = [step * piece.start - 1 for piece in pieces]
+    sums = [parabola_sums(piece.x, begin, step) for piece, begin in zip(pieces, begins, strict=True)]
+    means = [found[:3] / piece.x.size for found, piece in zip(sums, pieces, strict=True)]
+    # normal equations of u and u^2 less their means; all but orthogonal, they lose no digits that matter
+    gram, right = np.zeros((2, 2)), np.zeros(2)
+    for (_, u, uu, uuu, uuuu, xu, xuu), (x_mean, u_mean, uu_mean) in zip(sums, means, strict=True):
+        cross = uuu - u * uu_mean
+        gram += [[uu - u * u_mean, cross], [cross, uuuu - uu * uu_mean]]
+        right += [xu - u * x_mean, xuu - uu * x_mean]
+    line, square = np.linalg.solve(gram, right).tolist()
+    constants = [piece.x[0] + x - line * u - square * uu for piece, (x, u, uu) in zip(pieces, means, strict=True)]
+    return tuple(
+        Piece(piece.start, less_parabola(piece.x, begin, step, (constant, line, square)))
+        for piece, begin, constant in zip(pieces, begins, constants, strict=True)
+    )
 
 
 def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:

@@ -1,0 +1,36 @@
+"""A parabola under a stretch of samples: its sums, and the samples less it. u is a line over the stretch."""
+
+import numpy as np
+from numba import njit
+
+from .allan import FAST
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
+    """Sums of x, u, u^2, u^3, u^4, x u, x u^2 with x less its first value, u = start + step i, shape (7,)."""
+    a = b = c = d = e = f = g = 0.0
+    x0 = x[0]
+    for i in range(x.size):
+        u = start + step * i
+        y = x[i] - x0
+        square = u * u
+        a += y
+        b += u
+        c += square
+        d += square * u
+        e += square * square
+        f += y * u
+        g += y * square
+    return np.array((a, b, c, d, e, f, g))
+
+
+@njit(cache=True, nogil=True)
+def less_parabola(x, start, step, factors):  # type: ignore[no-untyped-def]
+    """The samples less constant + line u + square u^2, with these three factors, u = start + step i."""
+    constant, line, square = factors
+    z = np.empty(x.size)
+    for i in range(x.size):
+        u = start + step * i
+        z[i] = x[i] - (constant + u * (line + u * square))
+    return z

@@ -1,0 +1,44 @@
+"""Imports in a thread of their own while a file is read."""
+
+import sys
+import threading
+from importlib import import_module
+
+import pytest
+
+from allanite.study import meanwhile
+from allanite.study.meanwhile import imported, importing
+from allanite.study.shares import shared
+
+
+def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(monkeypatch):
+    begun, order = threading.Event(), []
+
+    def load(name):
+        begun.wait(5)
+        order.append((name, threading.current_thread() is threading.main_thread()))
+
+    monkeypatch.setattr(meanwhile, "import_module", load)
+    with importing(["first"]), importing(["second", "third"]), importing([]):
+        assert not order
+        begun.set()
+        imported()
+        assert order == [("first", False), ("second", False), ("third", False)]
+
+
+def test_an_error_is_told():
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"), importing(["no_such_module"]):
+        pass
+
+
+def test_no_process_is_forked_before_the_imports_have_ended(monkeypatch):
+    ended = []
+    monkeypatch.setattr(meanwhile, "import_module", lambda _: (threading.Event().wait(0.2), ended.append(True)))
+    with importing(["slow"]):
+        assert shared(lambda _: bool(ended), [0, 1, 2, 3], count=2) == [True] * 4
+
+
+@pytest.mark.parametrize("names", [meanwhile.IDENTIFICATION, meanwhile.FIGURES])
+def test_the_modules_exist(names):
+    for name in names:
+        assert import_module(name) is sys.modules[name]
