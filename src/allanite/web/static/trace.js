@@ -4,10 +4,13 @@ import * as api from "./api.js";
 import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
 import { CONFIG, axis, between, color, draw, faint, layout, series } from "./plots.js";
-import { choose, cuts, on, state, tell } from "./state.js";
+import { choose, cuts, on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
 const SETTINGS = { ...CONFIG, edits: {}, doubleClick: false };
+
+/** Files that were read, so that their samples can be asked for. */
+const readable = new Set();
 
 let data = null;
 let mode = "zoom";
@@ -101,8 +104,9 @@ export function move(factor, aside = 0) {
 
 export async function load() {
   const file = state.choices.file;
-  show(byId("trace-section"), Boolean(file));
-  if (!file) return;
+  const known = Boolean(file) && (readable.has(file) || Boolean(run()));
+  show(byId("trace-section"), known);
+  if (!known) return;
   asking?.abort();
   asking = new AbortController();
   const [from, to] = state.choices.window ?? [];
@@ -145,6 +149,9 @@ export function start() {
   on("choices", (patch) => { if ("channel" in patch && data) load().then(notes); else if (data) paint(); });
   on("selection", paint);
   on("theme", paint);
-  on("readable", (files) => files.includes(state.choices.file) && load());
+  on("readable", (files) => {
+    for (const file of files) readable.add(file);
+    if (files.includes(state.choices.file)) load();
+  });
   on("result", () => load().then(notes));
 }
