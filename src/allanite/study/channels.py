@@ -16,6 +16,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding, Quality
 from allanite.core.language import join, say
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
+from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
@@ -176,7 +177,7 @@ def open_recording(
         whole = _whole(source, recipe, along)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
-    whole = excluded(whole, recipe.exclude or ())
+    whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
     whole = trim(whole, recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":

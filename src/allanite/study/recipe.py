@@ -92,16 +92,20 @@ class Recipe:
                 raise UsageError(f"{key} must be a word, not {value!r}")
         if self.outliers is not None:
             demand_choice(self.outliers)
-        if self.exclude is not None:
-            object.__setattr__(self, "exclude", demand_pieces(self.exclude))
-        if self.memory is not None:
-            bytes_of(self.memory)
+        self._demand_selecting()
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
         if self.ranges is not None:
             object.__setattr__(self, "ranges", demand_ranges(self.ranges))
         self._demand_showing()
+
+    def _demand_selecting(self) -> None:
+        """Refuse pieces or a size of memory that cannot be read."""
+        if self.exclude is not None:
+            object.__setattr__(self, "exclude", demand_pieces(self.exclude))
+        if self.memory is not None:
+            bytes_of(self.memory)
 
     def _demand_showing(self) -> None:
         """Refuse a device, a unit or a fact that cannot be shown."""

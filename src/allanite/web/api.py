@@ -21,10 +21,10 @@ from allanite.core.errors import AllaniteError, DataError, UsageError
 from . import trace
 from .jobs import Jobs
 from .line import problem_of
-from .store import CHOICES, Full, Missing, Store
+from .store import CHOICES, FullError, MissingError, Store
 from .tables import EXAMPLES, tables
 from .worker import FORMS
-from .workers import Problem
+from .workers import ProblemError
 
 QUIET = 0.05
 """Seconds between looks for new events."""
@@ -36,13 +36,12 @@ LONGEST = 1_000_000
 """Bytes of a request that is no upload."""
 
 
-class Closed(DataError):
-    """The client has gone before an upload was complete."""
-
-
 def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
     """The application behind the door; `first` is what the page opens with: workspace and language."""
-    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    # nothing is reported anywhere, whatever the environment asks for
+    app = FastAPI(
+        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False}
+    )
     app.state.store, app.state.jobs, app.state.first = store, jobs, first
     for kind, answer in ANSWERS.items():
         app.add_exception_handler(kind, answer)
@@ -145,7 +144,7 @@ async def example(request: Request, name: str) -> dict[str, Any]:
         raise UsageError(f"unknown example {which!r}; examples: {', '.join(EXAMPLES)}")
     store, jobs = request.app.state.store, request.app.state.jobs
     file, path = store.new_file(name, f"example-{which}.npz")
-    line = ["simulate", str(path), *shlex.split(EXAMPLES[which]), "--quiet", "--force"]
+    line = ["simulate", str(path), *shlex.split(EXAMPLES[which][1]), "--quiet", "--force"]
     await run_in_threadpool(jobs.work, name, "example", line=line)
     return _shown(store.add(file | {"bytes": path.stat().st_size}))
 
@@ -157,7 +156,7 @@ def _shown(file: dict[str, Any]) -> dict[str, Any]:
 def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:
     """Delete a file of a workspace."""
     if file.partition("-")[0] != name:
-        raise Missing(f"there is no file {file!r} in this workspace")
+        raise MissingError(f"there is no file {file!r} in this workspace")
     request.app.state.store.drop(file)
     return {}
 
@@ -261,10 +260,12 @@ def deviation(request: Request, name: str, channel: str, statistic: str = "oadev
 async def refit(request: Request, name: str) -> dict[str, Any]:
     """A channel with other terms or another band."""
     asked, jobs = await _json(request), request.app.state.jobs
-    keys = ("terms", "band", "method", "level", "outliers")
-    settings = {key: tuple(v) if isinstance(v := asked.get(key), list) else v for key in keys}
-    arguments = {"channel": str(asked.get("channel")), "choices": settings,
-                 "statistics": list(asked.get("statistics") or []), "lang": asked.get("lang") or jobs.job(name)["lang"]}  # fmt: skip
+    arguments = {
+        "channel": str(asked.get("channel")),
+        "choices": {key: asked[key] for key in REFITTED if asked.get(key)},
+        "statistics": list(asked.get("statistics") or []),
+        "lang": asked.get("lang") or jobs.job(name)["lang"],
+    }
     found: dict[str, Any] = await run_in_threadpool(lambda: jobs.ask(name, "refit", **arguments))
     return found
 
@@ -278,10 +279,15 @@ async def export(request: Request, name: str) -> dict[str, Any]:
     return found
 
 
-def save(request: Request, name: str, form: str, lang: str = "") -> Response:
+REFITTED = ("terms", "band", "method", "level", "outliers")
+"""Choices of a refit."""
+
+
+def save(request: Request, name: str, form: str, lang: str = "", inline: bool = False) -> Response:
     """A file to download, as the command line writes it."""
     jobs = request.app.state.jobs
     found = jobs.job(name)
+    how = "inline" if inline and form.startswith("figure") else "attachment"
     if form == "recipe":
         return _download(_toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
     if form not in FORMS:
@@ -289,11 +295,11 @@ def save(request: Request, name: str, form: str, lang: str = "") -> Response:
     _, path, kind = FORMS[form]
     data = jobs.result(name)[0] if form == "json" else jobs.ask(
         name, "save", form=form, lang=lang or found["lang"])["data"]  # fmt: skip
-    return _download(data, f"allanite-{path}", kind)
+    return _download(data, f"allanite-{path}", kind, how)
 
 
-def _download(data: bytes, name: str, kind: str) -> Response:
-    return Response(data, media_type=kind, headers={"Content-Disposition": f'attachment; filename="{name}"'})
+def _download(data: bytes, name: str, kind: str, how: str = "attachment") -> Response:
+    return Response(data, media_type=kind, headers={"Content-Disposition": f'{how}; filename="{name}"'})
 
 
 ROUTES: dict[str, tuple[str, Any]] = {
@@ -338,12 +344,12 @@ async def _json(request: Request, most: int = LONGEST) -> dict[str, Any]:
 
 
 def _refused(request: Request, error: Exception) -> JSONResponse:
-    status = 404 if isinstance(error, Missing) else 413 if isinstance(error, Full) else 400
+    status = 404 if isinstance(error, MissingError) else 413 if isinstance(error, FullError) else 400
     return JSONResponse(problem_of(error), status)
 
 
 def _problem(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, Problem)  # noqa: S101 - the table says so
+    assert isinstance(error, ProblemError)  # noqa: S101 - the table says so
     return JSONResponse(error.data, 500 if error.data["exit"] == 1 else 400)
 
 
@@ -363,7 +369,7 @@ def _defect(request: Request, error: Exception) -> JSONResponse:
 
 
 ANSWERS: dict[Any, Any] = {
-    AllaniteError: _refused, Problem: _problem, RequestValidationError: _invalid, HTTPException: _http,
+    AllaniteError: _refused, ProblemError: _problem, RequestValidationError: _invalid, HTTPException: _http,
     Exception: _defect,
 }  # fmt: skip
 """Kind of an error: what is answered."""

@@ -12,8 +12,8 @@ from allanite.core.files import write
 from allanite.core.wording import command_line
 
 from .line import line_of, problem_of, shown_line
-from .store import Missing, State, Store, known
-from .workers import Problem, Worker, Workers
+from .store import MissingError, State, Store, known
+from .workers import ProblemError, Worker, Workers
 
 WARM = "warm"
 """Lane of a worker that nobody uses: the first one that is started waits until everything is loaded."""
@@ -53,12 +53,15 @@ class Jobs:
             There is no such verb, key or file.
         """
         state = self.store.state(workspace)
-        files = [self.store.file(name) for name in asked.get("files", ())]
+        wanted, choices = asked.get("files") or [], asked.get("recipe") or {}
+        if not isinstance(wanted, list) or not isinstance(choices, dict):
+            raise UsageError("a job has a list of files, and a recipe of keys and values")
+        files = [self.store.file(str(name)) for name in wanted]
         if any(file["id"].partition("-")[0] != workspace for file in files):
             raise UsageError("the file belongs to another workspace")
         target = asked.get("target")
         names = [target] if isinstance(target, str) and target else [file["name"] for file in files]
-        verb, recipe, lang = str(asked.get("verb")), dict(asked.get("recipe") or {}), str(asked.get("lang") or "en")
+        verb, recipe, lang = str(asked.get("verb")), dict(choices), str(asked.get("lang") or "en")
         shown = shown_line(verb, names, recipe, lang)
         if verb == "watch" and not target and not files:
             raise UsageError("a stream has an address: give a file, a port, or udp://127.0.0.1:9000 as target")
@@ -82,7 +85,7 @@ class Jobs:
         state = self.store.state(known(name.partition("-")[0]))
         found: State | None = state["jobs"].get(name)
         if found is None:
-            raise Missing(f"there is no job {name!r} in this workspace; run it again")
+            raise MissingError(f"there is no job {name!r} in this workspace; run it again")
         return found
 
     def cancel(self, name: str) -> None:
@@ -136,7 +139,7 @@ class Jobs:
         try:
             with command_line():
                 found = self._done(self.workers.of(_lane(job)), job, tell)
-        except Problem as problem:
+        except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
             self._fail(job, live, problem_of(error, job["verb"], job["recipe"]))
@@ -163,7 +166,7 @@ class Jobs:
         try:
             with self.store.changed(job["id"].partition("-")[0]):
                 job["state"] = state
-        except Missing:  # the workspace was deleted meanwhile
+        except MissingError:  # the workspace was deleted meanwhile
             job["state"] = state
 
     def _arguments(self, job: State) -> dict[str, Any]:

@@ -21,6 +21,7 @@ HIDDEN = {*OUTPUTS, *FLAGS, "coefficients", "recipe", "threads", "limits", "help
 
 Choices = Mapping[str, Any]
 
+
 def parameters(verb: str) -> dict[str, click.Option]:
     """The options of a verb that the page may set, by their keys in a recipe."""
     if verb not in JOBS:
@@ -30,6 +31,7 @@ def parameters(verb: str) -> dict[str, click.Option]:
     assert command is not None  # noqa: S101 - `VERBS` has every job
     options = (param for param in command.params if isinstance(param, click.Option))
     return {str(o.name): o for o in options if o.name not in HIDDEN and not isinstance(o.type, click.Path)}
+
 
 def line_of(verb: str, files: Sequence[str], choices: Choices, lang: str = ENGLISH) -> list[str]:
     """The words of a command line after ``allanite``.
@@ -48,13 +50,15 @@ def line_of(verb: str, files: Sequence[str], choices: Choices, lang: str = ENGLI
     names = ["--", *files] if any(name.startswith("-") for name in files) else [*files]
     return [verb, *words, *names]
 
+
 def shown_line(verb: str, files: Sequence[str], choices: Choices, lang: str = ENGLISH) -> str:
     """The command line as it can be typed."""
     return shlex.join(["allanite", *line_of(verb, files, choices, lang)])
 
+
 def _words(option: click.Option, value: Any) -> list[str]:
     """An option with its value, as it is typed; nothing where none is given."""
-    if value is None or value == "" or value == []:
+    if value is None or value in ("", []):
         return []
     if option.is_flag:
         chosen = option.opts if value else option.secondary_opts
@@ -62,6 +66,7 @@ def _words(option: click.Option, value: Any) -> list[str]:
     if option.multiple:
         return [word for one in value for word in (option.opts[0], _text(one))]
     return [option.opts[0], _text(value)]
+
 
 def _text(value: Any) -> str:
     """A value as it is typed.
@@ -78,6 +83,7 @@ def _text(value: Any) -> str:
         return ",".join("..".join(map(str, v)) if isinstance(v, (list, tuple)) else _text(v) for v in value)
     return str(value)
 
+
 def problem_of(error: Exception, verb: str = "", choices: Choices | None = None) -> dict[str, Any]:
     """An error as the page shows it: the sentence of the command line, the choice that cures it, the exit code."""
     choices = choices or {}
@@ -91,6 +97,7 @@ def problem_of(error: Exception, verb: str = "", choices: Choices | None = None)
     option = str(param.name) if param is not None else _cure(message, verb, choices)
     return {"error": message, "option": option, "exit": code}
 
+
 def _cure(message: str, verb: str, choices: Choices) -> str | None:
     """The choice that a message is about: the one whose value it quotes, else the first option that it names."""
     known = parameters(verb) if verb in JOBS else {}
@@ -102,6 +109,7 @@ def _cure(message: str, verb: str, choices: Choices) -> str | None:
         if found is not None or word in ("--limit", "--quota"):
             return found or word[2:]
     return next((key for key in known if re.match(rf"{key}\b", message)), None)
+
 
 def _quotes(message: str, value: Any) -> bool:
     """Whether a message quotes a value, or a part of it."""

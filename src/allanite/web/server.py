@@ -82,6 +82,7 @@ def listen(port: int) -> socket.socket:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((HOST, port))
+        found.listen(128)
     except OSError as error:
         found.close()
         words = f"{port} cannot be used ({error.strerror}); give another, or 0 for any that is free"

@@ -41,7 +41,7 @@ def private_folder() -> Path:
     return Path(base) / "allanite" / "serve"
 
 
-class Full(DataError):
+class FullError(DataError):
     """An upload is too large, or the disk quota is used up."""
 
     exit_code = 4
@@ -103,7 +103,7 @@ class Store:
             if name not in self.states:
                 path = self.folder / known(name) / "state.json"
                 if not path.is_file():
-                    raise Missing(f"there is no workspace {name!r}; reload the page to begin a new one")
+                    raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
                 self.states[name] = json.loads(path.read_text("utf-8"))
             return self.states[name]
 
@@ -137,7 +137,7 @@ class Store:
         workspace = name.partition("-")[0]
         found: State | None = self.state(known(workspace))["files"].get(name)
         if found is None:
-            raise Missing(f"there is no file {name!r} in this workspace; upload it again")
+            raise MissingError(f"there is no file {name!r} in this workspace; upload it again")
         return found
 
     def place(self, name: str) -> Path:
@@ -175,25 +175,25 @@ class Store:
     def demand_room(self, size: int, used: int) -> None:
         """Refuse an upload that is too large, or for which there is no room."""
         if size > self.limit:
-            raise Full(
+            raise FullError(
                 f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by its path, or "
                 f"raise the limit with {spelled('--limit', 'limit')}"
             )
         if used + size > self.quota:
-            raise Full(
+            raise FullError(
                 f"the files of the page would take more than {size_in_words(self.quota)}: delete some of them, open "
                 f"the file by its path, or allow more with {spelled('--quota', 'quota')}"
             )
 
 
-class Missing(UsageError):
+class MissingError(UsageError):
     """There is no such workspace, file or job."""
 
 
 def known(name: str) -> str:
     """An id, as they are made here: never a path."""
     if not _ID.fullmatch(name):
-        raise Missing(f"{name!r} is not an id")
+        raise MissingError(f"{name!r} is not an id")
     return name
 
 

@@ -25,9 +25,12 @@ UNITS = {
 """Units offered first; every unit can be typed."""
 
 EXAMPLES = {
-    "mems": "--sensor mems --rate 100 --duration 1h --channels 3",
-    "fog": "--sensor fog --rate 100 --duration 2h",
-    "disturbed": "--sensor fog --rate 100 --duration 1h --noise-profile '0:1, 1200:1, 1201:8, 1500:8, 1501:1, 3600:1'",
+    "mems": (say("three MEMS gyros, 1 h"), "--sensor mems --rate 100 --duration 1h --channels 3"),
+    "fog": (say("fiber-optic gyro, 2 h"), "--sensor fog --rate 100 --duration 2h"),
+    "disturbed": (
+        say("fiber-optic gyro with a disturbance, 1 h"),
+        "--sensor fog --rate 100 --duration 1h --noise-profile '0:1, 3000:1, 3001:8, 3500:8, 3501:1, 3600:1'",
+    ),
 }
 """Options of ``allanite simulate`` for the recordings to play with; "disturbed" has a piece to cut out."""
 
@@ -58,7 +61,7 @@ def tables(lang: str) -> dict[str, Any]:
             ],
             "devices": list(DEVICES),
             "sensors": list(SENSORS),
-            "examples": [{"name": name} for name in EXAMPLES],
+            "examples": [{"name": name, "title": tr(title)} for name, (title, _) in EXAMPLES.items()],
             "languages": [{"code": code, "name": name} for code, name in LANGUAGES.items()],
             "outliers": [{"name": "", "title": tr(say("exclude from the fit only"))},
                          {"name": "mark", "title": tr(say("exclude everywhere"))},

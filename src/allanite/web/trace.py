@@ -1,6 +1,7 @@
 """The trace of a channel at any magnification: least and largest sample of stretches, in steps of 16."""
 
 import json
+import math
 import shutil
 from pathlib import Path
 from typing import Any
@@ -84,7 +85,7 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     i = names.index(channel) if channel else 0
     one, points = meta["channels"][i], min(max(points, 2), MOST_POINTS)
     first = max(0, int((start or 0.0) * one["rate"]))
-    last = min(one["size"], int(np.ceil((one["size"] if end is None else end * one["rate"]))))
+    last = min(one["size"], int(np.ceil(one["size"] if end is None else end * one["rate"])))
     last = max(last, first + 1)
     level = 0
     while level < one["levels"] and (last - first) >= points * FACTOR ** (level + 1):
@@ -116,7 +117,7 @@ def _part(path: Path, where: tuple[int, int, int], points: int) -> tuple[Array, 
 
 
 def _listed(values: Array) -> list[float | None]:
-    return [float(f"{v:.9g}") if v == v else None for v in values.tolist()]
+    return [float(f"{v:.9g}") if math.isfinite(v) else None for v in values.tolist()]
 
 
 def _meta(place: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The process that does the work: it runs command lines, keeps what it has read, and answers questions about results."""
+"""The process that does the work: runs command lines, keeps what it has read, and answers questions about results."""
 
 import json
 import os
@@ -72,6 +72,13 @@ class Held:
             return [faces.drawn(faces.panel_of(monitor.stream.curve(), None), 0.95, self.lang)]
         return []
 
+    def named(self, problem: Answer) -> Answer:
+        """A problem with the names of files instead of where they are kept."""
+        words = problem["error"]
+        for path, name in self.names.items():
+            words = words.replace(path, name)
+        return problem | {"error": words}
+
     def take(self, value: Any) -> None:
         """The result of the verb."""
         self.taken.append(value)
@@ -97,8 +104,16 @@ class Held:
             os._exit(0)
 
 
-def run(held: Held, job: str, line: list[str], shown: str, lang: str, names: dict[str, str],
-        folders: dict[str, tuple[str, str]]) -> Answer:  # fmt: skip
+def run(
+    held: Held,
+    job: str,
+    *,
+    line: list[str],
+    shown: str,
+    lang: str,
+    names: dict[str, str],
+    folders: dict[str, tuple[str, str]],
+) -> Answer:
     """Run a command line; its result as JSON, and as it is shown."""
     held.taken, held.names, held.folders, held.lang = [], names, folders, lang
     code = 0
@@ -137,15 +152,14 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
     return faces.drawn(held.drawn[key], value.recipe.level, lang)
 
 
-def refit(held: Held, job: str, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
+def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
     """A channel with other terms or another band, and its curves."""
     from allanite.study.analysis import Study, refitted
 
     value, _ = held.values[job]
     if not isinstance(value, Study):
         raise UsageError("only the result of analyze has a fit that can be changed: run analyze first")
-    asked = {key: choices[key] for key in ("terms", "band", "method", "level", "outliers") if choices.get(key)}
-    recipe = type(value.recipe).from_dict(value.recipe.to_dict() | asked)
+    recipe = type(value.recipe).from_dict(value.recipe.to_dict() | choices)
     found = refitted(value[channel], recipe)
     shown = replace(value, channels=(found,), recipe=recipe)
     names = list(dict.fromkeys(statistics or [recipe.statistic]))
@@ -158,7 +172,7 @@ def refit(held: Held, job: str, channel: str, choices: dict[str, Any], statistic
     }
 
 
-def export(held: Held, job: str, channels: list[str], target: str, choices: dict[str, Any], form: str) -> Answer:
+def export(held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str) -> Answer:
     """The file of a target, for the channels of a study."""
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
@@ -229,4 +243,4 @@ def main(connection: Connection) -> None:
             with command_line():
                 held.send("answer", TASKS[task](held, **arguments))
         except Exception as error:  # every defect is told, and this process goes on
-            held.send("problem", problem_of(error, *told))
+            held.send("problem", held.named(problem_of(error, *told)))

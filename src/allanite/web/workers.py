@@ -19,7 +19,7 @@ MOST = 4
 Told = Callable[[str, dict[str, Any]], None]
 
 
-class Problem(Exception):
+class ProblemError(Exception):
     """A request was refused; `data` is what the page shows."""
 
     def __init__(self, data: dict[str, Any]) -> None:
@@ -46,7 +46,7 @@ class Worker:
     @property
     def alive(self) -> bool:
         """Whether it can be asked."""
-        return self.process.is_alive()
+        return bool(self.process.is_alive())
 
     def ask(self, task: str, arguments: dict[str, Any], *, told: tuple[Any, ...] = (),
             tell: Told = lambda kind, data: None) -> dict[str, Any]:  # fmt: skip
@@ -54,7 +54,7 @@ class Worker:
 
         Raises
         ------
-        Problem
+        ProblemError
             The request was refused.
         DataError
             The process has ended.
@@ -68,7 +68,7 @@ class Worker:
                     if kind == "answer":
                         return dict(data)
                     if kind == "problem":
-                        raise Problem(data)
+                        raise ProblemError(data)
                     tell(kind, data)
             except (EOFError, OSError):
                 self.process.join(1.0)
