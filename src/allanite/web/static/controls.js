@@ -94,7 +94,7 @@ function facts(result) {
 }
 
 export function clear(key) {
-  show(byId(`error-${key}`), false);
+  show(fill(byId(`error-${key}`)), false);
   input(key).removeAttribute("aria-invalid");
 }
 
@@ -112,8 +112,12 @@ export function refuse(error) {
     return;
   }
   const place = byId(`error-${key}`);
-  fill(place, error.message, key === "unit" && unitButtons());
+  fill(place, error.message);
   show(place, true);
+  if (error.message.includes("--unit")) {
+    byId("error-unit").append(unitButtons());
+    show(byId("error-unit"), true);
+  }
   input(key).setAttribute("aria-invalid", "true");
   for (const fold of [byId("side-fold"), input(key).closest("details")]) if (fold) fold.open = true;
   input(key).scrollIntoView({ block: "center" });

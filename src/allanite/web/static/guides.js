@@ -53,12 +53,13 @@ function set(moved) {
   choose({ guides }, true);
 }
 
-/** A new guide starts at the least coefficient whose curve touches the data. */
+/** A new guide starts at the coefficient of the model, or at the least one whose curve touches the data. */
 function add(curve) {
   const symbol = byId("guide-term").value;
   const shape = shapeOf(curve, symbol);
   if (!shape) return;
-  const value = Math.min(...curve.deviation.map((one, i) => one / at(shape.tau, shape.deviation, curve.tau[i])).filter(Number.isFinite));
+  const fitted = curve.terms?.find((one) => one.symbol === symbol && one.unit === shape.unit)?.value;
+  const value = fitted ?? Math.min(...curve.deviation.map((one, i) => one / at(shape.tau, shape.deviation, curve.tau[i])).filter(Number.isFinite));
   choose({ guides: [...own(), { symbol, value }] });
 }
 

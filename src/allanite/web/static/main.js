@@ -123,6 +123,7 @@ async function begin() {
   on("altered", tried);
   addEventListener("pagehide", () => pending() && keep());
   for (const part of [files, trace, selection, curves, fit, results, compare, live, theme]) part.start();
+  byId("side-fold").open = matchMedia("(min-width: 56rem)").matches;
   controls.build();
   output.start(renew);
   keys.start(KEYS);
