@@ -134,7 +134,7 @@ def test_pieces_are_left_out_and_said(verb, folder, tmp_path):
     path = tmp_path / "made.json"
     result = run(verb, folder / "quiet.csv", "--exclude", "60..70,400..405", "--json", path, *gaps)
     assert result.exit_code == 0, words(result)
-    assert "excluded: 60 s to 70 s, 400 s to 405 s" in path.read_text("utf-8")
+    assert json.loads(path.read_text("utf-8"))["recipe"]["exclude"] == [[60.0, 70.0], [400.0, 405.0]]
     refused = run(verb, folder / "quiet.csv", "--exclude", "70..60")
     assert refused.exit_code == 2
     assert "begins at 0 s or later and ends after that, unlike 70..60" in words(refused)

@@ -1,7 +1,6 @@
 """Who may come in, and what hostile input cannot do."""
 
 import http.client
-import os
 import socket
 import stat
 
@@ -58,9 +57,8 @@ def test_it_listens_at_this_machine_alone(client, link):
     with open("/proc/net/tcp", encoding="ascii") as file:
         rows = [line.split()[1] for line in file if line.split()[3] == "0A"]
     assert [row for row in rows if row.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
-    with socket.socket(socket.AF_INET6) as other, pytest.raises(OSError, match=r"."):
-        other.settimeout(2)
-        other.connect(("::1", port))
+    with socket.socket(socket.AF_INET6) as other:
+        assert other.connect_ex(("::1", port)) != 0
 
 
 def test_nothing_is_answered_without_the_token(client, link):
@@ -73,7 +71,7 @@ def _refused(stranger):
         answer = stranger.get(path)
         assert answer.status_code == 401, path
         assert "open the link that allanite serve prints" in answer.text
-    assert stranger.get("/", token="guess").status_code == 403
+    assert stranger.http.get("/?token=guess").status_code == 403
     assert stranger.http.get("/api/tables", headers={"Cookie": "allanite=guess"}).status_code == 401
 
 
@@ -171,7 +169,7 @@ def test_no_id_is_a_path(client, name):
         assert client.get(path).status_code == 404, path
 
 
-HOSTILE = ["../../../../tmp/evil.csv", "/etc/passwd", "a\0b.csv", "<script>alert(1)</script>.csv", "-rf.csv", "CON.csv",
+HOSTILE = ["../../evil.csv", "/etc/passwd", "a\0b.csv", "<script>alert(1)</script>.csv", "-rf.csv", "CON.csv",
            "\u202egpj.csv", "a" * 5000 + ".csv", "..", "", "x\r\nSet-Cookie: a=b.csv", "--report=x.csv"]  # fmt: skip
 
 
@@ -188,7 +186,7 @@ def test_names_of_files_are_words(client, folder, name):
     written = [path for path in store.rglob("data*") if path.stat().st_size == len(data)]
     assert written
     assert all(path.name in ("data", "data.csv") for path in written)
-    assert not os.path.exists("/tmp/evil.csv")
+    assert not list(folder.rglob("evil*"))
     recipe = {"rate": 10.0, "unit": "deg/h"}
     job, last = client.run(workspace, "info", [answer.json()["id"]], recipe)
     found = client.get(f"/api/jobs/{job}").json()

@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def link(folder):
-    with served(folder, "--limit", "3MB", "--quota", "12MB") as (_, link):
+    with served(folder, "--limit", "3MB", "--quota", "60MB") as (_, link):
         yield link
 
 
@@ -136,6 +136,17 @@ def test_the_trace_has_every_extreme(client, analyzed, file):
     np.testing.assert_allclose(close["low"], data[1000:1050], rtol=1e-4, atol=1e-4)
     np.testing.assert_allclose(close["t"], np.arange(1000, 1050) / RATE)
     assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
+
+
+def test_the_first_curve_comes_before_the_result(client, file):
+    workspace = client.workspace()
+    job = client.begin(workspace, "analyze", [client.upload(workspace, file)], {"rate": RATE, "channels": ["gy"]})
+    events = dict(client.events(job))
+    (first,) = events["curves"]["channels"]
+    assert list(events)[-1] == "done"
+    stored = client.get(f"/api/jobs/{job}/deviation", channel="gy", statistic="oadev").json()
+    assert (first["name"], first["unit"], first["low"]) == ("gy", stored["unit"], None)
+    assert first["deviation"][0] == pytest.approx(stored["deviation"][0], rel=1e-12)
 
 
 def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file):

@@ -279,6 +279,11 @@ async def export(request: Request, name: str) -> dict[str, Any]:
     return found
 
 
+def nowhere(rest: str) -> None:
+    """Whatever else begins like a route is none: it never names a file."""
+    raise MissingError(f"there is no route {rest!r}")
+
+
 REFITTED = ("terms", "band", "method", "level", "outliers")
 """Choices of a refit."""
 
@@ -323,6 +328,7 @@ ROUTES: dict[str, tuple[str, Any]] = {
     "post /api/jobs/{name}/refit": ("POST", refit),
     "post /api/jobs/{name}/export": ("POST", export),
     "get /api/jobs/{name}/save": ("GET", save),
+    "get /api/{rest:path}": ("GET", nowhere),
 }
 """Method and path of each route: its function."""
 

@@ -16,8 +16,9 @@ import click
 from allanite.cli import main as allanite
 from allanite.cli.deliver import encoded, received_by
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Recording
+from allanite.core.record import Record, Recording
 from allanite.core.wording import command_line
+from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
 
 from . import faces, trace
@@ -90,11 +91,26 @@ class Held:
             while len(self.recordings) >= KEPT:
                 self.recordings.pop(next(iter(self.recordings)))
             self.recordings[path, key] = replace(read(), source=self.names.get(path, path))
-        found = self.recordings[path, key]
+            self._traced(path, key)
+            self.send(
+                "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
+            )
+        else:
+            self._traced(path, key)
+        return self.recordings[path, key]
+
+    def _traced(self, path: str, key: str) -> None:
         if path in self.folders:
-            trace.build(Path(self.folders[path][1]), found, key)
-            self.send("trace", {"file": self.folders[path][0]})
-        return found
+            file, folder = self.folders[path]
+            trace.build(Path(folder), self.recordings[path, key], key)
+            self.send("trace", {"file": file})
+
+    def _first(self, record: Record) -> list[Answer]:
+        """The curve of a record without its band, which takes longer."""
+        with suppress(DataError):
+            curve = deviation_of(record, "oadev", taus="octave", noise=None)
+            return [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang)]
+        return []
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""
