@@ -29,7 +29,7 @@ READ = {
 }
 """Verbs that read a recording, and what each needs besides."""
 
-WITHOUT = {"batch", "lot", "watch", "angle", "simulate", "convert", "explain", "example"}
+WITHOUT = {"batch", "lot", "watch", "serve", "angle", "simulate", "convert", "explain", "example"}
 """Verbs that read none, or many."""
 
 OF_SIX = {"vertical"}
@@ -126,6 +126,18 @@ def test_raw_binary_is_read(verb, folder):
         assert "unknown file format" not in words(result)
     else:
         assert result.exit_code == 0, words(result)
+
+
+@pytest.mark.parametrize("verb", READ)
+def test_pieces_are_left_out_and_said(verb, folder, tmp_path):
+    gaps = ("--split-gaps",) if verb in ("rate", "compensate") else ()
+    path = tmp_path / "made.json"
+    result = run(verb, folder / "quiet.csv", "--exclude", "60..70,400..405", "--json", path, *gaps)
+    assert result.exit_code == 0, words(result)
+    assert json.loads(path.read_text("utf-8"))["recipe"]["exclude"] == [[60.0, 70.0], [400.0, 405.0]]
+    refused = run(verb, folder / "quiet.csv", "--exclude", "70..60")
+    assert refused.exit_code == 2
+    assert "begins at 0 s or later and ends after that, unlike 70..60" in words(refused)
 
 
 @pytest.mark.parametrize("verb", READ)

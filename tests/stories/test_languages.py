@@ -275,7 +275,7 @@ def pseudo(monkeypatch):
 
 def test_every_verb_is_run():
     # example runs the others, batch shows nothing
-    assert [verb for verb in VERBS if verb not in ("example", "batch")] == list(RUNS)
+    assert [verb for verb in VERBS if verb not in ("example", "batch", "serve")] == list(RUNS)
 
 
 @pytest.mark.parametrize("verb", RUNS)

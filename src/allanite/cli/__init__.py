@@ -16,6 +16,7 @@ VERBS: dict[str, str] = {
     "dynamic": "curves.dynamic",
     "compare": "compare.compare",
     "watch": "watch.watch",
+    "serve": "serve.serve",
     "rate": "rate.rate",
     "angle": "angle.angle",
     "simulate": "simulate.simulate",
@@ -33,7 +34,7 @@ VERBS: dict[str, str] = {
 """Name of a verb: module and name of its command. A verb's module is imported when it is requested."""
 
 GROUPS = {
-    "Analyze": ("info", "analyze", "batch", "lot", "deviation", "spectrum", "dynamic", "compare", "watch"),
+    "Analyze": ("info", "analyze", "batch", "lot", "deviation", "spectrum", "dynamic", "compare", "watch", "serve"),
     "Simulate and plan": ("simulate", "plan", "selfcheck", "statespace"),
     "Use in a filter": ("export", "convert"),
     "Learn": ("explain", "example"),

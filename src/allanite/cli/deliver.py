@@ -6,9 +6,10 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import click
 
@@ -22,6 +23,7 @@ from .options import FLAGS
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
+    from allanite.live.watching import Watch
     from allanite.study.recipe import Recipe
 
 Settings = TypeVar("Settings")
@@ -51,6 +53,32 @@ class Outputs:
     def piped(self) -> bool:
         """Whether a result is written to standard output."""
         return STDOUT in self.paths.values()
+
+
+class Receiver(Protocol):
+    """What takes the results of verbs instead of the terminal and files."""
+
+    def tell(self, what: str, fraction: float) -> None:
+        """A job has come so far."""
+
+    def event(self, words: str, watch: "Watch") -> None:
+        """Something has happened in a stream that is watched."""
+
+    def take(self, value: Any) -> None:
+        """The result of a verb."""
+
+
+_RECEIVER: ContextVar[Receiver | None] = ContextVar("_RECEIVER", default=None)
+
+
+@contextmanager
+def received_by(receiver: Receiver) -> Iterator[None]:
+    """Within this context verbs give their results to `receiver`, and print nothing."""
+    token = _RECEIVER.set(receiver)
+    try:
+        yield
+    finally:
+        _RECEIVER.reset(token)
 
 
 def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequence[str] = ()) -> Outputs:
@@ -151,6 +179,10 @@ def _demand_explained(found: Any) -> None:
 @contextmanager
 def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
     """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
+    receiver = _RECEIVER.get()
+    if receiver is not None:
+        yield receiver.tell
+        return
     from allanite.reporting.progress import bar
 
     shown = sys.stderr.isatty() and not (out is not None and out.quiet)
@@ -180,6 +212,10 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
     The files are written even if nobody reads standard output to its end.
     """
+    receiver = _RECEIVER.get()
+    if receiver is not None:
+        receiver.take(value)
+        return
     extra = extra or Extra()
     if not (out.quiet or out.piped):
         with while_read():
@@ -196,6 +232,15 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         if path != STDOUT and not out.quiet:
             with while_read():
                 click.echo(f"{name}: {path}", err=out.piped)
+
+
+def happened(words: str, watch: "Watch") -> None:
+    """Say on stderr what happens in a stream."""
+    receiver = _RECEIVER.get()
+    if receiver is None:
+        click.echo(words, err=True)
+    else:
+        receiver.event(words, watch)
 
 
 def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:

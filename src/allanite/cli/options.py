@@ -8,7 +8,7 @@ import click
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 
-from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Ranges, Scale, Taus, Threads, Units
+from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Pieces, Ranges, Scale, Taus, Threads, Units
 
 Decorator = Callable[[Any], Any]
 
@@ -131,6 +131,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Show the exponent of the power law that the noise follows at each averaging time."),
     "average": click.option("--average", type=float, metavar="S",
         help="First of all replace the samples by means over this time."),
+    "exclude": click.option("--exclude", type=Pieces(), metavar="S..S,...",
+        help="Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps."),
     "ranges": click.option("--ranges", type=Ranges(), metavar="N=LO:HI,...",
         help="Averaging times through which method piecewise draws the line of each term, s."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
@@ -203,7 +205,7 @@ OPTIONS: dict[str, Decorator] = {
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Options that describe the contents of a file."""
 
-SELECTING = ("average", "from", "until", "quiet-window", "outliers", "memory")
+SELECTING = ("average", "exclude", "from", "until", "quiet-window", "outliers", "memory")
 """Options that select samples."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "level", "strict")

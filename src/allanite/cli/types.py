@@ -93,6 +93,22 @@ class Ranges(ParamType):
         return found
 
 
+class Pieces(ParamType):
+    """Pairs of seconds; a recipe may hold a list of them."""
+
+    name = "pieces"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Pairs of floats."""
+        from allanite.core.errors import UsageError
+        from allanite.core.ranges import demand_pieces
+
+        try:
+            return demand_pieces(value)
+        except UsageError as error:
+            self.fail(str(error), param, ctx)
+
+
 class Scale(ParamType):
     """A number, or a number with its unit."""
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .deliver import deliver, outputs, recipe_of, settings_of
+from .deliver import deliver, happened, outputs, recipe_of, settings_of
 from .options import RESULTS, options
 from .types import Duration
 
@@ -41,7 +41,7 @@ def watch(target: str, **choices: Any) -> None:
         found = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
         for words in found.events():
             if not out.quiet:
-                click.echo(words, err=True)
+                happened(words, found)
     deliver(found.study(), out)
 
 

@@ -1,5 +1,6 @@
 """Ranges of averaging times, one for each term."""
 
+import math
 from collections.abc import Mapping
 from itertools import pairwise
 
@@ -34,3 +35,33 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
                 "one term at most makes a part of the curve"
             )
     return found
+
+
+def demand_pieces(pieces: object) -> tuple[tuple[float, float], ...]:
+    """Pieces of a record as pairs of seconds, from text or numbers, in order of time.
+
+    Raises
+    ------
+    UsageError
+        They are not of this form.
+
+    Examples
+    --------
+    >>> demand_pieces("300..310,100..160")
+    ((100.0, 160.0), (300.0, 310.0))
+    """
+    parts = pieces.split(",") if isinstance(pieces, str) else pieces
+    if not isinstance(parts, (tuple, list)) or not parts:
+        raise UsageError(f"pieces are pairs of seconds, as 100..160,300..310, not {pieces!r}")
+    return tuple(sorted(_piece(part) for part in parts))
+
+
+def _piece(part: object) -> tuple[float, float]:
+    pair = part.split("..") if isinstance(part, str) else part
+    try:
+        start, end = (float(number) for number in pair)  # type: ignore[attr-defined]  # what is no pair raises
+    except (TypeError, ValueError):
+        raise UsageError(f"a piece is a pair of seconds, as 100..160, not {part!r}") from None
+    if not 0 <= start < end < math.inf:
+        raise UsageError(f"a piece begins at 0 s or later and ends after that, unlike {start:g}..{end:g}")
+    return start, end

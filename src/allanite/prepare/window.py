@@ -1,6 +1,7 @@
 """Selecting a part of a record."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -55,6 +56,44 @@ def _cut(record: Record, start: float, until: float | None) -> Record:
     what = say("cut from {start:g} s to {end:g} s", start=record.cut + start, end=record.cut + end)
     part = record.with_values(record.values[first : last + extra], what, start=origin)
     return replace(part, cut=record.cut + first / record.rate)
+
+
+def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Recording:
+    """The recording without these pieces, in seconds after its first sample: their samples are missing.
+
+    Raises
+    ------
+    UsageError
+        A piece does not lie within the recording.
+
+    Examples
+    --------
+    >>> record = Record(np.arange(6.0), rate=2.0, unit="deg/s", name="z")
+    >>> excluded(Recording((record,)), [(1.0, 2.0)])["z"].values.tolist()
+    [0.0, 1.0, nan, nan, 4.0, 5.0]
+    """
+    if not pieces:
+        return recording
+    records, others = (
+        tuple(_without(record, pieces) for record in some) for some in (recording.records, recording.others)
+    )
+    return replace(recording, records=records, others=others)
+
+
+def _without(record: Record, pieces: Sequence[tuple[float, float]]) -> Record:
+    values = np.array(record.values, dtype=np.float64)
+    points = len(values) - record.size
+    for start, end in pieces:
+        if end > record.duration * (1 + 1e-9):
+            raise UsageError(
+                f"the piece from {start:.10g} s to {end:.10g} s ends after {record.name!r}, which is "
+                f"{record.duration:.6g} s long"
+            )
+        first, last = round(start * record.rate), round(end * record.rate)
+        # an angle at the ends of a piece belongs to the intervals beside it
+        values[first + points : last] = np.nan
+    spans = ", ".join(f"{start:g} s to {end:g} s" for start, end in pieces)
+    return record.with_values(values, say("excluded: {spans}", spans=spans), start=record.start)
 
 
 def quiet_window(recording: Recording, length: float) -> Recording:

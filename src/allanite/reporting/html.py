@@ -1,6 +1,7 @@
 """Sheets as one HTML page that needs nothing else: no script, no font, no request."""
 
 import base64
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -62,6 +63,21 @@ def fragment(face: Face, figure: "Figure | None" = None) -> str:
     """The sheets alone, for a notebook, and one figure above them."""
     drawn = None if figure is None else svg(figure, f"n{next(_NOTEBOOK)}", tr(face.title))
     return _environment().get_template("fragment.html.j2").render(face=face, figure=drawn, draw=None)
+
+
+def pieces(face: Face) -> tuple[str, list[str]]:
+    """What a face has besides its sheets, and each of its sheets, without figures and styles.
+
+    The color of a term is an attribute ``data-color``, for pages that allow no style in their text.
+    """
+    template = _environment().get_template("sheet.html.j2")
+    rest = template.render(one=None, items=(*face.parts, *face.close))
+    made = [rest, *(template.render(one=sheet, items=()) for sheet in face.sheets)]
+    plain = [_STYLE.sub(lambda found: f' data-color="{found[1]}"', text) for text in made]
+    return plain[0], plain[1:]
+
+
+_STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
 
 
 @cache

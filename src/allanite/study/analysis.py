@@ -7,7 +7,9 @@ from typing import Any, Self
 
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry, data_sheet
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
+from allanite.core.finding import Quality
+from allanite.core.language import say
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
@@ -178,19 +180,38 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
     """The study of a recording, as `analyze` returns it; not every unit of the recipe need fit it."""
 
     def work(seen: Inspected) -> Channel:
-        noise = noise_of(seen.record, recipe)
-        curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
-        if curve.law is not None:
-            curve.interval(recipe.level)  # which every form of the result shows, and is remembered
-        noise = replace(noise, fit=replace(noise.fit, curve=curve))
-        usual = curve.statistic == "oadev" and recipe.taus == "log"
-        read = readings(seen.record, curve if usual else None)
-        return Channel(seen.record, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
+        return _channel(seen.record, seen.quality, recipe)
 
     with importing(IDENTIFICATION), in_parts(source, recipe) as reader:
         if reader is not None:
             return _analyzed_in_parts(reader, recipe, progress)
         return run(Study, source, recipe, work, Channel.refused, progress=progress)
+
+
+def _channel(record: Record, quality: Quality, recipe: Recipe) -> Channel:
+    """The result of one channel."""
+    noise = noise_of(record, recipe)
+    curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
+    if curve.law is not None:
+        curve.interval(recipe.level)  # which every form of the result shows, and is remembered
+    noise = replace(noise, fit=replace(noise.fit, curve=curve))
+    usual = curve.statistic == "oadev" and recipe.taus == "log"
+    read = readings(record, curve if usual else None)
+    return Channel(record, quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
+
+
+def refitted(channel: Channel, recipe: Recipe) -> Channel:
+    """A channel of a study analyzed once more with other choices of the identification or curve.
+
+    Raises
+    ------
+    DataError
+        The study has no samples of it, since it was read in parts, or read from a file of results.
+    """
+    if not isinstance(channel.record, Record):
+        raise DataError(say("the samples of {channel!r} are not in memory: analyze the file once more",
+                            channel=channel.record.name))  # fmt: skip
+    return _channel(channel.record, channel.quality, recipe)
 
 
 def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:

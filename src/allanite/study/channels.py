@@ -4,7 +4,9 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
@@ -14,11 +16,12 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding, Quality
 from allanite.core.language import join, say
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
+from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_outliers
-from allanite.prepare.window import quiet_window, trim
+from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
 from allanite.readers.parts import demand_memory
 from allanite.readers.sandbox.progress import told
@@ -32,6 +35,21 @@ from .shares import how_many, shared
 Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
+
+Opener = Callable[[str, Mapping[str, Any], Callable[[], Recording]], Recording]
+"""(path, choices of the reader, function that reads it) -> the recording."""
+
+_opener: ContextVar[Opener | None] = ContextVar("_opener", default=None)
+
+
+@contextmanager
+def opened_by(opener: Opener) -> Iterator[None]:
+    """Within this context files are read by `opener`, which may keep what it has read for the next job."""
+    token = _opener.set(opener)
+    try:
+        yield
+    finally:
+        _opener.reset(token)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,6 +177,7 @@ def open_recording(
         whole = _whole(source, recipe, along)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
+    whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
     whole = trim(whole, recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
     if recipe.outliers != "mark":
@@ -179,9 +198,14 @@ def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
         return source
     if isinstance(source, Record):
         return Recording((source,))
-    options = recipe.to_dict(READING)
-    demand_memory(source, recipe.memory, options)
-    return read(source, **options, along=tuple(along)) if along else read(source, **options)
+    options = recipe.to_dict(READING) | ({"along": tuple(along)} if along else {})
+
+    def whole() -> Recording:
+        demand_memory(source, recipe.memory, recipe.to_dict(READING))
+        return read(source, **options)
+
+    opener = _opener.get()
+    return whole() if opener is None else opener(os.fspath(source), options, whole)
 
 
 def each_channel(

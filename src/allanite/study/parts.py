@@ -58,7 +58,7 @@ def in_parts(source: Source, recipe: Recipe) -> Iterator[PartsReader | None]:
 
 def _demand_choices(recipe: Recipe) -> None:
     """Refuse what needs the whole record."""
-    for name in ("average", "quiet_window", "ranges"):
+    for name in ("average", "exclude", "quiet_window", "ranges"):
         if getattr(recipe, name) is not None:
             option = f"--{name.replace('_', '-')}"
             raise UsageError(

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
-from allanite.core.ranges import demand_ranges
+from allanite.core.ranges import demand_pieces, demand_ranges
 from allanite.core.scope import Band, demand_band
 from allanite.core.units import SIGNALS, signal_with, unit_of
 from allanite.meaning.devices import device
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Keys that describe the contents of the file."""
 
-SELECTING = ("average", "start", "until", "quiet_window", "outliers", "memory")
+SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "memory")
 """Keys that select samples, and whether all of them are in memory."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "level")
@@ -44,6 +44,7 @@ class Recipe:
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
     they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
     text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
+    `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are missing.
     `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
     available. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in
     `DEVICES`, whose likely causes of each term are shown.
@@ -60,6 +61,7 @@ class Recipe:
     offset: int | None = None
     sincos: tuple[str, ...] | None = None
     average: float | None = None
+    exclude: str | tuple[tuple[float, float], ...] | None = None
     start: float | None = None
     until: float | None = None
     quiet_window: float | None = None
@@ -90,14 +92,20 @@ class Recipe:
                 raise UsageError(f"{key} must be a word, not {value!r}")
         if self.outliers is not None:
             demand_choice(self.outliers)
-        if self.memory is not None:
-            bytes_of(self.memory)
+        self._demand_selecting()
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
         if self.ranges is not None:
             object.__setattr__(self, "ranges", demand_ranges(self.ranges))
         self._demand_showing()
+
+    def _demand_selecting(self) -> None:
+        """Refuse pieces or a size of memory that cannot be read."""
+        if self.exclude is not None:
+            object.__setattr__(self, "exclude", demand_pieces(self.exclude))
+        if self.memory is not None:
+            bytes_of(self.memory)
 
     def _demand_showing(self) -> None:
         """Refuse a device, a unit or a fact that cannot be shown."""

@@ -1,0 +1,39 @@
+"""``allanite serve``: the page in the browser."""
+
+from importlib.util import find_spec
+from typing import Any
+
+import click
+
+from .options import options
+
+
+@click.command()
+@options(
+    click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
+    click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+        help="Port at 127.0.0.1.  [default: any that is free]"),
+    click.option("--browser/--no-browser", default=True, help="Open the page in the browser."),
+    click.option("--limit", default="4GB", show_default=True, metavar="SIZE", help="Size of an upload at most."),
+    click.option("--quota", default="20GB", show_default=True, metavar="SIZE",
+        help="Size of all files that the page keeps."),
+    "lang",
+)  # fmt: skip
+def serve(files: tuple[str, ...], **choices: Any) -> None:
+    """Open the page in the browser.
+
+    Drop a file, look, cut, switch, overlay, compare, export: everything on this machine, at 127.0.0.1, by the jobs of
+    the other commands, whose command line the page shows. Uploads and results are kept in the cache folder of this
+    user, and are there again after a reload or a restart.
+    """
+    from allanite.core.errors import UsageError
+    from allanite.readers.memory import bytes_of
+
+    if find_spec("fastapi") is None or find_spec("uvicorn") is None:
+        raise UsageError("the page needs FastAPI and uvicorn: pip install 'allanite[web]'")
+    from allanite.web.server import serve as run
+
+    run(
+        files, port=choices["port"], browser=choices["browser"], lang=choices["lang"],
+        limit=bytes_of(choices["limit"]), quota=bytes_of(choices["quota"]),
+    )  # fmt: skip

@@ -1,0 +1,37 @@
+// Two records side by side: did the noise change?
+
+import * as api from "./api.js";
+import { byId, el, fill, fragment, menu, show } from "./dom.js";
+import { perform } from "./jobs.js";
+import { on, recipe, state } from "./state.js";
+import { t } from "./words.js";
+
+const others = () => state.files.filter((file) => file.id !== state.choices.file);
+
+function draw() {
+  show(byId("compare-section"), others().length > 0);
+  fill(byId("compare-with"), menu(others().map((file) => ({ name: file.id, title: file.name })), byId("compare-with").value));
+  for (const option of byId("compare-with").options) option.textContent = state.files.find((file) => file.id === option.value)?.name ?? "";
+  fill(byId("compared"));
+}
+
+export async function compare() {
+  const place = byId("compared");
+  try {
+    const made = await perform("compare", [state.choices.file, byId("compare-with").value], recipe());
+    const job = made.id ?? made.job ?? state.jobs.findLast((one) => one.verb === "compare").id;
+    const image = el("img", { src: api.saved(job, "figure.svg", { inline: 1 }), alt: t("compare"), test: "picture-compare" });
+    image.addEventListener("error", () => image.parentElement.remove());
+    fill(place, made.html ? fragment(el("div", { class: "fragment" }), made.html) : [],
+      el("div", { class: "paper scroll", tabIndex: 0 }, image),
+      (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment", test: "compared" }), one.html)));
+  } catch (error) {
+    fill(place, el("p", { class: "error", role: "alert", test: "error-compare" }, error.message));
+  }
+}
+
+export function start() {
+  byId("compare").addEventListener("click", compare);
+  for (const name of ["shown", "language", "file"]) on(name, draw);
+  draw();
+}

@@ -1,0 +1,53 @@
+// Elements: text is always set as text, so that no name of a file or channel is read as markup.
+
+export const byId = (id) => document.getElementById(id);
+
+export function el(tag, props = {}, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(props)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (key === "test") node.dataset.testid = value;
+    else if (key in node && typeof value !== "string") node[key] = value;
+    else node.setAttribute(key, value);
+  }
+  node.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  return node;
+}
+
+export const button = (text, test, onclick, props = {}) => el("button", { type: "button", test, onclick, ...props }, text);
+
+export function fill(place, ...children) {
+  place.replaceChildren(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  return place;
+}
+
+export function show(place, visible) {
+  place.hidden = !visible;
+}
+
+const asRow = (row) => (typeof row === "string" ? { name: row, title: row } : row);
+
+/** Options of a menu: rows {name, title} of a table of the server, or plain names. */
+export function menu(rows, chosen, empty) {
+  const items = rows.map(asRow).map((row) => {
+    const name = row.code ?? row.name ?? row.symbol;
+    return el("option", { value: name, selected: name === chosen }, row.title && row.title !== name ? `${name} - ${row.title}` : name);
+  });
+  return empty === undefined ? items : [el("option", { value: "" }, empty), ...items];
+}
+
+/** Sheets made and escaped by the server; colors of terms are set here, since the policy of the page allows no style in text. */
+export function fragment(place, html) {
+  place.innerHTML = html;
+  for (const node of place.querySelectorAll("[data-color]")) {
+    const own = node.dataset.color;
+    node.style.color = `var(--${own.slice(1).toLowerCase()}, ${own})`;
+  }
+  return place;
+}
+
+export function copyable(text, test, label) {
+  const done = (event) => navigator.clipboard.writeText(text).then(() => event.target.classList.add("done"));
+  return el("div", { class: "copyable" }, el("pre", { tabIndex: 0, test }, text), button(label, `${test}-copy`, done));
+}

@@ -1,0 +1,98 @@
+// Files: dropped, chosen, opened by path, or an example.
+
+import * as api from "./api.js";
+import { button, byId, el, fill } from "./dom.js";
+import { progress } from "./jobs.js";
+import { choose, on, state, tell } from "./state.js";
+import { t } from "./words.js";
+
+const size = (bytes) => {
+  if (bytes === undefined || bytes === null) return "";
+  const power = Math.min(3, Math.floor(Math.log10(Math.max(bytes, 1)) / 3));
+  return `${Number((bytes / 1000 ** power).toPrecision(3))} ${["B", "kB", "MB", "GB"][power]}`;
+};
+
+function added(file) {
+  if (!state.files.some((one) => one.id === file.id)) state.files.push(file);
+  show(file.id);
+  tell("file", file.id);
+}
+
+/** Make a file the one that is shown. */
+export function show(id) {
+  choose({ file: id, window: null, channel: null });
+  draw();
+  tell("shown", id);
+}
+
+async function guarded(act) {
+  try {
+    await act();
+  } catch (error) {
+    tell("error", error);
+  }
+}
+
+async function send(file) {
+  progress(file, `${t("upload")}: ${file.name}`, 0);
+  await guarded(async () => added(await api.upload(state.workspace, file, (share) => progress(file, `${t("upload")}: ${file.name}`, share))));
+  progress(file, null);
+}
+
+async function several(list) {
+  for (const file of list) await send(file);
+}
+
+const openPath = (path) => guarded(async () => added(await api.openPath(state.workspace, path)));
+
+export const tryExample = (name) => guarded(async () => added(await api.example(state.workspace, name)));
+
+async function remove(id) {
+  await guarded(async () => {
+    await api.forget(state.workspace, id);
+    state.files = state.files.filter((file) => file.id !== id);
+    const { [id]: _, ...runs } = state.choices.runs ?? {};
+    choose({ runs });
+    show(state.files.at(-1)?.id ?? null);
+  });
+}
+
+export function draw() {
+  const rows = state.files.map((file) => {
+    const current = file.id === state.choices.file;
+    return el("li", { class: current ? "current" : "" },
+      button(file.name, "file", () => show(file.id), { class: "plain", "aria-current": current ? "true" : null, title: file.name }),
+      el("span", { class: "quiet" }, size(file.bytes)),
+      button("×", "file-remove", () => remove(file.id), { class: "small", "aria-label": `${t("remove")} ${file.name}` }));
+  });
+  fill(byId("files"), rows);
+  document.body.classList.toggle("empty", state.files.length === 0);
+}
+
+function examples() {
+  const rows = state.tables.examples ?? [];
+  fill(byId("examples"), rows.map((row) => button(rows.length === 1 ? t("example") : (row.title ?? row.name ?? row), "example", () => tryExample(row.name ?? row), { title: row.title ?? "" })));
+}
+
+function dropping() {
+  const mark = (yes) => document.body.classList.toggle("dropping", yes);
+  addEventListener("dragover", (event) => { event.preventDefault(); mark(true); });
+  addEventListener("dragleave", (event) => event.relatedTarget === null && mark(false));
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    mark(false);
+    several([...event.dataTransfer.files]);
+  });
+}
+
+export function start() {
+  dropping();
+  byId("choose-file").addEventListener("change", (event) => several([...event.target.files]).then(() => { event.target.value = ""; }));
+  byId("open-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    openPath(byId("open-path").value.trim());
+  });
+  on("language", () => { examples(); draw(); });
+  examples();
+  draw();
+}

@@ -1,0 +1,64 @@
+// A stream that is watched: what is said of it, and its curves as they grow.
+
+import * as api from "./api.js";
+import { byId, el, fill, fragment, show } from "./dom.js";
+import { perform } from "./jobs.js";
+import { between, draw, layout, log, series } from "./plots.js";
+import { on, state, tell } from "./state.js";
+import { t } from "./words.js";
+
+const LINES = 200;
+let last = null;
+
+function heard(name, { text, channels }) {
+  const log = byId("live-log");
+  if (name === "words") log.append(el("li", { test: "live-line" }, text));
+  while (log.children.length > LINES) log.firstChild.remove();
+  log.scrollTop = log.scrollHeight;
+  if (channels?.length) paint((last = channels));
+}
+
+function paint(curves) {
+  show(byId("live-plot"), true);
+  const traces = curves.flatMap((one, i) => [
+    ...(one.low ? between(one.tau, one.low, one.high, series(i), 0.15, one.name) : []),
+    { x: one.tau, y: one.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: series(i) }, name: one.name.replace(/[<>&]/g, " "), showlegend: true },
+  ]);
+  draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, legend: { orientation: "h" }, xaxis: log(t("tau")), yaxis: log(curves[0].unit) }));
+}
+
+const wanted = () => {
+  const read = (id) => byId(id).value.trim();
+  const rate = read("live-rate");
+  return { ...(rate ? { rate: Number(rate) } : {}), ...(read("live-unit") ? { unit: read("live-unit") } : {}) };
+};
+
+async function watch(event) {
+  event.preventDefault();
+  fill(byId("live-log"));
+  fill(byId("live-results"));
+  running(true);
+  try {
+    const made = await perform("watch", [], wanted(), heard, { target: byId("live-source").value.trim() });
+    fill(byId("live-results"), (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment" }), one.html)));
+  } catch (error) {
+    fill(byId("live-results"), el("p", { class: "error", role: "alert", test: "error-live" }, error.message));
+  }
+  running(false);
+}
+
+function running(yes) {
+  byId("live-start").disabled = yes;
+  byId("live-stop").disabled = !yes;
+}
+
+function stop() {
+  const job = state.jobs.findLast((one) => one.verb === "watch");
+  if (job) api.cancel(job.id).catch((error) => tell("error", error));
+}
+
+export function start() {
+  byId("live-form").addEventListener("submit", watch);
+  byId("live-stop").addEventListener("click", stop);
+  on("theme", () => last && paint(last));
+}

@@ -1,0 +1,76 @@
+// What every chart has in common: colors of the page, axes, and the settings of the drawing library.
+
+const SERIES = ["#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54"];
+const DARK = ["#79b0ff", "#ff7b72", "#3fc9a0", "#e3b341", "#dc8fd0", "#b0b8c1"];
+
+export const dark = () => {
+  const chosen = document.documentElement.dataset.theme;
+  return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+};
+
+export const series = (index) => (dark() ? DARK : SERIES)[index % SERIES.length];
+
+export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+export function faint(hex, share) {
+  const [r, g, b] = [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+  return `rgba(${r},${g},${b},${share})`;
+}
+
+export const CONFIG = {
+  displaylogo: false,
+  responsive: true,
+  scrollZoom: false,
+  displayModeBar: false,
+  edits: { shapePosition: true },
+};
+
+export function axis(title, more = {}) {
+  return {
+    title: { text: title, font: { size: 13 } },
+    gridcolor: color("--line"),
+    linecolor: color("--soft"),
+    zerolinecolor: color("--line"),
+    tickcolor: color("--soft"),
+    showline: true,
+    ticks: "outside",
+    ...more,
+  };
+}
+
+export const log = (title, more = {}) => axis(title, { type: "log", tickformat: "~g", dtick: 1, minor: { dtick: "D1", showgrid: false, ticks: "outside", ticklen: 3 }, ...more });
+
+export function layout(more) {
+  return {
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+    font: { family: getComputedStyle(document.body).fontFamily, size: 13, color: color("--ink") },
+    margin: { l: 64, r: 16, t: 16, b: 48 },
+    hovermode: "closest",
+    hoverlabel: { bgcolor: color("--wash"), bordercolor: color("--line"), font: { color: color("--ink") } },
+    showlegend: false,
+    ...more,
+  };
+}
+
+export function draw(place, traces, form, settings = CONFIG) {
+  place.style.height = `${form.height}px`;
+  return Plotly.react(place, traces, form, settings);
+}
+
+/** The band between two curves, as two traces. */
+export function between(x, low, high, hue, share, name) {
+  const common = { x, mode: "lines", line: { width: 0, color: hue }, hoverinfo: "skip", showlegend: false, name };
+  return [{ ...common, y: low }, { ...common, y: high, fill: "tonexty", fillcolor: faint(hue, share) }];
+}
+
+/** A value of a curve between its points, straight on logarithmic axes. */
+export function at(x, y, wanted) {
+  let i = x.findIndex((one) => one >= wanted);
+  if (i < 0) i = x.length - 1;
+  if (i < 1) i = 1;
+  const share = Math.log(wanted / x[i - 1]) / Math.log(x[i] / x[i - 1]);
+  return y[i - 1] * (y[i] / y[i - 1]) ** share;
+}
+
+export const digits = (value) => Number(value.toPrecision(3)).toString();

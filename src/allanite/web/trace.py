@@ -1,0 +1,126 @@
+"""The trace of a channel at any magnification: least and largest sample of stretches, in steps of 16."""
+
+import json
+import math
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.errors import UsageError
+from allanite.core.files import write
+from allanite.core.record import Record, Recording
+from allanite.core.units import convert
+from allanite.prepare.outliers import outliers
+from allanite.prepare.view import stretches
+
+FACTOR = 16
+"""Samples of a stretch, and stretches of the next longer one."""
+
+FEWEST = 1024
+"""Stretches of the coarsest level at least."""
+
+MOST = 2000
+"""Gaps and outliers that are listed."""
+
+MOST_POINTS = 20_000
+
+Array = NDArray[Any]
+
+
+def build(folder: Path, recording: Recording, key: str) -> None:
+    """Write the trace of a recording that was read with the choices `key`; the one before it is replaced."""
+    place = folder / "trace"
+    if _meta(place).get("key") == key:
+        return
+    draft = folder / "trace.part"
+    shutil.rmtree(draft, ignore_errors=True)
+    draft.mkdir(mode=0o700)
+    channels = [_write(draft, i, record) for i, record in enumerate(recording)]
+    write(draft / "meta.json", json.dumps({"key": key, "channels": channels}).encode())
+    shutil.rmtree(place, ignore_errors=True)
+    draft.rename(place)
+
+
+def _write(folder: Path, i: int, record: Record) -> dict[str, Any]:
+    unit = record.signal.sheet[0]
+    values = record.rate_values
+    values *= convert(1.0, record.signal.si[0], unit)
+    finite = np.isfinite(values)
+    offset = float(np.median(values[:: max(1, values.size // 1001)][finite[:: max(1, values.size // 1001)]])
+                   if finite.any() else 0.0)  # fmt: skip
+    low = high = (values - offset).astype(np.float32)
+    np.save(folder / f"{i}.0.npy", low)
+    levels = 0
+    while low.size >= FACTOR * FEWEST:
+        starts = np.arange(0, low.size, FACTOR)
+        low, high = np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
+        levels += 1
+        np.save(folder / f"{i}.{levels}.npy", np.stack((low, high)))
+    gaps = (stretches(~finite) / record.rate).tolist()
+    far = outliers(record).at
+    return {
+        "name": record.name, "rate": record.rate, "size": record.size, "unit": unit, "offset": offset,
+        "levels": levels, "gaps": gaps[:MOST], "gap_count": len(gaps),
+        "outliers": (far[:MOST] / record.rate).tolist(), "outlier_count": int(far.size),
+    }  # fmt: skip
+
+
+def window(folder: Path, channel: str, start: float | None, end: float | None, points: int) -> dict[str, Any]:
+    """The part of a trace between two times, s, as at most so many stretches.
+
+    Raises
+    ------
+    UsageError
+        The file was not read yet, or has no such channel.
+    """
+    meta = _meta(folder / "trace")
+    if not meta:
+        raise UsageError("the file was not read yet: ask for its info first")
+    names = [one["name"] for one in meta["channels"]]
+    if channel and channel not in names:
+        raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")
+    i = names.index(channel) if channel else 0
+    one, points = meta["channels"][i], min(max(points, 2), MOST_POINTS)
+    first = max(0, int((start or 0.0) * one["rate"]))
+    last = min(one["size"], int(np.ceil(one["size"] if end is None else end * one["rate"])))
+    last = max(last, first + 1)
+    level = 0
+    while level < one["levels"] and (last - first) >= points * FACTOR ** (level + 1):
+        level += 1
+    found = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
+    times, low, high = found
+    return {
+        "channel": one["name"], "channels": names, "unit": one["unit"], "rate": one["rate"],
+        "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
+        "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]),
+        "gaps": [gap for gap in one["gaps"] if gap[1] > first / one["rate"] and gap[0] < last / one["rate"]],
+        "outliers": [at for at in one["outliers"] if first / one["rate"] <= at < last / one["rate"]],
+        "gap_count": one["gap_count"], "outlier_count": one["outlier_count"],
+    }  # fmt: skip
+
+
+def _part(path: Path, where: tuple[int, int, int], points: int) -> tuple[Array, Array, Array]:
+    """Times in samples, least and largest values of stretches."""
+    first, last, size = where
+    stored = np.load(path, mmap_mode="r")
+    begin, end = first // size, -(-last // size)
+    low, high = (stored[0], stored[1]) if stored.ndim == 2 else (stored, stored)
+    low, high = (np.asarray(part[begin:end], dtype=np.float64) for part in (low, high))
+    if low.size <= points:
+        return (begin + np.arange(low.size) + (0.5 if size > 1 else 0.0)) * size, low, high
+    starts = np.linspace(0, low.size, points, endpoint=False).astype(np.int64)
+    middle = (starts + np.append(starts[1:], low.size)) / 2
+    return (begin + middle) * size, np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
+
+
+def _listed(values: Array) -> list[float | None]:
+    return [float(f"{v:.9g}") if math.isfinite(v) else None for v in values.tolist()]
+
+
+def _meta(place: Path) -> dict[str, Any]:
+    path = place / "meta.json"
+    found: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
+    return found

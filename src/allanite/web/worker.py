@@ -1,0 +1,262 @@
+"""The process that does the work: runs command lines, keeps what it has read, and answers questions about results."""
+
+import json
+import os
+import signal
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import click
+
+from allanite.cli import main as allanite
+from allanite.cli.deliver import encoded, received_by
+from allanite.core.errors import DataError, UsageError
+from allanite.core.record import Record, Recording
+from allanite.core.wording import command_line
+from allanite.statistics import deviation as deviation_of
+from allanite.study.channels import opened_by
+
+from . import faces, trace
+from .line import problem_of
+
+KEPT = 2
+"""Recordings that stay in memory."""
+
+SAID = 0.05
+"""Seconds between reports of progress."""
+
+SEEN = 1.0
+"""Seconds between the curves of a stream."""
+
+Answer = dict[str, Any]
+
+
+class Held:
+    """What the process has in memory, and where it reports to.
+
+    `values` are results by job, `recordings` what was read, by path and choices.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self.connection = connection
+        self.values: dict[str, Any] = {}
+        self.recordings: dict[tuple[str, str], Recording] = {}
+        self.names: Mapping[str, str] = {}
+        self.folders: Mapping[str, tuple[str, str]] = {}
+        self.drawn: dict[tuple[Any, ...], Any] = {}
+        self.taken: list[Any] = []
+        self.said = self.seen = 0.0
+        self.lang = "en"
+
+    def tell(self, what: str, fraction: float) -> None:
+        """Report progress, not too often."""
+        now = time.monotonic()
+        if now - self.said >= SAID or fraction >= 1.0:
+            self.said = now
+            self.send("progress", {"what": what, "fraction": fraction})
+
+    def event(self, words: str, watch: Any) -> None:
+        """Report what happens in a stream, and its curves so far."""
+        self.send("words", {"text": words})
+        now = time.monotonic()
+        if now - self.seen >= SEEN:
+            self.seen = now
+            self.send("live", {"channels": [one for m in watch.monitors.values() for one in self._live(m)]})
+
+    def _live(self, monitor: Any) -> list[Answer]:
+        with suppress(DataError):
+            return [faces.drawn(faces.panel_of(monitor.stream.curve(), None), 0.95, self.lang)]
+        return []
+
+    def named(self, problem: Answer) -> Answer:
+        """A problem with the names of files instead of where they are kept."""
+        words = problem["error"]
+        for path, name in self.names.items():
+            words = words.replace(path, name)
+        return problem | {"error": words}
+
+    def take(self, value: Any) -> None:
+        """The result of the verb."""
+        self.taken.append(value)
+
+    def open(self, path: str, choices: Mapping[str, Any], read: Callable[[], Recording]) -> Recording:
+        """A recording, read unless it is in memory; its trace is written beside the upload."""
+        key = json.dumps(choices, sort_keys=True, default=str)
+        if (path, key) not in self.recordings:
+            while len(self.recordings) >= KEPT:
+                self.recordings.pop(next(iter(self.recordings)))
+            self.recordings[path, key] = replace(read(), source=self.names.get(path, path))
+            self._traced(path, key)
+            self.send(
+                "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
+            )
+        else:
+            self._traced(path, key)
+        return self.recordings[path, key]
+
+    def _traced(self, path: str, key: str) -> None:
+        if path in self.folders:
+            file, folder = self.folders[path]
+            trace.build(Path(folder), self.recordings[path, key], key)
+            self.send("trace", {"file": file})
+
+    def _first(self, record: Record) -> list[Answer]:
+        """The curve of a record without its band, which takes longer."""
+        with suppress(DataError):
+            curve = deviation_of(record, "oadev", taus="octave", noise=None)
+            return [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang)]
+        return []
+
+    def send(self, kind: str, data: Answer) -> None:
+        """Report to the server; without one there is nothing to go on for."""
+        try:
+            self.connection.send((kind, data))
+        except OSError:
+            os._exit(0)
+
+
+def run(
+    held: Held,
+    job: str,
+    *,
+    line: list[str],
+    shown: str,
+    lang: str,
+    names: dict[str, str],
+    folders: dict[str, tuple[str, str]],
+) -> Answer:
+    """Run a command line; its result as JSON, and as it is shown."""
+    held.taken, held.names, held.folders, held.lang = [], names, folders, lang
+    code = 0
+    with received_by(held), opened_by(held.open):
+        try:
+            with allanite.make_context("allanite", line) as context:
+                allanite.invoke(context)
+        except click.exceptions.Exit as end:
+            code = end.exit_code
+    value = held.taken[-1]
+    held.values[job] = value, shown
+    from allanite.reporting.json import to_json
+
+    return {"json": to_json(value), "faces": faces.described(value, lang), "exit": code}
+
+
+def example(held: Held, line: list[str]) -> Answer:
+    """Write a simulated recording."""
+    with allanite.make_context("allanite", line) as context:
+        allanite.invoke(context)
+    return {}
+
+
+def described(held: Held, job: str, lang: str) -> Answer:
+    """The sheets of a result, in a language."""
+    return faces.described(held.values[job][0], lang)
+
+
+def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> Answer:
+    """A curve of a channel, with its band and model."""
+    value, _ = held.values[job]
+    key = (job, channel, statistic)
+    if key not in held.drawn:
+        curve, fit, _ = faces.curve_of(value, channel, statistic)
+        held.drawn[key] = faces.panel_of(curve, fit)
+    return faces.drawn(held.drawn[key], value.recipe.level, lang)
+
+
+def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
+    """A channel with other terms or another band, and its curves."""
+    from allanite.study.analysis import Study, refitted
+
+    value, _ = held.values[job]
+    if not isinstance(value, Study):
+        raise UsageError("only the result of analyze has a fit that can be changed: run analyze first")
+    recipe = type(value.recipe).from_dict(value.recipe.to_dict() | choices)
+    found = refitted(value[channel], recipe)
+    shown = replace(value, channels=(found,), recipe=recipe)
+    names = list(dict.fromkeys(statistics or [recipe.statistic]))
+    curves = [faces.curve_of(shown, channel, name) for name in names]
+    assert found.fit is not None  # noqa: S101 - `refitted` raises else
+    return {
+        "fit": replace(found.fit, curve=None).to_dict(recipe.level),
+        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit, _ in curves],
+        **faces.described(shown, lang)["channels"][0],
+    }
+
+
+def export(held: Held, job: str, *, channels: list[str], target: str, choices: dict[str, Any], form: str) -> Answer:
+    """The file of a target, for the channels of a study."""
+    from allanite.exporting.export import exported, prepared
+    from allanite.exporting.fields import How
+
+    value, _ = held.values[job]
+    how = How(choices.get("axis") or "worst", float(choices.get("inflate") or 1.0), None,
+              choices.get("filter_rate"), bool(choices.get("unexplained")))  # fmt: skip
+    row, suffix = prepared(target, how, form)
+    chosen = replace(value, channels=tuple(value[name] for name in channels)) if channels else value
+    made = exported(row, chosen, how, suffix)
+    return {
+        "text": made.text, "binary": made.binary, "filename": f"{row.name}{made.suffix}",
+        "notes": [str(note) for note in made.notes], "alerts": [str(alert) for alert in made.alerts],
+    }  # fmt: skip
+
+
+FORMS: dict[str, tuple[str, str, str]] = {
+    "report": ("report", "report.html", "text/html; charset=utf-8"),
+    "pdf": ("report", "report.pdf", "application/pdf"),
+    "json": ("json", "results.json", "application/json"),
+    "csv": ("csv", "curves.csv", "text/csv; charset=utf-8"),
+    "coefficients": ("coefficients", "coefficients.csv", "text/csv; charset=utf-8"),
+    "figure.svg": ("plot", "figure.svg", "image/svg+xml"),
+    "figure.png": ("plot", "figure.png", "image/png"),
+}
+"""What can be saved: option of the command line, name of the file, media type."""
+
+
+def save(held: Held, job: str, form: str, lang: str) -> Answer:
+    """A file as the command line writes it."""
+    value, shown = held.values[job]
+    name, path, _ = FORMS[form]
+    with click.Context(allanite) as context:
+        from allanite.cli.front import LINE
+
+        context.meta[LINE] = shown
+        data = encoded(value, name, path, lang)
+    return {"data": data.encode() if isinstance(data, str) else data}
+
+
+def has(held: Held, job: str) -> Answer:
+    """Whether the result of a job is in memory."""
+    return {"there": job in held.values}
+
+
+TASKS: dict[str, Callable[..., Answer]] = {
+    "run": run, "example": example, "described": described, "deviation": deviation, "refit": refit, "export": export,
+    "save": save, "has": has,
+}  # fmt: skip
+"""What a worker can be asked."""
+
+
+def ready() -> None:
+    """Nothing: that this module is loaded is all that is wanted."""
+
+
+def main(connection: Connection) -> None:
+    """Answer requests until the server has ended."""
+    os.setsid() if hasattr(os, "setsid") else None
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends with the server; a stream has a handler of its own
+    held = Held(connection)
+    while True:
+        try:
+            task, arguments, told = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            with command_line():
+                held.send("answer", TASKS[task](held, **arguments))
+        except Exception as error:  # every defect is told, and this process goes on
+            held.send("problem", held.named(problem_of(error, *told)))

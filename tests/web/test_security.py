@@ -1,0 +1,260 @@
+"""Who may come in, and what hostile input cannot do."""
+
+import http.client
+import socket
+import stat
+
+import numpy as np
+import pytest
+
+from .served import Client, served
+
+LIMIT, QUOTA = 1_000_000, 3_000_000
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module")
+def link(folder):
+    with served(folder, "--limit", "1MB", "--quota", "3MB") as (_, link):
+        yield link
+
+
+@pytest.fixture(scope="module")
+def client(link):
+    with Client(link) as client:
+        yield client
+
+
+def address(link):
+    host, _, port = link.partition("//")[2].partition("/")[0].partition(":")
+    return host, int(port)
+
+
+def raw(link, method, path, **headers):
+    """Status and headers of a request as it is written, with no header of its own."""
+    connection = http.client.HTTPConnection(*address(link), timeout=20)
+    connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+    for name, value in headers.items():
+        connection.putheader(name.replace("_", "-"), value)
+    connection.endheaders()
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer
+
+
+def entered(client):
+    """The header of a cookie that is valid."""
+    return "; ".join(f"{cookie.name}={cookie.value}" for cookie in client.http.cookies.jar)
+
+
+def test_it_listens_at_this_machine_alone(client, link):
+    _, port = address(link)
+    with open("/proc/net/tcp", encoding="ascii") as file:
+        rows = [line.split()[1] for line in file if line.split()[3] == "0A"]
+    assert [row for row in rows if row.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
+    with socket.socket(socket.AF_INET6) as other:
+        assert other.connect_ex(("::1", port)) != 0
+
+
+def test_nothing_is_answered_without_the_token(client, link):
+    with Client(link, enter=False) as stranger:
+        _refused(stranger)
+
+
+def _refused(stranger):
+    for path in ("/", "/index.html", "/report.css", "/api/tables", "/api/workspaces", "/docs", "/openapi.json"):
+        answer = stranger.get(path)
+        assert answer.status_code == 401, path
+        assert "open the link that allanite serve prints" in answer.text
+    assert stranger.http.get("/?token=guess").status_code == 403
+    assert stranger.http.get("/api/tables", headers={"Cookie": "allanite=guess"}).status_code == 401
+
+
+def test_the_token_opens_once_and_the_cookie_is_for_this_page(client, link):
+    with Client(link, enter=False) as other:
+        assert other.http.get(link).status_code == 403
+    assert client.get("/").status_code == 200
+    (cookie,) = client.http.cookies.jar
+    assert cookie.has_nonstandard_attr("HttpOnly")
+    assert cookie.get_nonstandard_attr("SameSite").lower() == "strict"
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1.evil.example", ""])
+def test_another_host_is_refused(client, link, host):
+    cookie = entered(client)
+    assert raw(link, "GET", "/api/tables", Host=host, Cookie=cookie).status == 421
+    own = "{}:{}".format(*address(link))
+    assert raw(link, "GET", "/api/tables", Host=own, Cookie=cookie).status == 200
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "", "https://127.0.0.1", "http://127.0.0.1:1"])
+def test_another_origin_changes_nothing(client, link, origin):
+    before = client.get("/api/workspaces").json()
+    answer = client.http.post("/api/workspaces", json={}, headers={"Origin": origin})
+    assert answer.status_code == 403
+    own = "{}:{}".format(*address(link))
+    assert raw(link, "POST", "/api/workspaces", Host=own, Cookie=entered(client)).status == 403
+    assert client.get("/api/workspaces").json() == before
+
+
+@pytest.mark.parametrize("path", ["/", "/api/tables", "/nothing", "/api/jobs/x", "/?token=x"])
+def test_every_answer_has_the_headers(client, path):
+    answer = client.get(path) if "?" not in path else client.http.get(path)
+    policy = dict(part.split(maxsplit=1) for part in answer.headers["content-security-policy"].split("; "))
+    assert policy["default-src"] == "'self'"
+    assert "unsafe" not in answer.headers["content-security-policy"]
+    assert policy["frame-ancestors"] == "'none'"
+    assert answer.headers["x-content-type-options"] == "nosniff"
+    assert answer.headers["referrer-policy"] == "no-referrer"
+    assert answer.headers["cache-control"] == "no-store"
+    assert not [name for name in answer.headers if name.startswith("access-control")]
+
+
+def test_files_are_of_this_user_alone(client, folder):
+    client.workspace()
+    store = folder / "allanite" / "serve"
+    assert stat.S_IMODE(store.stat().st_mode) == 0o700
+    assert stat.S_IMODE((store / "session").stat().st_mode) == 0o600
+
+
+def test_an_upload_beyond_the_limit_is_refused_and_leaves_nothing(client, folder):
+    workspace = client.workspace()
+    place = folder / "allanite" / "serve" / workspace
+    path = f"/api/workspaces/{workspace}/files"
+    stated = client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT + 1))
+    streamed = client.http.post(path, params={"name": "a.csv"}, content=iter([b"1" * 1000] * (LIMIT // 1000 + 1)))
+    for answer in (stated, streamed):
+        assert answer.status_code == 413
+        assert answer.json()["option"] == "limit"
+        assert answer.json()["error"].endswith("open it by its path, or raise the limit with --limit")
+        assert "1 MB" in answer.json()["error"]
+    assert [one.name for one in place.iterdir()] == ["state.json"]
+
+
+def test_the_quota_is_kept_and_room_is_made_by_deleting(client):
+    workspace = client.workspace()
+    path, files = f"/api/workspaces/{workspace}/files", []
+    for _ in range(QUOTA // LIMIT + 1):
+        answer = client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT - 10))
+        if answer.status_code != 200:
+            break
+        files.append(answer.json()["id"])
+    assert answer.status_code == 413
+    assert "allow more with --quota" in answer.json()["error"]
+    for one in files:
+        assert client.http.delete(f"{path}/{one}").status_code == 200
+    assert client.http.post(path, params={"name": "a.csv"}, content=b"1" * (LIMIT - 10)).status_code == 200
+    assert client.http.delete(f"/api/workspaces/{workspace}").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/../../../etc/passwd", "/%2e%2e/%2e%2e/%2e%2e/etc/passwd", "/..%2f..%2f..%2fetc%2fpasswd", "/static/../door.py",
+     "/%2e%2e/door.py", "/..\\door.py", "//etc/passwd"],
+)  # fmt: skip
+def test_no_path_leads_out_of_the_page(client, link, path):
+    answer = raw(link, "GET", path, Host="{}:{}".format(*address(link)), Cookie=entered(client))
+    assert answer.status == 404
+
+
+@pytest.mark.parametrize("name", ["..", "../..", "%2e%2e", "0" * 15, "0" * 16 + "/..", "0" * 16 + "-..", "x\0y"])
+def test_no_id_is_a_path(client, name):
+    quoted = name.replace("\0", "%00").replace("/", "%2f")
+    for path in (f"/api/workspaces/{quoted}", f"/api/files/{quoted}/trace", f"/api/jobs/{quoted}"):
+        assert client.get(path).status_code == 404, path
+
+
+HOSTILE = ["../../evil.csv", "/etc/passwd", "a\0b.csv", "<script>alert(1)</script>.csv", "-rf.csv", "CON.csv",
+           "\u202egpj.csv", "a" * 5000 + ".csv", "..", "", "x\r\nSet-Cookie: a=b.csv", "--report=x.csv"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_of_files_are_words(client, folder, name):
+    workspace = client.workspace()
+    rng = np.random.default_rng(1)
+    rows = "\n".join(f"{v:.4f}" for v in rng.normal(0.0, 1.0, 2000))
+    column = "<img src=x onerror=alert(1)>"
+    data = f"{column} [deg/h]\n{rows}\n".encode()
+    answer = client.http.post(f"/api/workspaces/{workspace}/files", params={"name": name}, content=data)
+    assert answer.status_code == 200, answer.text
+    store = (folder / "allanite" / "serve").resolve()
+    written = [path for path in store.rglob("data*") if path.stat().st_size == len(data)]
+    assert written
+    assert all(path.name in ("data", "data.csv") for path in written)
+    assert not list(folder.rglob("evil*"))
+    recipe = {"rate": 10.0, "unit": "deg/h"}
+    job, last = client.run(workspace, "info", [answer.json()["id"]], recipe)
+    found = client.get(f"/api/jobs/{job}").json()
+    assert "\n" not in found["command"]
+    for one in found.get("channels", ()):
+        assert "<img" not in one["html"]
+        assert "<script" not in one["html"]
+    if last[0] == "failed":
+        assert last[1]["exit"] in (2, 3)
+    client.http.delete(f"/api/workspaces/{workspace}")
+
+
+@pytest.mark.parametrize(
+    "key", ["report", "json", "csv", "plot", "force", "recipe", "threads", "lang", "debug", "limits"]
+)
+def test_no_choice_writes_or_reads_another_file(client, key, tmp_path):
+    workspace = client.workspace()
+    target = tmp_path / "written"
+    answer = client.post(
+        f"/api/workspaces/{workspace}/jobs", {"verb": "analyze", "files": [], "recipe": {key: str(target)}}
+    )
+    assert answer.status_code == 400
+    assert f"unknown key '{key}' in the recipe" in answer.json()["error"]
+    assert not target.exists()
+
+
+def test_other_verbs_are_refused(client):
+    workspace = client.workspace()
+    for verb in ("simulate", "export", "batch", "serve", "example", "--help", None):
+        answer = client.post(f"/api/workspaces/{workspace}/jobs", {"verb": verb, "files": [], "recipe": {}})
+        assert answer.status_code == 400
+        assert answer.json()["error"].startswith("unknown job")
+
+
+@pytest.mark.parametrize(
+    "body", [b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"verb": 3, "files": 7}', b"x" * 2_000_000]
+)
+def test_requests_that_are_no_requests_are_refused(client, body):
+    workspace = client.workspace()
+    answer = client.http.post(f"/api/workspaces/{workspace}/jobs", content=body)
+    assert answer.status_code == 400
+    assert set(answer.json()) == {"error", "option", "exit"}
+    assert "internal error" not in answer.text
+
+
+def test_hostile_files_are_refused_in_a_sentence(client, tmp_path):
+    import zipfile
+
+    bomb = tmp_path / "bomb.xlsx"
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("xl/workbook.xml", b"0" * 50_000_000)
+    workspace = client.workspace()
+    for path in (bomb,):
+        job, (kind, problem) = client.run(workspace, "info", [client.upload(workspace, path)])
+        assert kind == "failed"
+        assert problem["exit"] == 3
+        assert "internal" not in problem["error"]
+        assert client.get(f"/api/jobs/{job}").json()["state"] == "failed"
+
+
+def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
+    one, other = client.workspace(), client.workspace()
+    path = tmp_path / "a.csv"
+    path.write_text("gx [deg/h]\n" + "1\n2\n" * 300)
+    uploaded = client.upload(one, path)
+    asked = {"verb": "info", "files": [uploaded], "recipe": {"rate": 10}}
+    assert (
+        client.post(f"/api/workspaces/{other}/jobs", asked).json()["error"] == "the file belongs to another workspace"
+    )
+    assert client.http.delete(f"/api/workspaces/{other}/files/{uploaded}").status_code == 404
+    assert client.get(f"/api/workspaces/{one}").json()["files"]

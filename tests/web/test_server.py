@@ -1,0 +1,342 @@
+"""The server of the page: its jobs are those of the command line, and what it keeps outlives it."""
+
+import json
+import os
+import signal
+import socket
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from allanite.cli import main
+
+from .served import Client, served
+
+RATE = 100.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module")
+def link(folder):
+    with served(folder, "--limit", "3MB", "--quota", "60MB") as (_, link):
+        yield link
+
+
+@pytest.fixture(scope="module")
+def client(link):
+    with Client(link) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """Two gyros without a time column; the first is disturbed for 20 s."""
+    rng = np.random.default_rng(1)
+    data = rng.normal(0.0, 2.0, (20_000, 2))
+    data[4000:6000, 0] += rng.normal(0.0, 10.0, 2000)
+    path = tmp_path_factory.mktemp("data") / "gyro.csv"
+    np.savetxt(path, data, delimiter=",", fmt="%.6g", header="gx [deg/h],gy [deg/h]", comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def analyzed(client, file):
+    workspace = client.workspace()
+    job, last = client.run(workspace, "analyze", [client.upload(workspace, file)], {"rate": RATE, "exclude": "40..60"})
+    assert last == ("done", {"exit": 0})
+    return job
+
+
+def printed(*arguments):
+    result = CliRunner().invoke(main, list(map(str, arguments)))
+    assert result.exit_code == 0, result.stderr
+    return result.stdout
+
+
+def test_the_json_is_that_of_the_command_line(client, analyzed, file):
+    found = client.get(f"/api/jobs/{analyzed}").json()
+    assert found["command"] == "allanite analyze --rate 100.0 --exclude 40..60 gyro.csv"
+    data = json.loads(printed("analyze", file, "--rate", "100", "--exclude", "40..60", "--json", "-"))
+    ours = found["value"]
+    assert ours["provenance"].pop("source") == "gyro.csv"
+    assert data["provenance"].pop("source") == str(file)
+    assert ours == data
+    assert "excluded: 40 s to 60 s" in json.dumps(ours)
+
+
+def test_the_saved_recipe_gives_the_same(client, analyzed, file, tmp_path):
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_bytes(client.get(f"/api/jobs/{analyzed}/save", form="recipe").content)
+    data = json.loads(printed("analyze", file, "--recipe", recipe, "--json", "-"))
+    saved = client.get(f"/api/jobs/{analyzed}/save", form="json").json()
+    assert saved["channels"] == data["channels"]
+
+
+def test_words_are_those_of_the_report(client, analyzed):
+    one = client.get(f"/api/jobs/{analyzed}").json()["channels"][0]
+    assert "angle random walk" in one["html"]
+    assert "style=" not in one["html"]
+    assert [seen["at"] for seen in one["findings"] if seen["name"] == "gaps"] == [[40.0, 60.0]]
+    russian = client.get(f"/api/jobs/{analyzed}", lang="ru").json()["channels"][0]
+    assert "случайное блуждание угла" in russian["html"]
+
+
+def test_a_cut_makes_the_fit_valid(client, file):
+    workspace = client.workspace()
+    uploaded = client.upload(workspace, file)
+    levels = []
+    for recipe in ({"rate": RATE}, {"rate": RATE, "exclude": [[40, 60]]}):
+        job, _ = client.run(workspace, "analyze", [uploaded], recipe)
+        levels.append(client.get(f"/api/jobs/{job}").json()["value"]["channels"][0]["validity"])
+    assert levels[0] == "unexplained"
+    assert levels[1] in ("explained", "approximate")
+
+
+def test_curves_have_bands_a_model_and_its_terms(client, analyzed):
+    found = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="oadev").json()
+    stored = client.get(f"/api/jobs/{analyzed}").json()["value"]["channels"][1]
+    curve, fit = stored["curves"][0], stored["fit"]
+    assert found["unit"] == "deg/h"
+    scale = np.radians(1 / 3600)
+    np.testing.assert_allclose(found["deviation"], np.array(curve["deviation"]) / scale)
+    np.testing.assert_allclose(found["low"], np.array(curve["low"]) / scale)
+    assert {term["symbol"] for term in found["terms"]} <= {term["symbol"] for term in fit["terms"]}
+    whole = sum(np.array(term["deviation"]) ** 2 for term in found["terms"])
+    np.testing.assert_allclose(whole, np.array(found["model"]["deviation"]) ** 2, rtol=1e-6)
+    guide = next(one for one in found["guides"] if one["symbol"] == "N")
+    # N of 1 deg/sqrt(h) makes 60 deg/h at 1 s
+    np.testing.assert_allclose(np.array(guide["deviation"]) * np.sqrt(guide["tau"]), 60.0, rtol=1e-9)
+    other = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="mdev").json()
+    assert other["statistic"] == "mdev"
+    assert other["low"][3] < other["deviation"][3] < other["high"][3]
+
+
+def test_a_refit_is_what_the_command_line_fits(client, analyzed, file):
+    asked = {"channel": "gy", "terms": "NK", "band": [0.1, 40], "statistics": ["oadev"]}
+    found = client.post(f"/api/jobs/{analyzed}/refit", asked).json()
+    line = ("--rate", "100", "--exclude", "40..60", "--terms", "NK", "--band", "0.1,40", "--channels", "gy")
+    data = json.loads(printed("analyze", file, *line, "--json", "-"))
+    assert [t["value"] for t in found["fit"]["terms"]] == [t["value"] for t in data["channels"][0]["fit"]["terms"]]
+    assert found["curve"][0]["terms"]
+    assert "random walk" in found["html"]
+
+
+def test_the_trace_has_every_extreme(client, analyzed, file):
+    uploaded = client.get(f"/api/jobs/{analyzed}").json()["files"][0]
+    data = np.loadtxt(file, delimiter=",", skiprows=1)[:, 0]
+    whole = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100).json()
+    assert (min(whole["low"]), max(whole["high"])) == pytest.approx((data.min(), data.max()), rel=1e-5)
+    close = client.get(f"/api/files/{uploaded}/trace", channel="gx", points=100, **{"from": 10, "to": 10.5}).json()
+    np.testing.assert_allclose(close["low"], data[1000:1050], rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(close["t"], np.arange(1000, 1050) / RATE)
+    assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
+
+
+def test_the_first_curve_comes_before_the_result(client, file):
+    workspace = client.workspace()
+    job = client.begin(workspace, "analyze", [client.upload(workspace, file)], {"rate": RATE, "channels": ["gy"]})
+    events = dict(client.events(job))
+    (first,) = events["curves"]["channels"]
+    assert list(events)[-1] == "done"
+    stored = client.get(f"/api/jobs/{job}/deviation", channel="gy", statistic="oadev").json()
+    assert (first["name"], first["unit"], first["low"]) == ("gy", stored["unit"], None)
+    assert first["deviation"][0] == pytest.approx(stored["deviation"][0], rel=1e-12)
+
+
+def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file):
+    found = client.post(f"/api/jobs/{analyzed}/export", {"channels": ["gy"], "target": "datasheet"}).json()
+    options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
+    assert found["text"] == printed("export", file, *options).replace(str(file), "gyro.csv")
+    refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
+    assert refused.json()["error"].startswith("unknown target 'nonsense'; targets: kalibr")
+
+
+@pytest.mark.parametrize(
+    ("form", "begins"),
+    [("report", b"<!DOCTYPE html>"), ("csv", b"channel,"), ("figure.png", b"\x89PNG"), ("coefficients", b"channel,")],
+)
+def test_results_are_saved(client, analyzed, form, begins):
+    answer = client.get(f"/api/jobs/{analyzed}/save", form=form)
+    assert answer.headers["content-disposition"].startswith("attachment; filename=")
+    assert answer.content.startswith(begins)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "option"),
+    [
+        ({}, "rate"),
+        ({"rate": RATE, "unit": "parsec"}, "unit"),
+        ({"rate": RATE, "level": 95}, "level"),
+        ({"rate": "fast"}, "rate"),
+        ({"rate": RATE, "band": "3"}, "band"),
+        ({"rate": RATE, "exclude": "60..40"}, "exclude"),
+        ({"rate": RATE, "exclude": [[100, 900]]}, None),
+        ({"rate": RATE, "terms": "XY"}, "terms"),
+        ({"rate": RATE, "channels": ["gz"]}, "channels"),
+        ({"rate": RATE, "method": "magic"}, "method"),
+        ({"rate": RATE, "start": 50, "until": 40}, None),
+    ],
+)
+def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, file, recipe, option):
+    workspace = client.workspace()
+    job, (kind, problem) = client.run(workspace, "analyze", [client.upload(workspace, file)], recipe)
+    assert kind == "failed"
+    command = client.get(f"/api/jobs/{job}").json()["command"].split()[1:-1]
+    said = CliRunner().invoke(main, [*command, str(file)])
+    assert said.exit_code == problem["exit"]
+    words = said.stderr.replace(str(file), "gyro.csv")
+    assert "".join(words.split()).startswith("".join(f"error:{problem['error']}".split()))
+    if option is not None:
+        assert problem["option"] == option
+
+
+def test_two_recordings_are_compared(client, file):
+    workspace = client.workspace()
+    files = [client.upload(workspace, file, name) for name in ("before.csv", "after.csv")]
+    job, last = client.run(workspace, "compare", files, {"rate": RATE, "channels": ["gy"]})
+    assert last[0] in ("done", "failed")
+    if last[0] == "failed":  # the same samples are refused, in the words of the command line
+        assert "identical" in last[1]["error"]
+    job, last = client.run(workspace, "compare", files[:1], {"rate": RATE, "part": 80, "channels": ["gy"]})
+    assert last[0] == "done"
+    assert client.get(f"/api/jobs/{job}").json()["value"]["type"] == "Comparison"
+
+
+@pytest.mark.parametrize("verb", ["spectrum", "dynamic", "deviation"])
+def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
+    workspace = client.workspace()
+    recipe = {"rate": RATE, "start": 80, "until": 180}
+    job, last = client.run(workspace, verb, [client.upload(workspace, file)], recipe)
+    assert last[0] == "done"
+    assert len(client.get(f"/api/jobs/{job}").json()["value"]["channels"]) == 2
+
+
+def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
+    path = tmp_path / "growing.txt"
+    path.write_text("".join(f"{v:.6f}\n" for v in np.random.default_rng(2).normal(0.0, 2.0, 5000)))
+    workspace = client.workspace()
+    job = client.begin(workspace, "watch", [], {"rate": RATE, "unit": "deg/h", "every": 0.2}, target=str(path))
+    kinds = []
+    for kind, _ in client.events(job):
+        kinds.append(kind)
+        if kind == "live" and "stopped" not in kinds:
+            kinds.append("stopped")
+            assert client.post(f"/api/jobs/{job}/cancel").status_code == 200
+    assert kinds[-1] == "done"
+    terms = client.get(f"/api/jobs/{job}").json()["value"]["channels"][0]["fit"]["terms"]
+    assert next(term["status"] for term in terms if term["symbol"] == "N") == "identified"
+
+
+def long_job(client, tmp_path):
+    """A job of many seconds."""
+    path = tmp_path / "long.csv"
+    rng = np.random.default_rng(3)
+    np.savetxt(path, rng.normal(0.0, 2.0, 100_000), fmt="%.4g", header="gx [deg/h]", comments="")
+    workspace = client.workspace()
+    recipe = {"rate": RATE, "statistic": ["theo1"], "taus": "all", "bias": "exact"}
+    job = client.begin(workspace, "deviation", [client.upload(workspace, path)], recipe)
+    for kind, data in client.events(job):
+        assert kind in ("progress", "trace", "curves")
+        if kind == "progress" and data["what"].startswith("measuring"):
+            return workspace, job
+    pytest.fail("the job ended by itself")
+    return None
+
+
+def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path):
+    workspace, job = long_job(client, tmp_path)
+    begun = time.monotonic()
+    client.post(f"/api/jobs/{job}/cancel")
+    assert list(client.events(job))[-1] == ("failed", {"error": "cancelled", "option": None, "exit": 130})
+    assert time.monotonic() - begun < 3.0
+    assert client.get(f"/api/jobs/{job}").json()["state"] == "cancelled"
+    _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
+    assert last[0] == "done"
+
+
+def test_a_worker_that_is_killed_is_an_error_in_a_sentence(client, file, tmp_path):
+    workspace, job = long_job(client, tmp_path)
+    for pid in workers_of(client):
+        os.kill(pid, signal.SIGKILL)
+    kind, problem = list(client.events(job))[-1]
+    assert kind == "failed"
+    assert problem["error"].startswith("the process of this job was ended by signal 9")
+    assert "--channels" in problem["error"]
+    _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
+    assert last[0] == "done"
+
+
+def workers_of(client):
+    """Processes that have the memory of a worker: forks of the process that is ready."""
+    port = int(client.base.rpartition(":")[2])
+    server = next(int(pid) for pid in os.listdir("/proc") if pid.isdigit() and listens(int(pid), port))
+    children = descendants(server)
+    return [pid for pid in children if os.getpgid(pid) == pid and pid != server]
+
+
+def listens(pid, port):
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            words = file.read().split(b"\0")
+    except OSError:
+        return False
+    return b"serve" in words and b"allanite.cli" in words and owns(pid, port)
+
+
+def owns(pid, port):
+    with open("/proc/net/tcp", encoding="ascii") as file:
+        rows = [line.split() for line in file][1:]
+    inodes = {row[9] for row in rows if row[1] == f"0100007F:{port:04X}" and row[3] == "0A"}
+    for fd in os.listdir(f"/proc/{pid}/fd"):
+        try:
+            target = os.readlink(f"/proc/{pid}/fd/{fd}")
+        except OSError:
+            continue
+        if target.removeprefix("socket:[").rstrip("]") in inodes:
+            return True
+    return False
+
+
+def descendants(pid):
+    found = []
+    for other in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{other}/stat", encoding="utf-8") as file:
+                parent = int(file.read().rpartition(")")[2].split()[1])
+        except OSError:
+            continue
+        if parent == pid:
+            found += [int(other), *descendants(int(other))]
+    return found
+
+
+def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    with served(tmp_path, "--port", port) as (process, link):
+        client = Client(link)
+        workspace = client.workspace()
+        uploaded = client.upload(workspace, file)
+        done, _ = client.run(workspace, "analyze", [uploaded], {"rate": RATE, "channels": ["gy"]})
+        client.http.put(f"/api/workspaces/{workspace}/choices", json={"cut": [40, 60]})
+        before = client.get(f"/api/jobs/{done}").content
+        unfinished = client.begin(workspace, "analyze", [uploaded], {"rate": RATE})
+        process.kill()
+        process.wait()
+        client.http.close()
+    with served(tmp_path, "--port", port), client.again() as client:
+        state = client.get(f"/api/workspaces/{workspace}").json()  # by the cookie of before
+        assert state["choices"] == {"cut": [40, 60]}
+        assert [one["name"] for one in state["files"]] == ["gyro.csv"]
+        assert client.get(f"/api/jobs/{done}").content == before
+        assert list(client.events(unfinished))[-1] == ("done", {"exit": 0})
+        # what needs the samples reads them again
+        again = client.post(f"/api/jobs/{done}/refit", {"channel": "gy", "terms": "N"})
+        assert again.status_code == 200, again.text
