@@ -4,7 +4,6 @@ import asyncio
 import json
 import os
 import secrets
-import shlex
 from collections.abc import AsyncIterator
 from importlib.resources import files
 from typing import Any
@@ -22,7 +21,7 @@ from . import trace
 from .jobs import Jobs
 from .line import problem_of
 from .store import CHOICES, FullError, MissingError, Store
-from .tables import EXAMPLES, tables
+from .tables import EXAMPLES, simulation, tables
 from .worker import FORMS
 from .workers import ProblemError
 
@@ -144,7 +143,7 @@ async def example(request: Request, name: str) -> dict[str, Any]:
         raise UsageError(f"unknown example {which!r}; examples: {', '.join(EXAMPLES)}")
     store, jobs = request.app.state.store, request.app.state.jobs
     file, path = store.new_file(name, f"example-{which}.npz")
-    line = ["simulate", str(path), *shlex.split(EXAMPLES[which][1]), "--quiet", "--force"]
+    line = simulation(which, str(path))
     await run_in_threadpool(jobs.work, name, "example", line=line)
     return _shown(store.add(file | {"bytes": path.stat().st_size}))
 

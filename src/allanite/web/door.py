@@ -73,7 +73,7 @@ class Door:
             await (answer or self.inside)(scope, receive, closed)
 
     def _answer(self, scope: Scope) -> Application | None:
-        """What is said to a request that does not come in."""
+        """The answer to a request that does not come in."""
         headers = Headers(scope=scope)
         if headers.get("host", "") not in self.hosts:
             return PlainTextResponse("this server answers at 127.0.0.1 only", 421)

@@ -1,6 +1,7 @@
 """The menus of the page, read off the tables."""
 
 import math
+import shlex
 from typing import Any
 
 from allanite.core.kinds import KIND_WORDS, KINDS
@@ -33,6 +34,11 @@ EXAMPLES = {
     ),
 }
 """Options of ``allanite simulate`` for the recordings to play with; "disturbed" has a piece to cut out."""
+
+
+def simulation(name: str, path: str) -> list[str]:
+    """The words of the command line that writes an example."""
+    return ["simulate", path, *shlex.split(EXAMPLES[name][1]), "--quiet", "--force"]
 
 
 def tables(lang: str) -> dict[str, Any]:

@@ -258,5 +258,5 @@ def main(connection: Connection) -> None:
         try:
             with command_line():
                 held.send("answer", TASKS[task](held, **arguments))
-        except Exception as error:  # every defect is told, and this process goes on
+        except Exception as error:  # the server hears of every defect, and this process goes on
             held.send("problem", held.named(problem_of(error, *told)))
