@@ -173,13 +173,14 @@ class Fit(Value):
     def valid(self) -> Model | None:
         """The model to use: every coefficient as estimated, without terms that are not valid or not observable.
 
-        None if the model does not explain the record.
+        None if the model does not explain the record, or has no other terms.
         """
-        if self.validity == UNEXPLAINED:
-            return None
         wrong = {e.symbol for e in self if e.status in ("not valid", "not observable")}
+        kept = tuple(term for term in self.model if term.symbol not in wrong)
+        if self.validity == UNEXPLAINED or not kept:
+            return None
         sizes = {e.symbol: e.value for e in self if e.value is not None}
-        return Model(tuple(replace(t, value=sizes.get(t.symbol, t.value)) for t in self.model if t.symbol not in wrong))
+        return Model(tuple(replace(term, value=sizes.get(term.symbol, term.value)) for term in kept))
 
     @property
     def advice(self) -> tuple[str, ...]:

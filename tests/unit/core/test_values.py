@@ -1,6 +1,7 @@
 """The central values: what they accept, what they refuse, and that they survive being written down."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -259,3 +260,12 @@ def test_a_study_is_the_documented_json():
     assert {"statistic", "unit", "m", "tau", "deviation", "edf", "low", "high"} <= set(curve)
     assert {"method", "terms", "gof_p", "lines"} <= set(channel["fit"])
     assert data["provenance"]["allanite"] == al.__version__
+
+
+def test_a_fit_without_a_valid_term_has_no_model():
+    fit = al.identify(al.simulate(al.N(1, "deg/sqrt(h)"), 5000, 1.0, rng=np.random.default_rng(1)), terms="N,K")
+    hidden = tuple(replace(e, status="not valid" if e.symbol == "N" else "not observable") for e in fit)
+    doubtful = replace(fit, estimates=hidden, model=al.Model(fit.model.terms[:1]))
+    assert fit.valid is not None
+    assert doubtful.validity != "unexplained"
+    assert doubtful.valid is None

@@ -132,8 +132,10 @@ def test_a_refused_channel_is_refused_in_any_process(recording):
 
 
 INTERRUPTED = """
-import os, time
+import os, signal, time
 from allanite.study.shares import shared
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs begin with it ignored
 
 def work(i):
     os.write(1, b"%d\\n" % os.getpid())
