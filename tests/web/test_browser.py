@@ -88,12 +88,11 @@ def outside(context: Any, url: str) -> None:
 @pytest.fixture
 def page(context: Any) -> Iterator[Any]:
     """The page with nothing in it."""
+    made = context.request.post(f"{context.address}api/workspaces", headers={"Origin": context.address.rstrip("/")})
+    assert made.ok, made.text()
     one = context.new_page()
-    one.goto(context.address)
-    one.evaluate("localStorage.clear()")
-    workspace = one.evaluate("fetch('/api/workspaces', {method: 'POST'}).then((r) => r.json()).then((r) => r.id)")
-    one.goto(f"{context.address}#{workspace}")
-    one.reload()
+    one.add_init_script("localStorage.clear()")
+    one.goto(f"{context.address}#{made.json()['id']}")
     one.wait_for_selector("body[data-ready=true]")
     yield one
     one.close()
@@ -358,6 +357,7 @@ def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Pa
     try:
         address = server.start()
         one.goto(address)
+        one.wait_for_selector("body[data-ready=true]")
         drop(one, six)
         curves(one)
         one.get_by_test_id("statistic").select_option("mdev")
@@ -366,8 +366,8 @@ def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Pa
         workspace = one.url.partition("#")[2]
         server.kill()
         one.goto(server.start())
+        one.wait_for_selector("body[data-ready=true]")
         one.goto(f"{one.url.partition('#')[0]}#{workspace}")
-        one.reload()
         one.wait_for_selector("#curve-plot[data-statistic=mdev]")
         assert one.get_by_test_id("file").inner_text() == "six.csv"
     finally:

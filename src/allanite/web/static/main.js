@@ -122,6 +122,7 @@ async function begin() {
   on("file", tried);
   on("altered", tried);
   addEventListener("pagehide", () => pending() && keep());
+  addEventListener("hashchange", () => location.reload()); // another place where work is kept
   for (const part of [files, trace, selection, curves, fit, results, compare, live, theme]) part.start();
   byId("side-fold").open = matchMedia("(min-width: 56rem)").matches;
   controls.build();
