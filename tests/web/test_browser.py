@@ -159,6 +159,25 @@ def test_a_file_is_dropped_and_analyzed(page: Any, six: Path) -> None:
     assert page.get_by_test_id("curve").get_attribute("data-validity") == "explained"
 
 
+def test_a_first_curve_comes_before_the_fit(page: Any, tmp_path: Path) -> None:
+    path = tmp_path / "long.npy"
+    np.save(path, np.random.default_rng(6).normal(size=3_000_000))
+    page.evaluate(
+        """() => new MutationObserver((seen) => {
+            const plot = document.querySelector("#curve-plot");
+            if (plot.dataset.early !== undefined && plot.dataset.curves === undefined) document.body.dataset.before = "yes";
+        }).observe(document.querySelector("#curve-plot"), {attributes: true})"""
+    )
+    drop(page, path)
+    page.get_by_test_id("error-rate").wait_for()
+    page.get_by_test_id("option-rate").fill("1000")
+    page.get_by_test_id("option-rate").press("Enter")
+    page.get_by_test_id("unit-deg/s").click()
+    curves(page)
+    assert page.locator("body").get_attribute("data-before") == "yes"
+    assert page.locator("#curve-plot").get_attribute("data-early") == "column 1"
+
+
 def test_an_unknown_unit_is_asked_for_beside_its_control(page: Any, bare: Path) -> None:
     drop(page, bare)
     rate = page.get_by_test_id("error-rate")

@@ -67,7 +67,7 @@ export function upload(id, file, told) {
 /** Events of a job until it ends; the browser connects again by itself if the server is away for a moment. */
 export function events(id, heard) {
   const source = new EventSource(`/api/jobs/${id}/events`);
-  for (const name of ["progress", "trace", "words", "live", "done", "failed"])
+  for (const name of ["progress", "trace", "curves", "words", "live", "done", "failed"])
     source.addEventListener(name, (event) => {
       if (name === "done" || name === "failed") source.close();
       heard(name, event.data ? JSON.parse(event.data) : {});

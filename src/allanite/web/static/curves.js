@@ -109,6 +109,15 @@ export async function paint() {
   tell("front", curves[lead]);
 }
 
+/** The curve of a file of which nothing else is known yet: without band and model, which need the fit. */
+async function early({ file, curves }) {
+  const first = curves.find((one) => one.name === state.choices.channel) ?? curves[0];
+  if (!first || front() || file !== state.choices.file) return;
+  show(byId("curve-section"), true);
+  await draw(place(), lines(first, { name: first.name, file }, 0, true, "y"), form([first], first, [first.unit]));
+  place().dataset.early = first.name;
+}
+
 function listen() {
   if (listening) return;
   listening = true;
@@ -162,6 +171,7 @@ export function start() {
     if (["statistic", "bands", "model", "residuals", "over", "channel", "guides", "runs"].some((one) => one in patch)) paint();
   });
   for (const name of ["result", "theme", "shown"]) on(name, paint);
+  on("early", early);
   on("language", () => { controls(); paint(); });
   controls();
 }

@@ -59,6 +59,7 @@ export function follow(job, verb, heard = () => {}) {
       if (name in ends) ends[name](told);
       else if (name === "progress") progress(job, told.what ?? t(verb), told.fraction);
       else if (name === "trace") tell("readable", files(job));
+      else if (name === "curves") tell("early", { file: files(job)[0], curves: told.channels });
       else if (name !== "away") heard(name, told);
       else if (told.closed) api.job(job).then((value) => settled(value, ends), (error) => end("lost", () => reject(error)));
       else progress(job, t("away"), null);
