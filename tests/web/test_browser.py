@@ -253,6 +253,35 @@ def test_a_piece_is_cut_out_undone_and_redone(page: Any, six: Path) -> None:
     finished(page, "--exclude 150..160")
 
 
+def test_a_disturbance_is_looked_at_and_cut_with_the_mouse(page: Any, tmp_path: Path) -> None:
+    values = 0.1 * np.random.default_rng(8).normal(size=(20_000, 1))
+    values[9000:10_000] += 0.5 * np.sin(np.arange(1000) / 7)[:, None]
+    drop(page, written(tmp_path / "bumped.csv", values))
+    curves(page)
+    assert page.get_by_test_id("curve").get_attribute("data-validity") == "unexplained"
+    plot = page.locator("#trace-plot .draglayer .nsewdrag").first
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    drag(page, box, 0.4, 0.6)
+    page.wait_for_function("() => Math.abs(document.querySelector('#trace-plot').layout.xaxis.range[0] - 80) < 3")
+    page.get_by_test_id("mode-select").click()
+    drag(page, box, 0.2, 0.55)  # of the 40 s that are seen
+    page.wait_for_function("() => Math.abs(document.querySelector('[data-testid=select-from]').value - 88) < 2")
+    page.get_by_test_id("cut").click()
+    finished(page, "--exclude")
+    page.wait_for_selector("#curve-plot[data-validity=explained]")
+
+
+def drag(page: Any, box: dict[str, float], start: float, end: float) -> None:
+    """Draw over a part of a chart, from left to right."""
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + start * box["width"], middle)
+    page.mouse.down()
+    for part in (0.5, 1.0):
+        page.mouse.move(box["x"] + (start + part * (end - start)) * box["width"], middle + part, steps=5)
+    page.mouse.up()
+
+
 def test_export_save_and_repeat_by_the_command_line(page: Any, six: Path, tmp_path: Path) -> None:
     drop(page, six)
     curves(page)
