@@ -20,7 +20,7 @@ class Spool:
     Examples
     --------
     >>> from allanite.study.recipe import Recipe
-    >>> load = Spool().put(Study((), Recipe()))
+    >>> load = Spool().put(Study((), Recipe(), (), (), {}))
     >>> len(load().channels)
     0
     """

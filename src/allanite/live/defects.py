@@ -61,7 +61,7 @@ class Steps:
         >>> noise[25:] += 20.0
         >>> steps = Steps(64)
         >>> [place for place, size in filter(None, (steps.push(i, mean) for i, mean in enumerate(noise)))]
-        [24]
+        [25]
         """
         self.means.append((place, mean))
         at = len(self.means) - 1 - AFTER
