@@ -165,7 +165,8 @@ def test_a_first_curve_comes_before_the_fit(page: Any, tmp_path: Path) -> None:
     page.evaluate(
         """() => new MutationObserver((seen) => {
             const plot = document.querySelector("#curve-plot");
-            if (plot.dataset.early !== undefined && plot.dataset.curves === undefined) document.body.dataset.before = "yes";
+            const only = plot.dataset.early !== undefined && plot.dataset.curves === undefined;
+            if (only) document.body.dataset.before = "yes";
         }).observe(document.querySelector("#curve-plot"), {attributes: true})"""
     )
     drop(page, path)
