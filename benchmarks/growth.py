@@ -23,7 +23,7 @@ import allanite as al
 from allanite.kernels.overlapped import overlapped
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
-from incache import share
+from incache import share, shortest
 
 RATE = 100.0
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.1, "deg/h") + al.K(0.1, "deg/h/sqrt(h)")
@@ -51,15 +51,6 @@ class Peer(NamedTuple):
 
 def record_of(size: int) -> al.Record:
     return al.simulate(MODEL, size, RATE, rng=np.random.default_rng(1))
-
-
-def best(job: Callable[[], object], rounds: int = 3) -> float:
-    times = []
-    for _ in range(rounds):
-        start = time.process_time()
-        job()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def log_factors(largest: int, points: int) -> list[int]:
@@ -273,16 +264,16 @@ def main() -> int:
     records = {size: record_of(size) for job in JOBS.values() for size in job.sizes}
     for job in JOBS.values():
         job.run(records[job.sizes[1]])
-    times = {name: [best(lambda: job.run(records[n]), 3) for n in job.sizes] for name, job in JOBS.items()}  # noqa: B023
+    times = {name: [shortest(lambda: job.run(records[n]), 3) for n in job.sizes] for name, job in JOBS.items()}  # noqa: B023
     found = peers()
     import allantools
 
     def hundred(size: int) -> float:
         taus = GRIDS["log"](size // 2) / RATE
-        return best(lambda: allantools.oadev(records[size].values, rate=RATE, data_type="freq", taus=taus))
+        return shortest(lambda: allantools.oadev(records[size].values, rate=RATE, data_type="freq", taus=taus), 3)
 
     records[1_000_000] = record_of(1_000_000)
-    every = best(lambda: JOBS["oadev all"].run(records[1_000_000]))
+    every = shortest(lambda: JOBS["oadev all"].run(records[1_000_000]), 3)
     at_million, at_most = hundred(1_000_000), hundred(3_600_000)
     job = JOBS
     peer = {name: 1e-9 * found[j.peer].ns * j.terms(j.sizes[-1]) for name, j in job.items() if j.peer}

@@ -13,20 +13,9 @@ LIMIT, QUOTA = 1_000_000, 3_000_000
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(scope="module")
 def link(folder):
     with served(folder, "--limit", "1MB", "--quota", "3MB") as (_, link):
         yield link
-
-
-@pytest.fixture(scope="module")
-def client(link):
-    with Client(link) as client:
-        yield client
 
 
 def address(link):

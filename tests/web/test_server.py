@@ -18,20 +18,9 @@ RATE = 100.0
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(scope="module")
 def link(folder):
     with served(folder, "--limit", "3MB", "--quota", "60MB") as (_, link):
         yield link
-
-
-@pytest.fixture(scope="module")
-def client(link):
-    with Client(link) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")
