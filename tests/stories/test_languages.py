@@ -22,6 +22,7 @@ from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
+from allanite.study.shares import Work, made
 from allanite.terms import TERMS
 
 LETTERS = {ord(latin): ord("а") + i for i, latin in enumerate("abcdefghijklmnopqrstuvwxyz")}
@@ -130,9 +131,9 @@ def shown(value, monkeypatch, drawn):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        monkeypatch.setattr(html, "_picture", lambda drawing: found.extend(words_of(drawing.draw())))
+        monkeypatch.setattr(html, "_picture", lambda drawing, lang: found.extend(words_of(drawing.draw())))
         monkeypatch.setattr(html, "drawer", lambda pictures: lambda drawing: "")
-        found += Shown(html.render(replace(face, command="allanite", data=b"x"))).texts
+        found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:
         found += words_of(al.plot(value, lang="xx"))
@@ -286,7 +287,7 @@ def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monke
     if verb == "explain":
         for name, statistic in STATISTICS.items():
             monkeypatch.setitem(STATISTICS, name, replace(statistic, reference=""))
-    monkeypatch.setattr(deliver, "print_result", lambda value, lang: values.append(value))
+    monkeypatch.setattr(deliver, "text_of", lambda value, lang: values.append(value) or "")
     for line in RUNS[verb]:
         run(f"{verb} {line}", files)
     assert len(values) == len(RUNS[verb])

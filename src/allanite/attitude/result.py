@@ -16,7 +16,7 @@ from allanite.core.notation import parse_model
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.wording import spelled
-from allanite.study.channels import Job
+from allanite.study.job import Job
 from allanite.study.noise import ChannelResult
 from allanite.study.recipe import chosen
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from allanite.core.errors import AllaniteError, UsageError
+from allanite.core.threads import one_thread
 from allanite.core.version import __version__
 from allanite.core.wording import command_line
 from allanite.study.analysis import analyzed
@@ -18,7 +19,6 @@ from .manifest import Entry, manifest_of
 from .sources import PathLike
 from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
 from .store import Store, identity
-from .threads import one_thread
 
 
 def run_batch(

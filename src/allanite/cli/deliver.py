@@ -1,14 +1,12 @@
 """Where results go: the terminal, standard output, files."""
 
 import os
-import shutil
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import click
@@ -16,23 +14,23 @@ import click
 from allanite.core.errors import LongJobWarning, UsageError
 from allanite.core.files import demand_writable, write
 from allanite.reporting.fonts import FontWarning
-from allanite.reporting.language import ENGLISH, catalogue, speaking
+from allanite.reporting.language import ENGLISH, catalogue
 
-from .front import DATA, LINE, while_read
+from .forms import text_of, work_of
+from .front import DATA, while_read
 from .options import FLAGS
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.live.watching import Watch
     from allanite.study.recipe import Recipe
+    from allanite.study.shares import Work
 
 Settings = TypeVar("Settings")
 Result = TypeVar("Result")
 Progress = Callable[[str, float], None]
 
 STDOUT = "-"
-WIDTH = 120
-"""Width of text where no terminal limits it."""
 
 PRINTED = ("json", "csv", "coefficients", "output")
 """Options that may write to standard output."""
@@ -216,22 +214,36 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     if receiver is not None:
         receiver.take(value)
         return
-    extra = extra or Extra()
-    if not (out.quiet or out.piped):
-        with while_read():
-            print_result(value, out.lang)
-    for name, path in out.paths.items():
-        if name in extra.recordings:
-            from allanite.readers import write as write_recording
+    from allanite.study.shares import Work, done
 
-            write_recording(extra.recordings[name](value), path, force=out.force)
-        else:
-            with _warnings(FontWarning):
-                data = extra.data[name](value) if name in extra.data else encoded(value, name, path, out.lang)
-            put(path, data, force=out.force)
-        if path != STDOUT and not out.quiet:
+    extra = extra or Extra()
+    forms = [name for name in out.paths if name not in extra.recordings]
+    shown = not (out.quiet or out.piped)
+    with _warnings(FontWarning):
+        text = [Work.one(lambda: text_of(value, out.lang))] if shown else []
+        made = done(*text, *(_work(value, name, out, extra) for name in forms))
+        if shown:
             with while_read():
-                click.echo(f"{name}: {path}", err=out.piped)
+                click.echo(next(made), nl=False)
+        for name, path in out.paths.items():
+            if name in forms:
+                put(path, next(made), force=out.force)
+            else:
+                from allanite.readers import write as write_recording
+
+                write_recording(extra.recordings[name](value), path, force=out.force)
+            if path != STDOUT and not out.quiet:
+                with while_read():
+                    click.echo(f"{name}: {path}", err=out.piped)
+
+
+def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | bytes]":
+    """The making of an output."""
+    if name not in extra.data:
+        return work_of(value, name, out.paths[name], out.lang)
+    from allanite.study.shares import Work
+
+    return Work((), lambda _: extra.data[name](value))
 
 
 def happened(words: str, watch: "Watch") -> None:
@@ -243,25 +255,6 @@ def happened(words: str, watch: "Watch") -> None:
         receiver.event(words, watch)
 
 
-def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
-    """A result in the form that option `name` writes."""
-    from allanite import reporting
-    from allanite.reporting.json import to_json
-
-    if name == "json":
-        return to_json(value)
-    if name in ("csv", "coefficients"):
-        return reporting.to_csv(value, coefficients=name == "coefficients")
-    if name == "plot":
-        from allanite.reporting.style import encode
-
-        with speaking(lang):
-            return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
-    context = click.get_current_context(silent=True)
-    form = reporting.document if path.lower().endswith(".pdf") else reporting.page
-    return form(value, command="" if context is None else context.meta.get(LINE, ""), lang=lang)
-
-
 def put(path: str, data: str | bytes, *, force: bool) -> None:
     """Write `data` to a file or to standard output."""
     raw = data.encode() if isinstance(data, str) else data
@@ -270,15 +263,3 @@ def put(path: str, data: str | bytes, *, force: bool) -> None:
             click.echo(raw, nl=False)
     else:
         write(path, raw, force=force)
-
-
-def print_result(value: Any, lang: str) -> None:
-    """Print a result at the width of the terminal."""
-    from allanite.reporting import table
-
-    terminal = sys.stdout.isatty()
-    width = shutil.get_terminal_size().columns if terminal else WIDTH
-    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ, lang=lang)
-    # characters that the terminal cannot encode are escaped, not an error
-    encoding = sys.stdout.encoding or "utf-8"
-    click.echo(text.encode(encoding, "backslashreplace").decode(encoding), nl=False)

@@ -6,7 +6,8 @@ import click
 
 from allanite.core.errors import UnitError, UsageError
 
-from .deliver import Extra, Outputs, carry_out, encoded, given, outputs, recipe_of, settings_of
+from .deliver import Extra, Outputs, carry_out, given, outputs, recipe_of, settings_of
+from .forms import encoded
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import NAMES
 

@@ -10,7 +10,8 @@ from allanite.core.finding import Finding
 from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
 from allanite.core.wording import spelled
-from allanite.study.channels import Inspected, Job, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.channels import Inspected, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.job import Job
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.language import join
-from allanite.study.channels import Job
+from allanite.study.job import Job
 
 Compared = TypeVar("Compared", bound=Any)
 """The result of one channel: it has a name, a verdict and a refusal."""
@@ -54,6 +54,5 @@ class Together(Job[Compared]):
         """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
-    def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`, by default that of the recipe."""
-        return super().to_dict(level) | {"verdict": self.verdict}
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        return super()._around(level, channels) | {"verdict": self.verdict}

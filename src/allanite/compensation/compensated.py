@@ -7,7 +7,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.header import Header
 from allanite.core.record import Record, Recording
-from allanite.study.channels import Job
+from allanite.study.job import Job
 from allanite.study.noise import Noise, RecordResult
 
 from .gain import Gain

@@ -10,6 +10,7 @@ from allanite.core.fit import Fit
 from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
 from allanite.core.scope import Band, demand_band
+from allanite.core.threads import one_thread
 from allanite.core.wording import spelled
 from allanite.prepare import outliers as robust
 from allanite.statistics import deviation
@@ -165,9 +166,11 @@ def identify(
         options["rival"] = terms == "auto"
     readable = _source(source, name, statistic)
     if not isinstance(readable, Record):
-        return row.fit(readable, symbols, **options)
+        with one_thread():
+            return row.fit(readable, symbols, **options)
     found = robust.outliers(readable) if outliers == "mark" else None
-    fit = row.fit(robust.marked(readable, found) if found else readable, symbols, **options)
+    with one_thread():
+        fit = row.fit(robust.marked(readable, found) if found else readable, symbols, **options)
     return _noted(fit, found, readable) if found else fit
 
 

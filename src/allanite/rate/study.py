@@ -31,7 +31,8 @@ from allanite.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.study.channels import Inspected, Job, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.channels import Inspected, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.job import Job
 from allanite.study.noise import Noise, noise_dict, noise_from
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe

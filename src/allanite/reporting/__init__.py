@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from allanite.core.fit import Fit
+    from allanite.study.shares import Work
 
 PathLike = str | os.PathLike[str]
 
@@ -122,23 +123,29 @@ def document(value: Any, *, level: float | None = None, command: str = "", lang:
 
 def page(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> str:
     """The page that `report` writes, as text; `command` is the command line that made it."""
+    from allanite.study.shares import made
+
+    return made(page_of(value, level=level, command=command, lang=lang))
+
+
+def page_of(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> "Work[str]":
+    """The making of the same, figure by figure."""
     import gzip
     from dataclasses import replace
 
     from .fonts import warn_of_page
     from .html import render
-    from .json import to_json
+    from .json import json_of
     from .language import speaking
 
-    face = view_of(value).face(value, level_of(value, level))
-
-    def stored() -> bytes:
-        data = gzip.compress(to_json(value).encode(), mtime=0)
+    def stored(text: str) -> bytes:
+        data = gzip.compress(text.encode(), mtime=0)
         return data if len(data) < MOST_DATA else b""
 
     with speaking(lang):
         warn_of_page(lang)
-        return render(replace(face, command=command), stored)
+        face = replace(view_of(value).face(value, level_of(value, level)), command=command)
+        return render(face, json_of(value).then(stored))
 
 
 def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False, lang: str = "en") -> str:

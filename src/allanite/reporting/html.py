@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache, partial
 from itertools import count
@@ -12,10 +12,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from allanite.core.language import join, say, say_count
-from allanite.study.shares import how_many, shared
+from allanite.study.shares import Work
 from allanite.terms import TERMS
 
-from .language import spoken, tr
+from .language import speaking, spoken, tr
 from .picture import Picture, drawer, picture, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 
@@ -31,20 +31,24 @@ _NOTEBOOK = count()
 """Numbers of the figures of a notebook, whose cells are one page."""
 
 
-def render(face: Face, stored: Callable[[], bytes] = lambda: b"") -> str:
-    """The page as text, with what `stored` gives as its data; that and the figures are made at once."""
-    from .style import DARK
-
+def render(face: Face, stored: Work[bytes]) -> Work[str]:
+    """The making of the page as text, figure by figure; what `stored` makes are its data."""
+    lang = spoken()
     drawings = list(
         _drawings((*face.parts, *(part for one in face.sheets for part in one.parts), *face.close, *face.how))
     )
-    tasks: list[Callable[[], Any]] = [stored, *(partial(_picture, drawing) for drawing in drawings)]
-    data, *pictures = shared(lambda task: task(), tasks, count=how_many(len(tasks)))
-    face = replace(face, data=face.data or data)
-    drawn = {id(drawing): picture for drawing, picture in zip(drawings, pictures, strict=True)}
-    grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-    made = {"face": face, "draw": drawer(drawn), "grounds": grounds, "lang": spoken()}
-    return _environment().get_template("page.html.j2").render(made)
+
+    def page(made: tuple[bytes, list[Picture]]) -> str:
+        from .style import DARK
+
+        data, pictures = made
+        drawn = {id(drawing): picture for drawing, picture in zip(drawings, pictures, strict=True)}
+        grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
+        shown = {"face": replace(face, data=data), "draw": drawer(drawn), "grounds": grounds, "lang": lang}
+        with speaking(lang):
+            return _environment().get_template("page.html.j2").render(shown)
+
+    return stored.beside(Work([partial(_picture, drawing, lang) for drawing in drawings], list)).then(page)
 
 
 def _drawings(parts: Iterable[Part]) -> Iterator[Drawing]:
@@ -55,8 +59,9 @@ def _drawings(parts: Iterable[Part]) -> Iterator[Drawing]:
             yield from _drawings(part.parts)
 
 
-def _picture(drawing: Drawing) -> Picture:
-    return picture(drawing.draw())
+def _picture(drawing: Drawing, lang: str) -> Picture:
+    with speaking(lang):
+        return picture(drawing.draw())
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:

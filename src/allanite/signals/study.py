@@ -7,7 +7,8 @@ from typing import Any
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.readers import read
-from allanite.study.channels import Inspected, Job, Progress, Source, run
+from allanite.study.channels import Inspected, Progress, Source, run
+from allanite.study.job import Job
 from allanite.study.noise import Noise, RecordResult
 from allanite.study.recipe import READING, Recipe
 

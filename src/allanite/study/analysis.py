@@ -20,8 +20,9 @@ from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings
 
-from .channels import Inspected, Job, Progress, Source, run
+from .channels import Inspected, Progress, Source, run
 from .gathering import STRIDES, Streams, chosen, demand_grid
+from .job import Job
 from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
@@ -118,9 +119,8 @@ class Study(Job[Channel]):
         """The recipe that was actually used, as plain data."""
         return self.recipe.to_dict()
 
-    def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`, by default that of the recipe."""
-        data = super().to_dict(level)
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        data = super()._around(level, channels)
         del data["common"]
         return data | {"shared": None if self.shared is None else self.shared.to_dict()}
 

@@ -7,17 +7,15 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
+from dataclasses import replace
+from typing import Any, TypeVar
 
-from allanite.core.encoding import read as read_plain
-from allanite.core.encoding import write
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
 from allanite.core.language import join, say
-from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
+from allanite.core.threads import one_thread
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_outliers
@@ -29,7 +27,7 @@ from allanite.readers.sandbox.progress import told
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .provenance import provenance_of
-from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+from .recipe import READING, Recipe
 from .shares import how_many, shared
 
 Source = Recording | Record | str | os.PathLike[str]
@@ -50,108 +48,6 @@ def opened_by(opener: Opener) -> Iterator[None]:
         yield
     finally:
         _opener.reset(token)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Job(Value, Generic[Result]):
-    """Result of a job: one result per channel, and how it was obtained.
-
-    A subclass defines the type of its channels in `_channel`; its own fields are written and read with the others.
-
-    Attributes
-    ----------
-    channels : tuple
-        One result per channel, in the order of the file; each has its `record`, and a `refusal` if there is no result.
-    recipe : Recipe
-    findings : tuple of Finding
-        Findings about the file as a whole: its clock.
-    notes : tuple of str
-        Assumptions made when reading.
-    provenance : dict
-        Version and input files.
-    """
-
-    _channel: ClassVar[type[Any]]
-
-    channels: tuple[Result, ...]
-    recipe: Recipe
-    findings: tuple[Finding, ...]
-    notes: tuple[str, ...]
-    provenance: dict[str, str]
-
-    def __getitem__(self, key: str | int) -> Result:
-        if isinstance(key, int):
-            return self.channels[key]
-        for name, channel in zip(self._names, self.channels, strict=True):
-            if name == key:
-                return channel
-        raise UsageError(f"no channel {key!r}; channels: {', '.join(self._names)}")
-
-    def __iter__(self) -> Iterator[Result]:
-        return iter(self.channels)
-
-    @property
-    def _names(self) -> list[str]:
-        """Names of the channels: their own, or those of their records."""
-        channels: tuple[Any, ...] = self.channels
-        return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
-
-    @property
-    def rejected(self) -> tuple[str, ...]:
-        """Names of the channels without a result, or whose noise no model explains."""
-        pairs = zip(self._names, self.channels, strict=True)
-        return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
-
-    def _explained(self, channel: Any) -> bool:
-        """Whether no model is known to be inadequate for the noise of a channel, if it was identified."""
-        return channel.noise is None or bool(channel.noise.explained)
-
-    def choices(self) -> dict[str, Any]:
-        """The recipe that was actually used, as plain data."""
-        return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
-
-    def to_dict(self, level: float | None = None) -> dict[str, Any]:
-        """Plain data, with limits at `level`, by default that of the recipe."""
-        level = self.recipe.level if level is None else level
-
-        def written(channel: Any) -> dict[str, Any]:
-            found: dict[str, Any] = channel.to_dict(level)
-            return found
-
-        return {
-            "allanite": VERSION,
-            "type": type(self).__name__,
-            "channels": shared(written, self.channels, count=how_many(len(self.channels))),
-            "findings": [finding.to_dict() for finding in self.findings],
-            "recipe": self.choices(),
-            "notes": list(self.notes),
-            "provenance": self.provenance,
-        } | {name: write(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value written by `to_dict`; limits are known for the stored level only, and records have no samples."""
-        demand_type(data, cls.__name__)
-        known = {f.name for f in fields(Recipe)}
-        return cls(
-            tuple(cls._channel.from_dict(channel) for channel in data["channels"]),
-            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known and cls._keeps(key)}),
-            tuple(Finding.from_dict(finding) for finding in data["findings"]),
-            tuple(data["notes"]),
-            dict(data["provenance"]),
-            **{name: read_plain(data[name], hint) for name, hint in stored_fields(cls, Job)},
-        )
-
-    @classmethod
-    def _keeps(cls, key: str) -> bool:
-        """Whether a key of the stored recipe belongs to the recipe, not to settings of the same name."""
-        hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
-        kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
-        return key not in {f.name for kind in kinds for f in fields(kind)}
-
-    def _summary(self) -> str:
-        source = self.provenance.get("source") or "data in memory"
-        return f"{source!r}: {', '.join(name or 'channel' for name in self._names)}"
 
 
 def open_recording(
@@ -248,8 +144,9 @@ def each_channel(
     def begun(i: int) -> None:
         tell(f"{doing} {channels[i][0]}", (i + 0.3) / (len(channels) + 0.3))
 
-    seen = _on_bodies(shared(inspected, channels, count=count, known=every))
-    results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)
+    with one_thread():
+        seen = _on_bodies(shared(inspected, channels, count=count, known=every))
+        results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)
     tell("done", 1.0)
     return tuple(results)
 

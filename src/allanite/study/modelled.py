@@ -24,7 +24,8 @@ from allanite.simulation.recording import readings
 from allanite.statespace import StateSpace, state_space
 from allanite.statistics import deviation
 
-from .channels import Inspected, Job, Progress, Source, run
+from .channels import Inspected, Progress, Source, run
+from .job import Job
 from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
 from .noise import Noise, noise_dict, noise_from, noise_of
 from .provenance import provenance_of

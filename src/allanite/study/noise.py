@@ -18,7 +18,6 @@ from allanite.core.scope import UNEXPLAINED, Band, worst
 from allanite.identification.checks.contradiction import contradictions
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
-from allanite.statistics import deviation
 
 from .inspected import Inspected
 from .recipe import Recipe
@@ -72,8 +71,7 @@ def graded(noise: Noise, record: Record) -> Noise:
     fit, noise = replace(noise.fit, checked=noise.residuals.grade), replace(noise, leftover=Stored(noise.residuals))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    curve = deviation(record, "oadev", taus="octave", noise=fit)
-    for symbol, reason in contradictions(fit, curve).items():
+    for symbol, reason in contradictions(fit, record).items():
         fit = fit.invalid(reason, (symbol,))
     return replace(noise, fit=fit)
 

@@ -24,9 +24,10 @@ from allanite.statistics.spectra.from_spectrum import deviation_of_spectrum
 from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
 from allanite.statistics.spectra.welch import LONGEST
 
-from .channels import Inspected, Job, Progress, Source, run
+from .channels import Inspected, Progress, Source, run
 from .gathering import STRIDES, WHOLE, Gathering, Spectra, Streams, demand_grid
 from .gathering import chosen as chosen_points
+from .job import Job
 from .joint import joints
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts

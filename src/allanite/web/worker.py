@@ -14,7 +14,8 @@ from typing import Any
 import click
 
 from allanite.cli import main as allanite
-from allanite.cli.deliver import encoded, received_by
+from allanite.cli.deliver import received_by
+from allanite.cli.forms import encoded
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.core.wording import command_line

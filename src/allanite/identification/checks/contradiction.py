@@ -8,35 +8,33 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model, Term
-from allanite.statistics import expected
+from allanite.core.record import Record
+from allanite.statistics import deviation, expected
 from allanite.terms import TERMS
 
 SURE = 0.99
 """Confidence level of the curve's intervals in this test."""
 
 
-def contradictions(fit: Fit, curve: Curve) -> dict[str, str]:
-    """Why the curve contradicts coefficients, by symbol.
+def contradictions(fit: Fit, record: Record) -> dict[str, str]:
+    """Why the Allan deviation of the record contradicts coefficients, by symbol.
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
-
-    Parameters
-    ----------
-    fit : Fit
-    curve : Curve
-        Allan deviation of the same record, with limits.
     """
+    curve = deviation(record, "oadev", taus="octave", noise=None)
     inside = _inside(fit, curve)
     filtered = fit.scope is not None and fit.scope.filter is not None
     # after a filter the curve does not show angle noise
     shown = [e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge)]
     alone = {e.symbol: own for e in shown if (own := _alone(e, curve)) is not None}
-    # an upper limit is above what was measured: without an excess over that, limits need not be computed
-    if not any((inside & (own > curve.deviation)).any() for own in alone.values()):
+    # an upper limit is above what was measured: it is computed only where a term exceeds that
+    above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
+    if not above.any():
         return {}
-    upper = np.where(inside, curve.upper(SURE), np.inf)
-    return {symbol: _words(own / upper, curve) for symbol, own in alone.items() if (own > upper).any()}
+    upper = deviation(record, "oadev", m=curve.m[above].tolist(), noise=fit).upper(SURE)
+    excess = {symbol: own[above] / upper for symbol, own in alone.items()}
+    return {symbol: _words(ratio, curve.tau[above]) for symbol, ratio in excess.items() if (ratio > 1).any()}
 
 
 def _inside(fit: Fit, curve: Curve) -> BoolArray:
@@ -54,11 +52,11 @@ def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:
     return np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
 
 
-def _words(excess: FloatArray, curve: Curve) -> str:
+def _words(excess: FloatArray, tau: FloatArray) -> str:
     at = int(excess.argmax())
     return say(
         "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
         "upper limit of the measured one",
-        tau=curve.tau[at],
+        tau=tau[at],
         excess=excess[at],
     )

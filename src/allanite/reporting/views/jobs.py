@@ -12,7 +12,7 @@ from allanite.core.residuals import Statement
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
-from allanite.study.channels import Job
+from allanite.study.job import Job
 from allanite.study.noise import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
+from typing import Any
 
 
 @contextmanager
@@ -18,8 +20,14 @@ def one_thread() -> Iterator[None]:
     ...     {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
     {1}
     """
-    import scipy.linalg  # noqa: F401 - a library is limited from when it is loaded
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1, user_api="blas"):
+    with _libraries().limit(limits=1, user_api="blas"):
         yield
+
+
+@cache
+def _libraries() -> Any:
+    """The libraries that are loaded, which are looked for once."""
+    import scipy.linalg  # noqa: F401 - a library is limited from when it is loaded
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()

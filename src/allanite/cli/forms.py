@@ -1,0 +1,65 @@
+"""The forms of a result: text for the terminal, and what the options for outputs write."""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from allanite.reporting.language import speaking
+
+from .front import LINE
+
+if TYPE_CHECKING:
+    from allanite.study.shares import Work
+
+WIDTH = 120
+"""Width of text where no terminal limits it."""
+
+
+def text_of(value: Any, lang: str) -> str:
+    """A result as text for the terminal, at its width."""
+    from allanite.reporting import table
+
+    terminal = sys.stdout.isatty()
+    width = shutil.get_terminal_size().columns if terminal else WIDTH
+    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ, lang=lang)
+    # characters that the terminal cannot encode are escaped, not an error
+    encoding = sys.stdout.encoding or "utf-8"
+    return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
+    """A result in the form that option `name` writes."""
+    from allanite.study.shares import made
+
+    return made(work_of(value, name, path, lang))
+
+
+def work_of(value: Any, name: str, path: str, lang: str) -> "Work[str | bytes]":
+    """The making of the same, of which processes can share a page and the results of channels."""
+    from allanite import reporting
+    from allanite.reporting.json import json_of
+    from allanite.study.shares import Work
+
+    if name == "json":
+        return json_of(value)
+    if name in ("csv", "coefficients"):
+        return Work((), lambda _: reporting.to_csv(value, coefficients=name == "coefficients"))
+    if name == "plot":
+        return Work((), lambda _: _drawn(value, path, lang))
+    context = click.get_current_context(silent=True)
+    command = "" if context is None else context.meta.get(LINE, "")
+    if path.lower().endswith(".pdf"):
+        return Work((), lambda _: reporting.document(value, command=command, lang=lang))
+    return reporting.page_of(value, command=command, lang=lang)
+
+
+def _drawn(value: Any, path: str, lang: str) -> bytes:
+    from allanite import reporting
+    from allanite.reporting.style import encode
+
+    with speaking(lang):
+        return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))

@@ -1,0 +1,123 @@
+"""The result of a job over the channels of a recording."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import partial
+from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
+
+from allanite.core.encoding import read as read_plain
+from allanite.core.encoding import write
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
+from allanite.core.plain import VERSION, Value, demand_type, stored_fields
+
+from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+from .shares import Work, made
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Job(Value, Generic[Result]):
+    """Result of a job: one result per channel, and how it was obtained.
+
+    A subclass defines the type of its channels in `_channel`; its own fields are written and read with the others.
+
+    Attributes
+    ----------
+    channels : tuple
+        One result per channel, in the order of the file; each has its `record`, and a `refusal` if there is no result.
+    recipe : Recipe
+    findings : tuple of Finding
+        Findings about the file as a whole: its clock.
+    notes : tuple of str
+        Assumptions made when reading.
+    provenance : dict
+        Version and input files.
+    """
+
+    _channel: ClassVar[type[Any]]
+
+    channels: tuple[Result, ...]
+    recipe: Recipe
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+    provenance: dict[str, str]
+
+    def __getitem__(self, key: str | int) -> Result:
+        if isinstance(key, int):
+            return self.channels[key]
+        for name, channel in zip(self._names, self.channels, strict=True):
+            if name == key:
+                return channel
+        raise UsageError(f"no channel {key!r}; channels: {', '.join(self._names)}")
+
+    def __iter__(self) -> Iterator[Result]:
+        return iter(self.channels)
+
+    @property
+    def _names(self) -> list[str]:
+        """Names of the channels: their own, or those of their records."""
+        channels: tuple[Any, ...] = self.channels
+        return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
+
+    @property
+    def rejected(self) -> tuple[str, ...]:
+        """Names of the channels without a result, or whose noise no model explains."""
+        pairs = zip(self._names, self.channels, strict=True)
+        return tuple(name for name, channel in pairs if channel.refusal or not self._explained(channel))  # type: ignore[attr-defined]
+
+    def _explained(self, channel: Any) -> bool:
+        """Whether no model is known to be inadequate for the noise of a channel, if it was identified."""
+        return channel.noise is None or bool(channel.noise.explained)
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        return self.recipe.to_dict((*READING, *SELECTING, *IDENTIFYING))
+
+    def to_dict(self, level: float | None = None) -> dict[str, Any]:
+        """Plain data, with limits at `level`, by default that of the recipe."""
+        return made(self.written(level))
+
+    def written(self, level: float | None = None) -> Work[dict[str, Any]]:
+        """The making of the plain data, channel by channel."""
+        level = self.recipe.level if level is None else level
+        channels: tuple[Any, ...] = self.channels
+        return Work([partial(channel.to_dict, level) for channel in channels], partial(self._around, level))
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        """The plain data with those of the channels."""
+        return {
+            "allanite": VERSION,
+            "type": type(self).__name__,
+            "channels": channels,
+            "findings": [finding.to_dict() for finding in self.findings],
+            "recipe": self.choices(),
+            "notes": list(self.notes),
+            "provenance": self.provenance,
+        } | {name: write(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The value written by `to_dict`; limits are known for the stored level only, and records have no samples."""
+        demand_type(data, cls.__name__)
+        known = {f.name for f in fields(Recipe)}
+        return cls(
+            tuple(cls._channel.from_dict(channel) for channel in data["channels"]),
+            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known and cls._keeps(key)}),
+            tuple(Finding.from_dict(finding) for finding in data["findings"]),
+            tuple(data["notes"]),
+            dict(data["provenance"]),
+            **{name: read_plain(data[name], hint) for name, hint in stored_fields(cls, Job)},
+        )
+
+    @classmethod
+    def _keeps(cls, key: str) -> bool:
+        """Whether a key of the stored recipe belongs to the recipe, not to settings of the same name."""
+        hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
+        kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
+        return key not in {f.name for kind in kinds for f in fields(kind)}
+
+    def _summary(self) -> str:
+        source = self.provenance.get("source") or "data in memory"
+        return f"{source!r}: {', '.join(name or 'channel' for name in self._names)}"
