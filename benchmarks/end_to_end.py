@@ -44,7 +44,7 @@ STAGES = {
     "limits of curves": "core/curve.py:_limits",
     "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
     "figures": "reporting/html.py:_picture",
-    "figures: to SVG": "reporting/picture.py:picture",
+    "figures: by matplotlib": "reporting/picture.py:picture",
     "text for the terminal": "reporting/__init__.py:table",
 }
 """Functions whose time is listed: the end of a path, and a name; a stage may contain another."""

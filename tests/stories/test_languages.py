@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Iterable
 from dataclasses import replace
 from html.parser import HTMLParser
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -18,8 +19,9 @@ from allanite.core.language import Phrase
 from allanite.exporting.table import EXPORTS
 from allanite.identification.front import METHODS
 from allanite.rate import RATE_ESTIMATORS
-from allanite.reporting import html, language, text
+from allanite.reporting import html, language, style, text
 from allanite.reporting.sheet import Code, Fold
+from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
 from allanite.study.shares import Work, made
@@ -297,3 +299,37 @@ def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monke
         for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
     )
     assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
+
+
+def printed_words(figure):
+    """Lines of titles, names, labels and legends of a figure of matplotlib, without those at ticks."""
+    panels = [axes for axes in figure.axes if axes.get_visible()]
+    sides = [side for axes in panels for side in (axes.xaxis, axes.yaxis)]
+    ticks = {id(text) for side in sides for text in (*side.get_ticklabels(), *side.get_ticklabels(minor=True))}
+    hidden = {id(text) for axes in panels if not axes.axison for text in axes.findobj(Text)}
+    hidden |= {
+        id(side.label) for axes in panels for side in [axes.xaxis] if not axes.xaxis.get_tick_params()["labelbottom"]
+    }
+    texts = [text for text in figure.findobj(Text) if id(text) not in ticks | hidden and text.get_visible()]
+    return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
+
+
+@pytest.mark.parametrize("verb", RUNS)
+def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, files, monkeypatch):
+    values = []
+    monkeypatch.setattr(deliver, "text_of", lambda value, lang: values.append(value) or "")
+    for line in RUNS[verb]:
+        run(f"{verb} {line}", files)
+    for value in values:
+        for drawing in drawings(view_of(value).face(value, level_of(value))):
+            try:
+                with style.sketching():
+                    page = ElementTree.fromstring(drawing.draw().svg())
+            except Unsketched:
+                continue
+            wide, high = (float(number) for number in page.get("viewBox").split()[2:])
+            texts = list(page.iter("{http://www.w3.org/2000/svg}text"))
+            assert all(0 <= float(t.get("x")) <= wide and 0 <= float(t.get("y")) <= high for t in texts)
+            said = {" ".join(text.text.split()) for text in texts}
+            printed = {" ".join(line.split()) for line in printed_words(drawing.draw())}
+            assert printed - said <= {line for line in printed if "$" in line}, verb

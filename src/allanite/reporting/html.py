@@ -16,7 +16,7 @@ from allanite.study.shares import Work
 from allanite.terms import TERMS
 
 from .language import speaking, spoken, tr
-from .picture import Picture, drawer, picture, svg, variable
+from .picture import Picture, drawer, drawn, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _drawings(parts: Iterable[Part]) -> Iterator[Drawing]:
 
 def _picture(drawing: Drawing, lang: str) -> Picture:
     with speaking(lang):
-        return picture(drawing.draw())
+        return drawn(drawing)
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:

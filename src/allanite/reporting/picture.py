@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from markupsafe import Markup
 
@@ -14,6 +14,8 @@ from .sheet import Drawing, printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from .sketch.chart import Chart
 
 FONT = "'DejaVu Sans',Verdana,sans-serif"
 """Verdana has the same widths."""
@@ -43,6 +45,19 @@ class Picture:
 def svg(figure: "Figure", prefix: str, label: str) -> Markup:
     """A figure whose names begin with `prefix`, with words for it."""
     return picture(figure).within(prefix, label)
+
+
+def drawn(drawing: Drawing) -> Picture:
+    """The figure of a page, by `sketch` or else by matplotlib."""
+    from .sketch.limits import Unsketched
+    from .style import sketching
+
+    try:
+        with sketching():
+            chart = cast("Chart", drawing.draw())
+            return Picture(chart.svg(), chart.width)
+    except Unsketched:
+        return picture(drawing.draw())
 
 
 def picture(figure: "Figure") -> Picture:
@@ -129,7 +144,7 @@ def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
 
     def draw(drawing: Drawing) -> Markup:
         known = len(classes)
-        shown = pictures.get(id(drawing)) or picture(drawing.draw())
+        shown = pictures.get(id(drawing)) or drawn(drawing)
         made = re.sub(r'style="([^"]*)"', named, shown.within(f"f{next(numbers)}", drawing.label))
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it

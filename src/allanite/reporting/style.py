@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
@@ -26,6 +27,8 @@ from . import fonts
 from .language import ENGLISH, spoken, tr
 from .measure import measured
 from .sheet import printable
+from .sketch.chart import Chart, Look
+from .sketch.panel import line_of
 from .ticks import drawn_at_once
 
 PathLike = str | os.PathLike[str]
@@ -81,6 +84,20 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
+_SKETCHING: ContextVar[bool] = ContextVar("_SKETCHING", default=False)
+"""Whether figures are made for a page."""
+
+
+@contextmanager
+def sketching() -> Iterator[None]:
+    """Within this context new figures are those of `sketch`."""
+    token = _SKETCHING.set(True)
+    try:
+        yield
+    finally:
+        _SKETCHING.reset(token)
+
+
 _MADE: ContextVar[list[Figure] | None] = ContextVar("_MADE", default=None)
 """Figures that were made within the innermost `look`."""
 
@@ -91,6 +108,9 @@ def look() -> Iterator[None]:
 
     Figures are drawn with phrases. Those made within this context are then in the language that is spoken.
     """
+    if _SKETCHING.get():
+        yield
+        return
     lang = spoken()
     with mpl.rc_context(), fonts.quiet(lang):
         dict.update(cast(Any, mpl.rcParams), _settings(lang))  # they were checked when they were collected
@@ -132,12 +152,19 @@ class NotebookFigure(Figure):
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
+    if _SKETCHING.get():
+        return cast(Figure, Chart(width, height, Look(INK, "#555b63")))
     figure = NotebookFigure(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     made = _MADE.get()
     if made is not None:
         made.append(figure)
     return figure
+
+
+def key(**look: Any) -> Line2D:
+    """A line of no panel, for a legend."""
+    return cast(Line2D, line_of([], [], **look)) if _SKETCHING.get() else Line2D([], [], **look)
 
 
 def grid(axes: Axes, *, fine: bool = True) -> None:

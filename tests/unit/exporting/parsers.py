@@ -182,7 +182,7 @@ def markov(white, walk, tau):
 
 
 def gazebo(text):
-    imu = ET.fromstring(text)  # noqa: S314 - made by the test
+    imu = ET.fromstring(text)
     assert [axis.tag for axis in imu.find("angular_velocity")] == ["x", "y", "z"]
 
     def step(section):
@@ -194,7 +194,7 @@ def gazebo(text):
 
 
 def gazebo_classic(text):
-    plugin = ET.fromstring(text)  # noqa: S314 - made by the test
+    plugin = ET.fromstring(text)
 
     def step(sensor):
         density, walk, tau = (

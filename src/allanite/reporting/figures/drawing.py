@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from rich.cells import cell_len
 
 from allanite.core.estimate import Estimate
@@ -132,12 +131,12 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if MODEL in entries:
-        entries[say("each term alone")] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[say("each term alone")] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
         if marks:
-            mark = Line2D([], [], ls="", marker="D", ms=5, mfc="white", mec=style.OTHER, mew=1.3)
+            mark = style.key(ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
             entries[say("where its coefficient is read off")] = mark
     if EXPECTED in entries:
-        entries[EXPECTED] = Line2D([], [], color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[EXPECTED] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
     legend = figure.legend(
         list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6

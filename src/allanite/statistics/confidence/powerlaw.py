@@ -197,7 +197,7 @@ def _by_ratio(angle: Angle, m: int, order: int) -> int:
     ]
     forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)
     spread, local = (float(rate @ form @ rate) for form in forms)
-    if not spread or not local:
+    if not min(spread, local) > 0:  # of a line, rounding leaves a negative sum
         return 0
     expected = np.array([expected_ratio(forms, start, alpha) for alpha in laws])
     return laws[int(np.argmin(np.abs(np.log(spread / local / expected))))]

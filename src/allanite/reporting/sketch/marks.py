@@ -1,0 +1,274 @@
+"""What is drawn in a panel: lines, areas, boxes, segments and words, each a value that can write itself."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+
+from . import ink
+
+DATA, AXES, BLEND = "data", "axes", "blend"
+"""What coordinates mean: data, fractions of the panel, or data along the abscissa and fractions up."""
+
+Place = Callable[[FloatArray, FloatArray, str], tuple[FloatArray, FloatArray]]
+"""(x, y, meaning) -> points on the page."""
+
+Points = tuple[FloatArray, FloatArray]
+
+
+class Mark(Protocol):
+    """Anything drawn in a panel."""
+
+    @property
+    def z(self) -> float:
+        """Height: what is higher hides what is lower."""
+
+    @property
+    def label(self) -> str:
+        """Words in the legend; empty if it is not there."""
+
+    def extent(self) -> Points:
+        """What the limits of the panel should hold: abscissas, ordinates."""
+
+    def draw(self, place: Place) -> str:
+        """As SVG."""
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """As it stands in a legend, beside words of a size: from x on, around y."""
+
+
+NOTHING = np.empty(0)
+
+SHAPES: dict[str, Callable[[float], str]] = {
+    "o": lambda r: f"m{-r:.3g} 0a{r:.3g} {r:.3g} 0 1 0 {2 * r:.3g} 0a{r:.3g} {r:.3g} 0 1 0 {-2 * r:.3g} 0z",
+    "s": lambda r: f"m{-r:.3g} {-r:.3g}h{2 * r:.3g}v{2 * r:.3g}h{-2 * r:.3g}z",
+    "D": lambda r: f"m0 {-1.41 * r:.3g}l{1.41 * r:.3g} {1.41 * r:.3g} {-1.41 * r:.3g} {1.41 * r:.3g} "
+                   f"{-1.41 * r:.3g} {-1.41 * r:.3g}z",
+    "^": lambda r: f"m0 {-r:.3g}l{r:.3g} {2 * r:.3g}h{-2 * r:.3g}z",
+    "v": lambda r: f"m0 {r:.3g}l{-r:.3g} {-2 * r:.3g}h{2 * r:.3g}z",
+    "P": lambda r: f"m{-r / 3:.3g} {-r:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}h{2 * r / 3:.3g}v{2 * r / 3:.3g}"
+                   f"h{-2 * r / 3:.3g}v{2 * r / 3:.3g}h{-2 * r / 3:.3g}v{-2 * r / 3:.3g}h{-2 * r / 3:.3g}"
+                   f"v{-2 * r / 3:.3g}h{2 * r / 3:.3g}z",
+    "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}",
+    ".": lambda r: SHAPES["o"](r / 2),
+}  # fmt: skip
+"""Markers as relative paths, by half their size."""
+
+
+@dataclass(frozen=True)
+class Marker:
+    """What stands at the points of a line: shape, size, color inside and of the edge, width of the edge."""
+
+    shape: str
+    size: float
+    inside: str
+    edge: str
+    width: float
+    alpha: float | None = None
+
+    def at(self, x: FloatArray, y: FloatArray) -> str:
+        """At points of the page."""
+        shape = SHAPES[self.shape](self.size / 2)
+        there = np.isfinite(x) & np.isfinite(y) & (np.abs(x) < ink.FAR) & (np.abs(y) < ink.FAR)
+        places = zip(x[there].tolist(), y[there].tolist(), strict=True)
+        d = "".join(f"M{ink.number(a)} {ink.number(b)}{shape}" for a, b in places)
+        edge = ink.hexadecimal(self.edge) if self.width else None
+        inside = "none" if self.shape == "|" else ink.hexadecimal(self.inside)
+        return ink.element(d, ink.style(fill=inside, stroke=edge, stroke_width=f"{self.width:g}" if edge else None,
+                                      opacity=self.alpha))  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line through points, with or without markers."""
+
+    x: FloatArray
+    y: FloatArray
+    color: str
+    width: float
+    dash: Sequence[float] = ()
+    drawn: bool = True
+    marker: Marker | None = None
+    z: float = 2.0
+    label: str = ""
+    meaning: str = DATA
+    reach: Points = field(default=(NOTHING, NOTHING))
+    alpha: float | None = None
+
+    def get_xydata(self) -> FloatArray:
+        """The points, shape (k, 2)."""
+        return np.column_stack([self.x, self.y])
+
+    def extent(self) -> Points:
+        """See `Mark`."""
+        return (self.x, self.y) if self.meaning == DATA else self.reach
+
+    def draw(self, place: Place) -> str:
+        """See `Mark`."""
+        x, y = place(self.x, self.y, self.meaning)
+        line = (
+            ink.element(ink.path(x, y), ink.stroke(self.color, self.width, self.dash, self.alpha)) if self.drawn else ""
+        )
+        return line + (self.marker.at(x, y) if self.marker else "")
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """See `Mark`."""
+        ends = np.array([x, x + width]), np.array([y, y])
+        line = (
+            ink.element(ink.path(*ends), ink.stroke(self.color, self.width, self.dash, self.alpha))
+            if self.drawn
+            else ""
+        )
+        return line + (self.marker.at(np.array([x + width / 2]), np.array([y])) if self.marker else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """What lies between two lines."""
+
+    x: FloatArray
+    low: FloatArray
+    high: FloatArray
+    color: str
+    alpha: float | None = None
+    z: float = 1.0
+    label: str = ""
+
+    def extent(self) -> Points:
+        """See `Mark`."""
+        return np.concatenate([self.x, self.x]), np.concatenate([self.low, self.high])
+
+    def draw(self, place: Place) -> str:
+        """See `Mark`."""
+        (x, low), (_, high) = place(self.x, self.low, DATA), place(self.x, self.high, DATA)
+        there = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
+        edges = np.flatnonzero(np.diff(there, prepend=False, append=False)).reshape(-1, 2).tolist()
+        d = "".join(
+            ink.path(np.r_[x[a:b], x[a:b][::-1]], np.r_[low[a:b], high[a:b][::-1]], closed=True) for a, b in edges
+        )
+        return ink.element(d, ink.fill(self.color, self.alpha))
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """See `Mark`."""
+        return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """Rectangles: bars, and spans whose other side is the whole panel; `reach` is what limits should hold of them."""
+
+    left: FloatArray
+    right: FloatArray
+    low: FloatArray
+    high: FloatArray
+    color: str
+    alpha: float | None = None
+    z: float = 1.0
+    label: str = ""
+    across: bool = False
+    up: bool = False
+
+    def extent(self) -> Points:
+        """See `Mark`."""
+        x = NOTHING if self.across else np.concatenate([self.left, self.right])
+        return x, NOTHING if self.up else np.concatenate([self.low, self.high])
+
+    def draw(self, place: Place) -> str:
+        """See `Mark`."""
+        corners = [(self.left, self.low), (self.right, self.high)]
+        (x0, y0), (x1, y1) = (place(*corner, DATA) for corner in corners)
+        if self.across:
+            (x0, _), (x1, _) = (place(np.full(self.low.size, end), self.low, AXES) for end in (0.0, 1.0))
+        if self.up:
+            (_, y0), (_, y1) = (place(self.left, np.full(self.left.size, end), AXES) for end in (0.0, 1.0))
+        d = "".join(
+            ink.path(np.array([a, b, b, a]), np.array([c, c, e, e]), closed=True)
+            for a, b, c, e in zip(x0.tolist(), x1.tolist(), y0.tolist(), y1.tolist(), strict=True)
+        )
+        return ink.element(d, ink.fill(self.color, self.alpha))
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """See `Mark`."""
+        return _patch(x, y, width, size, ink.fill(self.color, self.alpha))
+
+
+def _patch(x: float, y: float, width: float, size: float, styled: str) -> str:
+    half = 0.35 * size
+    ends = np.array([x, x + width, x + width, x]), np.array([y - half, y - half, y + half, y + half])
+    return ink.element(ink.path(*ends, closed=True), styled)
+
+
+@dataclass(frozen=True, eq=False)
+class Words:
+    """Text in a panel, on a ground of its own, with a line to what it is about."""
+
+    text: str
+    at: tuple[float, float]
+    size: float
+    color: str
+    ha: str = "left"
+    va: str = "baseline"
+    bold: bool = False
+    spacing: float = 1.2
+    meaning: str = DATA
+    offset: tuple[float, float] = (0.0, 0.0)
+    pad: float | None = None
+    opacity: float | None = None
+    leader: tuple[float, float] | None = None
+    z: float = 3.0
+    label: str = ""
+
+    def extent(self) -> Points:
+        """See `Mark`."""
+        return NOTHING, NOTHING
+
+    def draw(self, place: Place) -> str:
+        """See `Mark`."""
+        x, y = self._point(place, self.at)
+        x, y = x + self.offset[0], y - self.offset[1]
+        return "".join(self._parts(place, (x, y)))
+
+    def _point(self, place: Place, at: tuple[float, float]) -> tuple[float, float]:
+        x, y = place(np.array([at[0]]), np.array([at[1]]), self.meaning)
+        return float(x[0]), float(y[0])
+
+    def _parts(self, place: Place, at: tuple[float, float]) -> Iterator[str]:
+        x, y = at
+        lines = ink.shown(self.text)
+        width, height = ink.size_of(lines, self.size, bold=self.bold, spacing=self.spacing)
+        left = x - {"left": 0.0, "center": width / 2, "right": width}[self.ha]
+        top = y - {"top": 0.0, "center": height / 2, "bottom": height, "baseline": height}[self.va]
+        if self.leader is not None:
+            yield self._line(self._point(place, self.leader), (left, top, width, height))
+        if self.pad is not None:
+            a, b = np.array([left, left + width]), np.array([top, top + height])
+            beside = np.array([-self.pad, self.pad])
+            a, b = a + beside, b + beside
+            ground = ink.path(a[[0, 1, 1, 0]], b[[0, 0, 1, 1]], closed=True)
+            yield ink.element(ground, ink.fill("#ffffff", self.opacity))
+        yield ink.words(
+            lines, (x, y), self.size, color=self.color, ha=self.ha, va=self.va, bold=self.bold, spacing=self.spacing
+        )
+
+    def _line(self, end: tuple[float, float], box: tuple[float, float, float, float]) -> str:
+        """From the edge of the text to four points before what it is about; nothing if that is nearer."""
+        left, top, width, height = box
+        centre = np.array([left + width / 2, top + height / 2])
+        way = np.array(end) - centre
+        length = float(np.hypot(*way))
+        inside = min(
+            ((half + 1) / abs(part) for half, part in zip((width / 2, height / 2), way.tolist(), strict=True) if part),
+            default=1.0,
+        )
+        outside = 1 - 4 / length if length else 0.0
+        if inside >= outside:
+            return ""
+        ends = centre + np.outer([inside, outside], way)
+        return ink.element(ink.path(ends[:, 0], ends[:, 1]), ink.stroke(self.color, 0.8))
+
+    def key(self, x: float, y: float, width: float, size: float) -> str:
+        """Text is in no legend."""
+        return ""

@@ -1,0 +1,187 @@
+"""An axis of a panel: its scale, limits, ticks and their labels."""
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+from allanite.core.arrays import FloatArray
+
+from .limits import Unsketched, limited
+
+LARGEST = 1e300
+"""Beyond it values, and beyond its inverse those on a logarithmic axis, are not in sight."""
+
+MARGIN = 0.05
+"""Room beside the data where no limits are given."""
+
+NEAR = 1e-10
+"""A tick so far outside of the view, relative to its width, is drawn."""
+
+FORMATTERS, LOCATORS = (FuncFormatter, NullFormatter), (FixedLocator, LogLocator, MaxNLocator)
+"""What needs no axis of matplotlib."""
+
+APART = 1e-6
+"""Part of the view by which minor ticks are away from major ones."""
+
+STEPS, FINE = [1, 2, 2.5, 5, 10], [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+"""Steps of ticks in a decade, and minor ticks of one on a logarithmic axis."""
+
+LONG = 5
+"""Digits of a label from which on a common power of ten, or a common value, stands at the end of the axis."""
+
+
+class Ticks(NamedTuple):
+    """Places and labels of major and minor ticks, and what the labels are to be multiplied by or added to."""
+
+    major: list[float]
+    labels: list[str]
+    minor: list[float]
+    minor_labels: list[str]
+    beside: str
+
+    @property
+    def labelled(self) -> tuple[tuple[list[float], list[str]], ...]:
+        """Places and labels, of major and of minor ticks."""
+        return (self.major, self.labels), (self.minor, self.minor_labels)
+
+
+@limited
+class Side:
+    """The abscissa of panels that share it, or the ordinate of one."""
+
+    def __init__(self, *, across: bool) -> None:
+        self.across, self.label, self.scale = across, "", "linear"
+        self.limits: tuple[float, float] | None = None
+        self.known: list[FloatArray] = []
+        self._locator: Any = None
+        self._formatters: list[Callable[[float, int | None], str] | None] = [None, None]
+        self._fixed: list[float] | None = None
+
+    def set_major_formatter(self, formatter: Callable[[float, int | None], str]) -> None:
+        """How labels of major ticks read."""
+        _demand(formatter, FORMATTERS)
+        self._formatters[0] = formatter
+
+    def set_minor_formatter(self, formatter: Callable[[float, int | None], str]) -> None:
+        """How labels of minor ticks read."""
+        _demand(formatter, FORMATTERS)
+        self._formatters[1] = formatter
+
+    def set_major_locator(self, locator: Any) -> None:
+        """Where major ticks are."""
+        _demand(locator, LOCATORS)
+        self._locator = locator
+
+    def set_ticks(self, places: Sequence[float]) -> None:
+        """Major ticks at these places only."""
+        self._fixed = [float(at) for at in places]
+
+    def get_view_interval(self) -> tuple[float, float]:
+        """The limits: those given, or around the data."""
+        return self.limits or self._around()
+
+    def _around(self) -> tuple[float, float]:
+        known = np.concatenate([np.empty(0), *self.known, np.array(self._fixed or [])])
+        seen = known[(np.abs(known) < LARGEST) & ((known > 1 / LARGEST) | (self.scale == "linear"))]
+        if not seen.size:
+            return (1.0, 10.0) if self.scale == "log" else (0.0, 1.0)
+        low, high = float(self.place(seen.min())), float(self.place(seen.max()))
+        room = MARGIN * (high - low)
+        if not room:
+            room = 0.5 if self.scale == "log" else abs(low) * MARGIN or MARGIN
+        if self._fixed is not None:
+            ends = self.place(np.array([min(self._fixed), max(self._fixed)]))
+            low, high = min(low - room, float(ends[0])), max(high + room, float(ends[1]))
+        else:
+            low, high = low - room, high + room
+        return (10.0**low, 10.0**high) if self.scale == "log" else (low, high)
+
+    def place(self, values: Any) -> Any:
+        """Values on the scale, on which equal lengths are equal; NaN where it has none."""
+        if self.scale == "linear":
+            return np.asarray(values, dtype=float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.log10(np.where(np.asarray(values, dtype=float) > 0, values, np.nan))
+
+    def share(self, values: Any) -> FloatArray:
+        """Values as fractions of the view."""
+        low, high = self.place(np.array(self.get_view_interval()))
+        return np.asarray((self.place(values) - low) / (high - low))
+
+    def ticks(self, length: float, size: float) -> Ticks:
+        """Ticks of an axis of so many points, with letters of a size."""
+        most = int(length / (size * (3.0 if self.across else 2.0)))
+        major = self._seen(self._places(most))
+        minor = self._seen(self._between(most), major)
+        form = self._formatters[0] or (_power if self.scale == "log" else None)
+        labels, beside = ([form(at, None) for at in major], "") if form else plain(major)
+        form = self._formatters[1]
+        return Ticks(major, labels, minor, [form(at, None) if form else "" for at in minor], beside)
+
+    def _places(self, most: int) -> Any:
+        low, high = self.get_view_interval()
+        if self._fixed is not None:
+            return self._fixed
+        if self._locator is not None:
+            return self._locator.tick_values(low, high)
+        if self.scale == "log":
+            return LogLocator(numticks=min(max(most, 2), 9)).tick_values(low, high)
+        return MaxNLocator(min(max(most, 1), 9), steps=STEPS).tick_values(low, high)
+
+    def _between(self, most: int) -> Any:
+        low, high = self.get_view_interval()
+        if self.scale == "linear":
+            return []
+        return LogLocator(subs=FINE, numticks=min(max(most, 2), 9)).tick_values(low, high)
+
+    def _seen(self, places: Any, taken: Sequence[float] = ()) -> list[float]:
+        """Places within the view that are not taken."""
+        at = np.unique(np.asarray(places, dtype=float))
+        share = self.share(at)
+        free = np.abs(np.subtract.outer(share, self.share(list(taken)))).min(axis=1, initial=1.0) > APART
+        return [float(value) for value in at[(share >= -NEAR) & (share <= 1 + NEAR) & free]]
+
+
+def _demand(given: Any, known: tuple[type, ...]) -> None:
+    if not isinstance(given, known):
+        raise Unsketched(type(given).__name__)
+
+
+def _power(value: float, _: int | None) -> str:
+    return f"$10^{{{round(math.log10(value))}}}$"
+
+
+def plain(places: Sequence[float]) -> tuple[list[str], str]:
+    """Labels of evenly spaced ticks, and what stands at the end of the axis.
+
+    Examples
+    --------
+    >>> plain([0.0, 0.25, 0.5])
+    (['0.00', '0.25', '0.50'], '')
+    >>> plain([0.0, 2e-7, 4e-7])
+    (['0', '2', '4'], '$×10^{-7}$')
+    >>> plain([9.79612, 9.79613])
+    (['0', '1'], '$×10^{-5}$ +9.79612')
+    """
+    if not places:
+        return [], ""
+    largest, wide = max(map(abs, places)) or 1.0, max(places) - min(places)
+    if 0 < wide < largest / 10.0 ** (LONG - 1):
+        base = round(places[0], -math.floor(math.log10(wide)))
+        rest, beside = plain([at - base for at in places])
+        return rest, f"{beside} {base:+.12g}".strip()
+    order = math.floor(math.log10(largest) + 1e-6)  # places are differences, with their rounding
+    if not -LONG < order < LONG:
+        return plain([at / 10.0**order for at in places])[0], f"$×10^{{{order}}}$"
+    step = min((b - a for a, b in pairwise(places)), default=largest)
+    decimals = next((d for d in range(12) if all(_exact(at, d, step) for at in places)), 12)
+    exact = (at if abs(at) > step * 1e-6 else 0.0 for at in places)
+    return [f"{at:.{decimals}f}".replace("-", "\N{MINUS SIGN}") for at in exact], ""
+
+
+def _exact(value: float, decimals: int, step: float) -> bool:
+    return abs(round(value, decimals) - value) < 1e-3 * step

@@ -1,0 +1,233 @@
+"""Figures of pages: what they draw is what matplotlib draws."""
+
+import re
+from itertools import pairwise
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
+
+import allanite as al
+from allanite.reporting import style
+from allanite.reporting.html import drawn
+from allanite.reporting.sheet import Drawing, Fold
+from allanite.reporting.sketch.chart import Chart, Look
+from allanite.reporting.sketch.letters import wide
+from allanite.reporting.sketch.limits import Unsketched
+from allanite.reporting.sketch.panel import place_in
+from allanite.reporting.sketch.side import Side, plain
+from allanite.reporting.views import view_of
+
+SVG = "{http://www.w3.org/2000/svg}"
+BLUE = "#2e5c94"
+
+
+def chart(width=5.0, height=3.0):
+    """An empty figure."""
+    return Chart(width, height, Look("#1a1a1a", "#555b63"))
+
+
+def texts(made):
+    """The words of a figure."""
+    return [text.text for text in ElementTree.fromstring(made.svg()).iter(f"{SVG}text")]
+
+
+def drawings(parts):
+    """The figures of a page, in its folds too."""
+    for part in parts:
+        if isinstance(part, Fold):
+            yield from drawings(part.parts)
+        elif isinstance(part, Drawing):
+            yield part
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Three channels of two sensors."""
+    model = al.parse_model("N 0.1 deg/sqrt(h), K 20 deg/h/sqrt(h)")
+    made = [al.simulate(model, 4000, 20.0, rng=np.random.default_rng(i), name=f"g{i} $x_{{<&") for i in range(2)]
+    other = al.simulate(al.N(100, "ug/sqrt(Hz)"), 4000, 20.0, rng=np.random.default_rng(9), name="ax")
+    return al.analyze(al.Recording((*made, other)))
+
+
+def test_every_figure_of_an_analysis_is_sketched(study):
+    face = view_of(study).face(study, 0.95)
+    found = list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))
+    assert len(found) > 15
+    for drawing in found:
+        with style.sketching():
+            made = drawing.draw()
+        assert isinstance(made, Chart)
+        ElementTree.fromstring(made.svg())
+
+
+def test_names_of_the_user_are_no_formulas_and_no_markup(study):
+    face = view_of(study).face(study, 0.95)
+    found = [drawn(drawing).text for drawing in drawings(part for sheet in face.sheets for part in sheet.parts)]
+    assert any("g0 $x_{&lt;&amp;" in text for text in found)
+
+
+def test_what_only_matplotlib_draws_is_left_to_it():
+    def draw():
+        with style.look():
+            figure = style.new_figure(4.0, 3.0)
+            figure.subplots().scatter([1.0, 2.0], [1.0, 2.0])
+        return figure
+
+    assert isinstance(draw(), Figure)
+    assert "<path" in drawn(Drawing(draw, "points")).text
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda panel: panel.scatter([1], [1]),
+        lambda panel: panel.plot([1], [1], color=BLUE, drawstyle="steps"),
+        lambda panel: panel.plot([1], [1], "x", color=BLUE),
+        lambda panel: panel.set_aspect("equal"),
+        lambda panel: panel.xaxis.set_major_locator(MultipleLocator(2.0)),
+        lambda panel: panel.xaxis.axis_date(),
+        lambda panel: panel.set_title("a", pad=3),
+        lambda panel: panel.legend(loc="lower left"),
+        lambda panel: panel.figure.subfigures(2),
+        lambda panel: (panel.plot([1], [1], color="tab:blue"), panel.figure.svg()),
+    ],
+)
+def test_what_is_not_known_is_refused(ask):
+    panel = chart().subplots()
+    with pytest.raises(Unsketched):
+        ask(panel)
+
+
+EDGES = st.floats(-250, 250).map(lambda x: 10.0**x)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(EDGES, min_size=2, max_size=2, unique=True), st.booleans(), st.booleans())
+def test_ticks_are_within_the_view_and_named(ends, log, across):
+    side = Side(across=across)
+    side.scale = "log" if log else "linear"
+    side.limits = (min(ends), max(ends))
+    found = side.ticks(300.0, 9.0)
+    places = [*found.major, *found.minor]
+    assert all(-1e-9 <= share <= 1 + 1e-9 for share in side.share(places))
+    assert len(found.major) <= 20
+    assert len(found.labels) == len(found.major) == len(set(found.major))
+    assert not set(found.major) & set(found.minor)
+
+
+@pytest.mark.parametrize("scale", ["linear", "log"])
+@pytest.mark.parametrize(("low", "high"), [(0.13, 7.9), (1.0, 1000.0), (3e-5, 8e4), (12.0, 13.5), (0.9, 1.3)])
+def test_ticks_are_those_of_matplotlib(scale, low, high):
+    figure = Figure(figsize=(5.0, 3.0))
+    axes = figure.subplots()
+    axes.set(xscale=scale, xlim=(low, high))
+    length = axes.bbox.width * 72 / figure.dpi
+    side = Side(across=True)
+    side.scale, side.limits = scale, (low, high)
+    expected = [at for at in axes.get_xticks() if low <= at <= high]
+    assert side.ticks(length, 10.0).major == pytest.approx(expected)
+    fine = [at for at in axes.get_xticks(minor=True) if low <= at <= high]
+    assert side.ticks(length, 10.0).minor == pytest.approx(fine)
+
+
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_points_are_where_matplotlib_has_them(scale):
+    x, y = np.array([1.0, 3.0, 20.0]), np.array([2.0, 50.0, 7.0])
+    panel = chart().subplots()
+    panel.set(xscale=scale, yscale=scale)
+    panel.plot(x, y, color=BLUE)
+    axes = Figure().subplots()
+    axes.set(xscale=scale, yscale=scale)
+    axes.plot(x, y)
+    assert panel.get_xlim() == pytest.approx(axes.get_xlim())
+    assert panel.get_ylim() == pytest.approx(axes.get_ylim())
+    expected = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([x, y])))
+    across, down = place_in(panel, (0.0, 0.0, 1.0, 1.0))(x, y, "data")
+    np.testing.assert_allclose(np.column_stack([across, 1 - down]), expected, atol=1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    st.lists(st.one_of(st.floats(allow_nan=True, allow_infinity=True)), min_size=0, max_size=30),
+    st.sampled_from(["linear", "log"]),
+)
+def test_any_values_make_a_figure(values, scale):
+    made = chart()
+    panel = made.subplots()
+    panel.set(xlabel="x", ylabel="y", yscale=scale)
+    x = np.arange(len(values), dtype=float)
+    panel.plot(x, values, color=BLUE, marker="o", label="a")
+    panel.fill_between(x, values, 0.0, color=BLUE, alpha=0.2)
+    with np.errstate(all="ignore"):
+        root = ElementTree.fromstring(made.svg())
+    assert not re.search(
+        r"nan|inf\b", ElementTree.tostring(root, encoding="unicode").split("</svg>")[0].replace("infinity", "")
+    )
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.floats(2.0, 12.0), st.floats(1.5, 8.0), st.integers(1, 3), st.integers(1, 3))
+def test_panels_do_not_overlap_and_are_on_the_page(width, height, rows, columns):
+    made = chart(width, height)
+    grid = made.subplots(rows, columns, squeeze=False)
+    for panel in grid.flat:
+        panel.plot([0.0, 1000.0], [0.0, 1.0], color=BLUE)
+        panel.set(xlabel="time (s)", ylabel="rate (deg/h)")
+        panel.set_title("name", loc="left")
+    root = ElementTree.fromstring(made.svg())
+    boxes = [
+        [float(r.get(k)) for k in ("x", "y", "width", "height")] for r in root.iter(f"{SVG}rect") if r.get("style")
+    ]
+    assert len(boxes) == rows * columns
+    if width >= 2.5 * columns and height >= 2.0 * rows:
+        assert all(x >= 0 and y >= 0 and x + w <= made.width and y + h <= made.height for x, y, w, h in boxes)
+        lefts = sorted({x for x, *_ in boxes})
+        assert all(b - a > boxes[0][2] for a, b in pairwise(lefts))
+
+
+def test_labels_at_ticks_read_as_those_of_matplotlib():
+    made = chart()
+    panel = made.subplots()
+    panel.set(xscale="log", xlim=(1e-6, 10.0), ylim=(-0.5, 0.5))
+    style.plain_ticks(panel.xaxis)
+    found = texts(made)
+    assert {"10⁻⁵", "0.001", "10"} <= set(found)
+    assert "−0.4" in found
+
+
+@pytest.mark.parametrize(
+    ("places", "labels", "beside"),
+    [
+        ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""),
+        ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
+        ([1e8, 2e8], ["1", "2"], "$×10^{8}$"),
+        ([0.0], ["0"], ""),
+        ([], [], ""),
+    ],
+)
+def test_numbers_at_ticks(places, labels, beside):
+    assert plain(places) == (labels, beside)
+
+
+def test_letters_are_as_wide_as_matplotlib_has_them():
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextToPath
+
+    for text in ("averaging time τ (s)", "N = 0.31 deg/√h", "скорость"):
+        width, *_ = TextToPath().get_text_width_height_descent(
+            text, FontProperties(family="DejaVu Sans", size=9), False
+        )
+        assert 9 * wide(text) == pytest.approx(width, rel=0.05)
+
+
+def test_a_formatter_and_a_locator_of_the_figures_are_taken():
+    side = Side(across=False)
+    side.scale, side.limits = "log", (0.1, 100.0)
+    side.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    side.set_major_formatter(FuncFormatter(lambda v, _: f"<{v:g}>"))
+    assert "<5>" in side.ticks(200.0, 9.0).labels
