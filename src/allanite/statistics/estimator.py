@@ -145,7 +145,7 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
 def with_means(row: Statistic, angle: Angle, m: IntArray, plain: Estimate) -> Estimate:
     """The estimate with means of what is there, where few windows are complete; see `moments.means`."""
     places = angle.places
-    taken = [i for i, k in enumerate(m.tolist()) if takes_means(row, k, places, angle.size)]
+    taken = np.flatnonzero(takes_means(row, m, places, angle.size)).tolist()
     if not taken:
         return plain
     x, variance, number = np.zeros(angle.size + 1), plain.variance.copy(), plain.number.copy()

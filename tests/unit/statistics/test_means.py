@@ -145,3 +145,16 @@ def test_a_model_without_noise_of_the_joints_hides_nothing():
     assert set(alone.m) <= set(both.m)
     assert np.isfinite(both.factor).all()
     assert al.deviation(torn, noise=drifting).m.size >= both.m.size
+
+
+@pytest.mark.parametrize("name", ["adev", "oadev", "ohdev"])
+def test_complete_windows_are_counted_run_by_run(name):
+    row, rng = al.STATISTICS[name], np.random.default_rng(4)
+    lengths = rng.integers(1, 200, 30)
+    places = [(0, int(n)) for n in lengths]
+    m = np.arange(1, 120)
+    counted = [sum(int(row.count(int(n), np.array([k]))[0]) for n in lengths) for k in m]
+    whole = row.count(int(lengths.sum()) + 300, m)
+    expected = np.array(counted) < 0.9 * whole
+    np.testing.assert_array_equal(takes_means(row, m, places, int(lengths.sum()) + 300), expected)
+    assert takes_means(row, 50, places, 10_000) == (counted[49] < 0.9 * row.count(10_000, np.array([50]))[0])

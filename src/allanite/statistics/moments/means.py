@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, IntArray, Statistic, binomials
+from allanite.statistics.row import BoolArray, FloatArray, IntArray, Statistic, binomials
 from allanite.terms import WHITE, NoiseTerm
 
 Places = Sequence[tuple[int, int]]
@@ -38,13 +38,24 @@ ENOUGH = 24
 """Windows, at least, that a long averaging time is given."""
 
 
-def takes_means(row: Statistic, m: int, places: Places, size: int) -> bool:
+def takes_means(row: Statistic, m: int | IntArray, places: Places, size: int) -> BoolArray:
     """Whether windows with missing samples count too: where so many are lost that the complete ones are few."""
+    m = np.asarray(m)
     if len(places) < 2 or not row.differences or row.summed:
-        return False
-    at = np.array([m])
-    complete = int(row.count(np.array([n for _, n in places]), at).sum())
-    return complete < COMPLETE * int(row.count(size, at)[0])
+        return np.zeros(m.shape, dtype=np.bool_)
+    return np.asarray(_complete(row, m, np.array([n for _, n in places])) < COMPLETE * row.count(size, m))
+
+
+def _complete(row: Statistic, m: IntArray, lengths: IntArray) -> IntArray:
+    """Windows without a missing sample, shape of m."""
+    if not row.overlapped:
+        return np.asarray(np.sum([row.count(int(n), m) for n in lengths], axis=0))
+    # of the runs that hold a window each has as many as it is longer than that, and one more
+    lengths = np.sort(lengths)[::-1]
+    per, fixed = row.span
+    window = per * m + fixed
+    runs = np.searchsorted(-lengths, -window, side="right")
+    return np.asarray(np.concatenate(([0], np.cumsum(lengths)))[runs] - runs * (window - 1))
 
 
 @dataclass(frozen=True, eq=False)
