@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import click
 
 from allanite.core.errors import LongJobWarning, UsageError
-from allanite.core.files import demand_writable, write
+from allanite.core.files import demand_writable, encoded, write
 from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue
 
 from .forms import text_of, work_of
-from .front import DATA, while_read
+from .front import DATA
 from .options import FLAGS
+from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -257,7 +258,7 @@ def happened(words: str, watch: "Watch") -> None:
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:
     """Write `data` to a file or to standard output."""
-    raw = data.encode() if isinstance(data, str) else data
+    raw = encoded(data) if isinstance(data, str) else data
     if path == STDOUT:
         with while_read():
             click.echo(raw, nl=False)

@@ -1,13 +1,11 @@
 """How the program ends: with a message and an exit code, never with a traceback."""
 
-import errno
 import gc
 import os
 import shlex
 import sys
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -15,6 +13,8 @@ import click
 
 from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
+
+from .streams import begin, complain, ended, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -76,6 +76,8 @@ class Front(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as error:
+            if isinstance(error, SystemError) and isinstance(error.__cause__, (KeyboardInterrupt, SystemExit)):
+                raise error.__cause__ from None  # a compiled loop was interrupted
             raise _failure(error, debug=ctx.params["debug"]) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
@@ -84,27 +86,32 @@ class Front(click.Group):
         gc.set_threshold(OBJECTS)
         for threads in BLAS:
             os.environ.setdefault(threads, "1")
+        os.environ["MPLBACKEND"] = "agg"  # figures are written, and a backend that is not there is an error
+        begin()
         try:
-            with command_line():
+            with command_line(), ended(), while_read():
                 code = super().main(*args, **extra) or 0
         except click.exceptions.NoArgsIsHelpError as error:
-            error.show()
+            complain(error.format_message())
             code = error.exit_code
         except click.Abort:
             code = _complain("interrupted", INTERRUPTED)
         except Failure as failure:
             code = _complain(failure.message, failure.status)
-            click.echo(failure.trace, err=True, nl=False)
+            if failure.trace:
+                complain(failure.trace.rstrip())
         except click.ClickException as error:
             code = _complain(error.format_message(), error.exit_code)
             context = getattr(error, "ctx", None)
             if context is not None:
-                click.echo(f"try '{context.command_path} --help'", err=True)
+                complain(f"try '{context.command_path} --help'")
+        if lost() and not code:
+            code = _complain(f"standard output cannot be written ({lost()}); what should be there is lost", DATA)
         sys.exit(code)
 
 
 def _complain(message: str, code: int) -> int:
-    click.echo(click.style("error: ", fg="red", bold=True) + message, err=True)
+    complain(message, click.style("error: ", fg="red", bold=True))
     return code
 
 
@@ -117,15 +124,3 @@ def _failure(error: Exception, *, debug: bool) -> Failure:
     what = f"{type(error).__name__}: {error}".removesuffix(": ")
     report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
     return Failure(report, DEFECT, "".join(traceback.format_exception(error)) if debug else "")
-
-
-@contextmanager
-def while_read() -> Iterator[None]:
-    """Write to standard output; if its reader has left (``allanite ... | head``), the rest goes nowhere."""
-    try:
-        yield
-        sys.stdout.flush()
-    except OSError as error:
-        if error.errno != errno.EPIPE:
-            raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -25,7 +25,13 @@ class DataError(AllaniteError):
     """The data cannot be read, or cannot support the job."""
 
 
+SHOWN = 200
+"""Characters of a given text that a message shows."""
+
+
 def given(value: object) -> str:
-    """The given value as a message shows it; numbers of NumPy look like those of Python."""
+    """The given value as a message shows it: numbers of NumPy as those of Python, long texts by their beginning."""
     number = value.item() if hasattr(value, "item") and not getattr(value, "shape", ()) else value
+    if isinstance(number, str) and len(number) > SHOWN:
+        return f"{number[:SHOWN]!r}… ({len(number)} characters)"
     return f"{number:g}" if isinstance(number, float) else repr(number)

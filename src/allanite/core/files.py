@@ -2,17 +2,29 @@
 
 import os
 import secrets
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import UsageError
+from .errors import UsageError, given
 from .wording import spelled
 
 PathLike = str | os.PathLike[str]
 
 DRAFTS = ".allanite-*.part"
 """Pattern of the names of drafts."""
+
+
+def encoded(text: str) -> bytes:
+    r"""Text as UTF-8; what is no character, of a name that was not UTF-8, as its escape.
+
+    Examples
+    --------
+    >>> encoded("\udcff")
+    b'\\udcff'
+    """
+    return text.encode("utf-8", "backslashreplace")
 
 
 def demand_writable(path: PathLike, *, force: bool = False) -> None:
@@ -24,8 +36,14 @@ def demand_writable(path: PathLike, *, force: bool = False) -> None:
         The path is a folder, its folder is missing or not writable, or the file exists and `force` is not set.
     """
     target = Path(path)
-    if target.is_dir():
-        raise UsageError(f"{str(target)!r} is a folder; give the name of a file")
+    try:
+        is_folder = stat.S_ISDIR(os.stat(path).st_mode)
+    except FileNotFoundError:
+        is_folder = os.fspath(path).endswith((os.sep, os.altsep or os.sep))
+    except (OSError, ValueError) as error:  # too long, a loop of links, a folder that is a file, a null character
+        raise UsageError(f"{given(os.fspath(path))} cannot be written ({_reason(error)}); give another path") from None
+    if is_folder:
+        raise UsageError(f"{os.fspath(path)!r} is a folder; give the name of a file")
     folder = target.parent
     if not folder.is_dir():
         raise UsageError(f"the folder {str(folder)!r} of {target.name!r} does not exist; create it first")
@@ -83,7 +101,11 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
 
 
 def _unwritable(path: PathLike, error: OSError) -> UsageError:
-    return UsageError(f"{os.fspath(path)!r} cannot be written ({error.strerror or error}); give another path")
+    return UsageError(f"{given(os.fspath(path))} cannot be written ({_reason(error)}); give another path")
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return str(getattr(error, "strerror", None) or error)
 
 
 def _is_device(target: Path) -> bool:

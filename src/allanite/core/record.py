@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
-from .language import say
+from .language import join, say
 from .plain import Value
 from .units import Signal, unit_of
 
@@ -24,6 +25,13 @@ def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
     """The first keys of a stored channel: its type and the properties of its record."""
     header = record if isinstance(record, Header) else record.header
     return header.to_dict() | {"type": kind}
+
+
+RATES = (1e-9, 1e15)
+"""Sampling rates, Hz: beyond them powers of averaging times are not numbers any more."""
+
+LARGEST = 1e30
+"""Size of rates and accelerations, SI, up to which, and down to whose inverse, eighth powers are numbers."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,6 +89,10 @@ class Record(Value):
             raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
         if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
             raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
+        if not RATES[0] <= self.rate <= RATES[1]:
+            raise UsageError(
+                f"the sampling rate must be between {RATES[0]:g} and {RATES[1]:g} Hz, not {given(self.rate)}"
+            )
         if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
             raise UsageError(f"the scale must be a positive number of {self.unit}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
@@ -125,6 +137,15 @@ class Record(Value):
         sample = self.values[np.linspace(0, len(self.values) - 1, 101).astype(np.int64)]
         finite = np.sort(sample[np.isfinite(sample)])
         return finite[len(finite) // 2].item() if len(finite) else 0
+
+    @cached_property
+    def extent(self) -> tuple[float, float]:
+        """Least and largest finite value; NaN where there is none."""
+        low, high = self.values.min(), self.values.max()
+        if not np.isfinite(high - low):
+            finite = self.values[np.isfinite(self.values)]
+            low, high = (finite.min(), finite.max()) if finite.size else (np.nan, np.nan)
+        return float(low), float(high)
 
     @property
     def integrated(self) -> bool:
@@ -171,6 +192,30 @@ class Record(Value):
 
     def _summary(self) -> str:
         return self.header._summary()
+
+    @property
+    def out_of_range(self) -> str:
+        """Why squares of the values, or of their differences, cannot be computed; empty if they can."""
+        low, high = self.extent
+        largest, spread = max(-low, high) * self.rate_factor, (high - low) * self.rate_factor
+        if largest > LARGEST:
+            return say(
+                "values of up to {largest:.3g} {unit} are too large for any sensor (at most {most:g}): check the unit, "
+                "the scale and the type of the numbers",
+                largest=largest, unit=self.signal.si[0], most=LARGEST,
+            )  # fmt: skip
+        if 0 < spread < 1 / LARGEST:
+            return say(
+                "values differ by {spread:.3g} {unit} at most, less than can be computed with ({least:g}): check the "
+                "unit, the scale and the type of the numbers",
+                spread=spread, unit=self.signal.si[0], least=1 / LARGEST,
+            )  # fmt: skip
+        return ""
+
+    def demand_range(self) -> None:
+        """Refuse values that are `out_of_range`, as DataError."""
+        if self.out_of_range:
+            raise DataError(join(": ", (self.name or say("the record"), self.out_of_range)))
 
     def with_values(self, values: NDArray[Any], what: str, *, start: float | None = None) -> "Record":
         """Another record of the same channel, with `what` added to its history.

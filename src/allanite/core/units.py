@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from .errors import UnitError
+from .errors import UnitError, given
 from .language import say
 from .spellings import SIGNS, SPELLINGS, latin
 
@@ -60,6 +60,9 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
     for name, size, dimension, prefixes in _BASIC
     for prefix in ("", *prefixes)
 }
+
+LONGEST, LARGEST = 200, 1e60
+"""Letters of a unit, and its size in SI, at most."""
 
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 """A power as written in headers: m/s2, rad s-1."""
@@ -157,13 +160,15 @@ def unit_of(text: str) -> Unit:
     True
     """
     try:
+        if len(text) > LONGEST:
+            raise ValueError(text)
         parser = _Parser(text)
         unit = parser.expression()
-        if parser.tokens:
+        if parser.tokens or not 1 / LARGEST < unit.factor < LARGEST:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
         raise UnitError(
-            f"unknown unit {text!r}; units are made of {', '.join(ATOMS)} with *, /, ^ and sqrt(), for example "
+            f"unknown unit {given(text)}; units are made of {', '.join(ATOMS)} with *, /, ^ and sqrt(), for example "
             "deg/s, deg/h, rad/s, arcsec, g, ug, m/s^2, deg/sqrt(h), deg/h/sqrt(Hz), rad/s^1.5, ug/sqrt(Hz)"
         ) from None
     return unit

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import PathLike, write
+from allanite.core.files import PathLike, encoded, write
 from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.sensors import SENSORS
@@ -61,7 +61,7 @@ class Export(Value):
     @property
     def data(self) -> bytes:
         """The bytes of the file."""
-        return base64.b64decode(self.text) if self.binary else self.text.encode()
+        return base64.b64decode(self.text) if self.binary else encoded(self.text)
 
     def __getitem__(self, name: str) -> float:
         """The value of a field in its unit, of the first axis if there are several."""

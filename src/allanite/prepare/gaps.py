@@ -164,8 +164,11 @@ def refusal(record: Record) -> str:
     """
     if record.size < SHORTEST:
         return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
-    if record.values.dtype.kind != "f" or np.isfinite(record.values.sum(dtype=np.float64)):
-        return ""
+    if record.out_of_range:
+        return record.out_of_range
+    with np.errstate(over="ignore", invalid="ignore"):
+        if record.values.dtype.kind != "f" or np.isfinite(record.values.sum(dtype=np.float64)):
+            return ""
     infinite = np.isinf(record.values)
     if infinite.any():
         return say(

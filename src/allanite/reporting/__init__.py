@@ -101,12 +101,12 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
     UsageError
         The file exists, or its folder cannot be written; the language is unknown.
     """
-    from allanite.core.files import demand_writable, write
+    from allanite.core.files import demand_writable, encoded, write
 
     demand_writable(path, force=force)
     form = document if os.fspath(path).lower().endswith(".pdf") else page
     made = form(value, level=level, lang=lang)
-    write(path, made.encode() if isinstance(made, str) else made, force=force)
+    write(path, encoded(made) if isinstance(made, str) else made, force=force)
 
 
 def document(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> bytes:
@@ -133,13 +133,15 @@ def page_of(value: Any, *, level: float | None = None, command: str = "", lang: 
     import gzip
     from dataclasses import replace
 
+    from allanite.core.files import encoded
+
     from .fonts import warn_of_page
     from .html import render
     from .json import json_of
     from .language import speaking
 
     def stored(text: str) -> bytes:
-        data = gzip.compress(text.encode(), mtime=0)
+        data = gzip.compress(encoded(text), mtime=0)
         return data if len(data) < MOST_DATA else b""
 
     with speaking(lang):
@@ -170,6 +172,8 @@ def html_of(value: Any) -> str:
 def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
     """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
 
+    A name that a spreadsheet would compute (``=1+1``) has an apostrophe before it, as spreadsheets write text.
+
     Raises
     ------
     UsageError
@@ -188,9 +192,11 @@ def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(headings)
-    writer.writerows(["" if _missing(cell) else cell for cell in row] for row in rows)
+    writer.writerows([_cell(cell) for cell in row] for row in rows)
     return out.getvalue()
 
 
-def _missing(cell: Any) -> bool:
-    return cell is None or (isinstance(cell, float) and math.isnan(cell))
+def _cell(cell: Any) -> Any:
+    if isinstance(cell, str):
+        return f"'{cell}" if cell.startswith(("=", "+", "-", "@", "\t", "\r")) else cell
+    return "" if cell is None or (isinstance(cell, float) and math.isnan(cell)) else cell

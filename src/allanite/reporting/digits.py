@@ -59,6 +59,8 @@ def digits(
     >>> digits(9.0241e-5, 8.79e-5, 9.251e-5).plain()
     ('9.02e-5', '8.79e-5 .. 9.25e-5')
     """
+    if not math.isfinite(value):
+        return Digits(f"{value}", "", "", 0)
     size = abs(value)
     known = math.isfinite(low) and math.isfinite(high)
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0

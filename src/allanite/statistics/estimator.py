@@ -48,6 +48,7 @@ def integrated(record: Record, order: int) -> Angle:
     A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
     record without two neighbouring samples that are finite is a DataError.
     """
+    record.demand_range()
     pieces = _angles(record) if record.kind == "angle" else _integrals(record, record.constant if order > 1 else 0)
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:

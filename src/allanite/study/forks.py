@@ -105,6 +105,7 @@ class _Fork:
 def _begin(work: Callable[[Connection], None], connection: Connection, ends: Sequence[Connection]) -> None:
     """What a fork does first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its forks when it is interrupted
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever the parent does at its own
     gc.disable()  # it writes to all objects, and what is written to is copied first
     for end in ends:
         end.close()

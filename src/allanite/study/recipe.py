@@ -1,6 +1,7 @@
 """Recipe: every choice of an analysis as plain data."""
 
 import os
+import stat
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
@@ -173,6 +174,8 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
     import tomllib
 
     try:
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise OSError("it is not a regular file")
         with open(path, "rb") as file:
             return tomllib.load(file)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -1,5 +1,8 @@
 """HDF5 files, and MATLAB's MAT 7.3, which are HDF5 with every array transposed."""
 
+import os
+import re
+
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns.parts import Parts
@@ -51,8 +54,14 @@ def write(recording: Recording, path: str) -> None:
     demand_library("h5py", "hdf5")
     import h5py
 
-    with h5py.File(path, "w", track_order=True) as file:
-        file.attrs["rate"] = recording[0].rate
-        for name, record in zip(keys(recording), recording, strict=True):
-            file.create_dataset(name, data=record.values).attrs["units"] = record.unit
-        file[KEY] = described(recording)
+    try:
+        with h5py.File(path, "w", track_order=True) as file:
+            file.attrs["rate"] = recording[0].rate
+            for name, record in zip(keys(recording), recording, strict=True):
+                file.create_dataset(name, data=record.values).attrs["units"] = record.unit
+            file[KEY] = described(recording)
+    except RuntimeError as error:  # what the system says when the file is closed
+        number = re.search(r"errno = (\d+)", str(error))
+        if number is None:
+            raise
+        raise OSError(int(number[1]), os.strerror(int(number[1]))) from None

@@ -1,6 +1,8 @@
 """What a file may not do: claim impossible sizes, break the library that reads it, or need a missing library."""
 
+import errno
 import importlib.util
+import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -48,6 +50,10 @@ def demand_size(size: int, path: str, what: str) -> None:
         )
 
 
+DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a disk that is full, or of a limit that was set."""
+
+
 @contextmanager
 def worded(what: str = "the file") -> Iterator[None]:
     """Any exception of a library about a damaged file becomes a `DataError`."""
@@ -58,6 +64,12 @@ def worded(what: str = "the file") -> Iterator[None]:
     except (AllaniteError, MemoryError, NameError):  # the last one is a bug of ours, whatever the file
         raise
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in DISK:
+            reason = error.strerror or str(error)
+            raise DataError(
+                f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free some, or set "
+                "TMPDIR to another folder"
+            ) from None
         said = " ".join(str(error).split())[:200]
         raise DataError(f"{what} is damaged or was cut off: {type(error).__name__}: {said}") from None
 

@@ -43,34 +43,46 @@ class Packing(NamedTuple):
     open: Callable[[IO[bytes]], Any]
 
 
-class _Xz:
-    """Reads an .xz file of one or several streams with bounded memory, which lzma.open does not."""
+class _Streams:
+    """Reads a file of one or several packed streams, and nothing else behind them, as bz2 and lzma do not.
 
-    def __init__(self, file: IO[bytes]) -> None:
-        self._file, self._decoder = file, lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
+    `begun` makes the decoder of a stream; `between` may stand between streams.
+    """
+
+    def __init__(self, file: IO[bytes], begun: Callable[[], Any], between: bytes = b"") -> None:
+        self._file, self._begun, self._between = file, begun, between
+        self._decoder = begun()
 
     def read(self, size: int) -> bytes:
         """The next bytes, at most `size`; none at the end."""
         while True:
             fresh = b""
             if self._decoder.eof:
-                # streams may follow each other, with zeros between them
-                fresh = self._decoder.unused_data.lstrip(b"\0")
+                fresh = self._rest(self._decoder.unused_data)
                 while not fresh and (block := self._file.read(_BLOCK)):
-                    fresh = block.lstrip(b"\0")
+                    fresh = self._rest(block)
                 if not fresh:
                     return b""
-                self._decoder = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER)
+                self._decoder = self._begun()
             elif self._decoder.needs_input and not (fresh := self._file.read(_BLOCK)):
                 raise EOFError("the end is missing")
-            if block := self._decoder.decompress(fresh, size):
-                return block
+            found: bytes = self._decoder.decompress(fresh, size)
+            if found:
+                return found
+
+    def _rest(self, data: bytes) -> bytes:
+        return data.lstrip(self._between) if self._between else data
+
+
+def _xz(file: IO[bytes]) -> _Streams:
+    """With bounded memory, and zeros between streams."""
+    return _Streams(file, lambda: lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER), b"\0")
 
 
 PACKINGS = (
     Packing(re.compile(rb"\x1f\x8b\x08"), ".gz", lambda file: gzip.GzipFile(fileobj=file)),
-    Packing(re.compile(rb"BZh[1-9](1AY&SY|\x17rE8P\x90)"), ".bz2", bz2.BZ2File),
-    Packing(re.compile(rb"\xfd7zXZ\0"), ".xz", _Xz),
+    Packing(re.compile(rb"BZh[1-9](1AY&SY|\x17rE8P\x90)"), ".bz2", lambda file: _Streams(file, bz2.BZ2Decompressor)),
+    Packing(re.compile(rb"\xfd7zXZ\0"), ".xz", _xz),
 )
 
 ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)

@@ -62,6 +62,7 @@ def spectrum(
     3
     """
     side_factor(sides)
+    record.demand_range()
     chosen = method_named(method) if isinstance(method, str) else method
     return of_raw(chosen.estimate(record), record, chosen.title, sides=sides, bins=bins)
 

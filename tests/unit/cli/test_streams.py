@@ -1,0 +1,206 @@
+"""The system's faults: closed and full streams, a full disk, odd names, signals."""
+
+import bz2
+import gzip
+import json
+import lzma
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import allanite as al
+
+COMMAND = [sys.executable, "-m", "allanite.cli"]
+linux = pytest.mark.skipif(sys.platform != "linux", reason="a shell with /dev/full")
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """A gyroscope at rest, as text."""
+    path = tmp_path_factory.mktemp("in") / "a.csv"
+    rate = 90 * np.random.default_rng(1).standard_normal(1000)
+    np.savetxt(
+        path, np.column_stack([np.arange(1000) / 20.0, rate]), "%.6f", ",", header="t [s],gx [deg/h]", comments=""
+    )
+    return path
+
+
+def shell(line, **more):
+    """Run a line of a shell."""
+    return subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False, timeout=120, **more)
+
+
+def said(*words):
+    """Exit code and message of a command."""
+    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, check=False, timeout=120)
+    return done.returncode, done.stderr.decode()
+
+
+PROGRAM = " ".join(COMMAND)
+
+
+@linux
+@pytest.mark.parametrize(("stream", "reason"), [(">/dev/full", "No space left on device"), (">&-", "it is closed")])
+def test_a_stream_that_takes_nothing_is_named_and_the_other_output_is_written(file, tmp_path, stream, reason):
+    done = shell(f"{PROGRAM} info {file} --json {tmp_path}/o.json {stream}")
+    assert done.returncode == 3
+    assert f"standard output cannot be written ({reason})" in done.stderr
+    assert json.loads((tmp_path / "o.json").read_text())["type"] == "Study"
+
+
+@linux
+@pytest.mark.parametrize("stream", ["2>/dev/full", "2>&-"])
+def test_without_standard_error_the_exit_code_says_it(stream, tmp_path):
+    assert shell(f"{PROGRAM} info {tmp_path}/none.csv {stream}").returncode == 3
+
+
+@linux
+def test_a_reader_that_leaves_is_no_failure(file, tmp_path):
+    done = shell(f"{PROGRAM} info {file} --json {tmp_path}/o.json | head -1; exit ${{PIPESTATUS[0]}}")
+    assert done.returncode == 0
+    assert (tmp_path / "o.json").exists()
+
+
+@linux
+def test_a_full_folder_for_copies_is_not_blamed_on_the_file(file, tmp_path):
+    packed = tmp_path / "a.csv.gz"
+    packed.write_bytes(gzip.compress(file.read_bytes() * 20))
+    done = shell(f"ulimit -f 8; {PROGRAM} info {packed}", env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert done.returncode == 3
+    assert f"no room for the .gz packing in the folder '{tmp_path}' (File too large)" in done.stderr
+    assert "TMPDIR" in done.stderr
+
+
+@linux
+@pytest.mark.parametrize("suffix", ["csv", "npz", "parquet", "h5", "mat"])
+def test_a_file_that_may_not_become_so_large_is_named(tmp_path, suffix):
+    target = tmp_path / f"x.{suffix}"
+    done = shell(f"ulimit -f 8; {PROGRAM} simulate {target} --sensor mems --rate 20 --samples 20000")
+    assert done.returncode == 2
+    assert re.search("cannot be written .*File too large", done.stderr)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("n" * 300 + ".json", "File name too long"),
+        ("new/", "is a folder|Not a directory"),
+        ("loop", "symbolic links|loop"),
+    ],
+)
+def test_a_name_that_cannot_be_written_is_refused_before_the_work(file, tmp_path, name, reason):
+    (tmp_path / "loop").symlink_to("loop")
+    code, words = said("info", file, "--json", f"{tmp_path}/{name}")
+    assert code == 2
+    assert re.search(reason, words)
+    assert len(words) < 600
+
+
+@linux
+def test_a_recipe_is_a_regular_file(file, tmp_path):
+    os.mkfifo(tmp_path / "recipe.toml")
+    code, words = said("analyze", file, "--recipe", tmp_path / "recipe.toml")
+    assert code == 2
+    assert "not a regular file" in words
+
+
+def test_names_do_not_drive_the_terminal(tmp_path):
+    code, words = said("info", tmp_path / "a\x1b[31m\x9bb.csv")
+    assert code == 3
+    assert "\x1b" not in words
+    assert "\x9b" not in words
+
+
+@linux
+def test_a_name_that_is_no_text_is_kept_as_its_escape(file, tmp_path):
+    odd = tmp_path / "a\udcffb.csv"
+    odd.write_bytes(file.read_bytes())
+    outputs = [word for kind in ("json", "csv", "report") for word in (f"--{kind}", tmp_path / f"o.{kind}")]
+    assert said("analyze", odd, *outputs)[0] == 0
+    assert json.loads((tmp_path / "o.json").read_bytes())["provenance"]["source"] == str(odd)
+    assert "b.csv" in (tmp_path / "o.report").read_text(encoding="utf-8")
+
+
+def test_a_spreadsheet_computes_no_name():
+    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 1000, 20.0, rng=np.random.default_rng(1), name="=cmd|' /c calc'!A1")
+    from allanite.reporting import to_csv
+
+    text = to_csv(al.analyze(al.Recording((record,))))
+    assert "\n'=cmd|' /c calc'!A1," in text
+    assert ",-0.5" in text or not re.search(r"(^|,)'-?\d", text)
+
+
+@pytest.mark.parametrize(("suffix", "pack"), [("gz", gzip.compress), ("bz2", bz2.compress), ("xz", lzma.compress)])
+def test_packed_streams_are_read_whole_and_nothing_else_behind_them(file, tmp_path, suffix, pack):
+    lines = file.read_bytes().splitlines(keepends=True)
+    joined = tmp_path / f"joined.csv.{suffix}"
+    joined.write_bytes(pack(b"".join(lines[:500])) + pack(b"".join(lines[500:])))
+    assert al.read(joined)[0].size == 1000
+    joined.write_bytes(pack(b"".join(lines)) + b"something else")
+    with pytest.raises(al.DataError, match=f"the .{suffix} packing is damaged"):
+        al.read(joined)
+
+
+@linux
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
+    rate = 90 * np.random.default_rng(1).standard_normal(400_000)
+    text = "gx [deg/h]\n" + "".join(f"{value:.6f}\n" for value in rate.tolist())
+    packed = tmp_path / "in" / "a.csv.gz"
+    packed.parent.mkdir()
+    packed.write_bytes(gzip.compress(text.encode()))
+    (tmp_path / "copies").mkdir()
+    (tmp_path / "out").mkdir()
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "copies")}
+    for wait in (0.5, 0.9, 1.3):
+        words = [
+            *COMMAND,
+            "analyze",
+            str(packed),
+            "--rate",
+            "100",
+            "--report",
+            str(tmp_path / "out" / "r.html"),
+            "--quiet",
+        ]
+        running = subprocess.Popen(words, env=environment, stderr=subprocess.PIPE)
+        time.sleep(wait)
+        running.send_signal(number)
+        words = running.communicate(timeout=30)[1]
+        assert running.returncode == code, words
+        assert b"Traceback" not in words
+        assert not list((tmp_path / "copies").iterdir())
+        assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.parametrize("size", [1e32, 1e154, 1e300])
+@pytest.mark.parametrize("job", [al.deviation, al.spectrum, al.identify, al.analyze])
+def test_what_no_sensor_gives_is_refused_in_words(job, size):
+    values = np.random.default_rng(1).standard_normal(2000)
+    for scale, words in ((size, "too large for any sensor"), (1 / size, "less than can be computed with")):
+        with pytest.raises(al.DataError, match=words):
+            job(al.Record(values * scale, rate=100.0, unit="rad/s"))
+
+
+@pytest.mark.parametrize("power", [-90, -60, 60, 90])
+def test_records_of_any_size_have_the_same_digits(power):
+    values = np.random.default_rng(1).standard_normal(4000)
+    one, other = (al.Record(values * scale, rate=100.0, unit="rad/s") for scale in (1.0, 2.0**power))
+    for statistic in ("oadev", "mdev", "ohdev", "theoh"):
+        a, b = (al.deviation(record, statistic, noise=None) for record in (one, other))
+        np.testing.assert_allclose(b.deviation, a.deviation * 2.0**power, rtol=1e-12)
+    a, b = al.identify(one), al.identify(other)
+    assert b["N"].value == pytest.approx(a["N"].value * 2.0**power, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [1e308, 1e-308])
+def test_a_rate_of_no_logger_is_refused(rate):
+    with pytest.raises(al.UsageError, match="between 1e-09 and 1e\\+15 Hz"):
+        al.Record([1.0, 2.0, 3.0], rate=rate, unit="deg/s")
