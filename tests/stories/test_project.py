@@ -151,3 +151,10 @@ def test_the_front_door_opens_to_what_the_stub_names_and_nothing_else():
     assert len(names) == len([line for line in stub.splitlines() if line.startswith("from ")])
     assert set(dir(allanite)) == names
     assert {name for name in names if isinstance(getattr(allanite, name), types.ModuleType)} == rooms
+
+
+def test_every_promise_about_security_names_a_test_that_is_there():
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "SECURITY.md").read_text("utf-8"))
+    assert len(named) > 10
+    for path, name in named:
+        assert f"def {name}(" in (ROOT / path).read_text("utf-8"), f"{path}::{name}"

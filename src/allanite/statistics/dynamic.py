@@ -11,6 +11,7 @@ from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.core.surface import Surface
+from allanite.core.threads import spread
 from allanite.statistics import deviation
 
 from .estimator import Estimate, estimate, integrated
@@ -143,18 +144,14 @@ def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> E
 
 
 def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve, threads: int) -> Estimate:
-    from concurrent.futures import ThreadPoolExecutor
-
     shape = (len(parts), first.m.size)
     found = Estimate(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
     reason: DataError | None = None
-    with ThreadPoolExecutor(threads) as pool:
-        each = pool.map if threads > 1 else map
-        for i, one in enumerate(each(lambda part: _one(part, row, first), parts)):
-            if isinstance(one, DataError):
-                reason = one
-                continue
-            found.variance[i], found.number[i], found.factor[i] = one
+    for i, one in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
+        if isinstance(one, DataError):
+            reason = one
+            continue
+        found.variance[i], found.number[i], found.factor[i] = one
     if reason is not None and not found.number.any():
         raise DataError(
             say(

@@ -7,11 +7,15 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.language import say
 from allanite.core.record import Record
+from allanite.core.threads import spread
 from allanite.core.wording import windowing
 
 from .grids import part_of
 from .moments.means import takes_means, there, variance_of
-from .row import FloatArray, IntArray, Statistic
+from .row import FloatArray, IntArray, Statistic, seconds
+
+LONG = 0.2
+"""Seconds of a compiled loop from which on it runs in a thread of its own, so that it can be interrupted."""
 
 
 class Piece(NamedTuple):
@@ -170,14 +174,12 @@ def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[Flo
 
 
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
-    if threads == 1:
+    if threads == 1 and seconds(row, x.size, m) < LONG:
         return row.sums(x, m)
-    from concurrent.futures import ThreadPoolExecutor
-
-    sums, shares = np.empty(m.size), row.split(x.size, m, threads)
-    with ThreadPoolExecutor(threads) as pool:
-        for share, found in zip(shares, pool.map(lambda share: row.sums(x, m[share]), shares), strict=True):
-            sums[share] = found
+    shares = row.split(x.size, m, threads) if threads > 1 else [np.arange(m.size)]
+    sums = np.empty(m.size)
+    for share, found in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
+        sums[share] = found
     return sums
 
 

@@ -14,8 +14,9 @@ from allanite.core.errors import UsageError
 from allanite.core.wording import spelled
 from allanite.reporting.language import catalogue
 
-from .api import application, open_file
+from .api import application
 from .door import Door
+from .filing import open_file
 from .jobs import Jobs
 from .store import Store, private_folder
 

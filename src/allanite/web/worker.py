@@ -2,11 +2,13 @@
 
 import json
 import os
+import re
 import signal
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -218,8 +220,8 @@ FORMS: dict[str, tuple[str, str, str]] = {
 """What can be saved: option of the command line, name of the file, media type."""
 
 
-def save(held: Held, job: str, form: str, lang: str) -> Answer:
-    """A file as the command line writes it."""
+def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answer:
+    """A file as the command line writes it; a `dark` figure is for a dark ground."""
     value, shown = held.values[job]
     name, path, _ = FORMS[form]
     with click.Context(allanite) as context:
@@ -227,7 +229,20 @@ def save(held: Held, job: str, form: str, lang: str) -> Answer:
 
         context.meta[LINE] = shown
         data = encoded(value, name, path, lang)
+    if dark and isinstance(data, bytes):
+        data = _HEX.sub(lambda found: _dark().get(found[0].lower(), found[0]), data)
     return {"data": data.encode() if isinstance(data, str) else data}
+
+
+_HEX = re.compile(b"#[0-9a-fA-F]{6}")
+
+
+@cache
+def _dark() -> dict[bytes, bytes]:
+    """Colors of figures, and those for a dark ground."""
+    from allanite.reporting.style import DARK
+
+    return {light.encode(): dark.encode() for light, dark in DARK.items()}
 
 
 def has(held: Held, job: str) -> Answer:

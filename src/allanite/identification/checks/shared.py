@@ -1,7 +1,6 @@
 """Correlations between channels beyond their models: vibration, temperature, supply voltage."""
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
+from allanite.core.threads import spread
 from allanite.prepare.outliers import demand_choice, treated
 
 from .whitening import whitened
@@ -70,8 +70,7 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
         # missing samples are zero and do not contribute
         return np.nan_to_num(whitened(record, fits[name].model, fits[name].scope), copy=False)
 
-    with ThreadPoolExecutor(threads) as pool:
-        series = list(pool.map(left, names))
+    series = spread(left, names, threads)
     bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
     means = [np.add.reduceat(u, bounds, dtype=np.float64) for u in series]
     fast, slow = _correlations(series), _correlations(means)

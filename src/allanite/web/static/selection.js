@@ -4,6 +4,7 @@ import * as api from "./api.js";
 import { byId, el, fill, fragment, show } from "./dom.js";
 import { perform } from "./jobs.js";
 import { alter, cuts, depth, on, recipe, redo, state, tell, undo } from "./state.js";
+import { dark } from "./plots.js";
 import { channel, duration } from "./trace.js";
 import { t } from "./words.js";
 
@@ -75,7 +76,7 @@ async function look(verb) {
 function picture(verb, made) {
   const job = made.id ?? made.job ?? state.jobs.findLast((one) => one.verb === verb).id;
   const title = `${t(verb)}: ${channel() ?? ""}`;
-  const image = el("img", { src: api.saved(job, "figure.svg", { inline: 1 }), alt: title, test: `picture-${verb}` });
+  const image = el("img", { src: api.saved(job, "figure.svg", { inline: 1, dark: dark() ? 1 : 0 }), alt: title, test: `picture-${verb}` });
   const words = el("div", { class: "fragment" });
   for (const one of made.channels ?? []) words.append(fragment(el("div"), one.html));
   fill(byId("looked"), el("h3", {}, title), el("div", { class: "paper scroll", tabIndex: 0 }, image), el("details", {}, el("summary", {}, t("results")), words));

@@ -1,0 +1,69 @@
+# ruff: noqa: F811 - fixtures are taken by their names
+"""Real recordings dropped on the page: what they do not say is asked for beside its control, then they have a curve."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .test_browser import address, browser, context, drop, page, pytestmark, state  # noqa: F401 - fixtures, by name
+
+MPU = "mpu6050_static10min/mpu6050_"
+NEEDS: dict[str, dict[str, str]] = {
+    "adis_16405_imu1.rda": {"unit": "deg/s"},
+    "adis_16405_imu2.rda": {"unit": "deg/s"},
+    "aegiverse_fog_0917.txt": {"unit": "deg/h"},
+    "aegiverse_fpga_gyro_0802.txt": {"time": "1", "unit": "deg/s", "channels": "2"},
+    "cubeorange_sample_log_small.ulg": {},
+    "format_only_vn100_moving.mcap": {},
+    "imu_tk_xsens_gyro.mat": {"unit": "deg/s", "rate": "100", "until": "50"},
+    f"{MPU}accelerometer.mat": {"time": "1", "unit": "g"},
+    f"{MPU}gyroscope.mat": {"time": "1", "unit": "deg/s"},
+    f"{MPU}temperature.mat": {"time": "1", "unit": "degC", "channels": "2"},
+    "phone_gyro4.txt": {"unit": "rad/s"},
+    "psins_lasergyro.imu": {},
+    "vn100_car_idle.bag": {},
+    "xsens_mti_utbm_imu-test.bag": {},
+}
+"""What each file needs beside itself."""
+
+REFUSED = {
+    "format_only_vn100_moving_0.db3": "IMUmsg is missing",
+    "avar_curves_smac/adis_av.rda": "the unit is unknown",
+    "avar_curve_cpt7/imu.yaml": "columns instead of",
+    "INDEX.md": "is not a number",
+}
+"""What is no recording, or lacks what no option gives, and the words for it."""
+
+SAID = """() => {
+    const shown = [...document.querySelectorAll('[data-testid^=error-], [data-testid=problem]')];
+    return shown.map((one) => one.checkVisibility() ? one.textContent.trim() : '').filter(Boolean).join(' / ');
+}"""
+OPENED = "() => document.querySelectorAll('details:has(input)').forEach((one) => { one.open = true; })"
+READY = f"() => document.querySelector('#curve-plot[data-curves]') !== null || ({SAID})() !== ''"
+
+
+@pytest.mark.parametrize("name", NEEDS)
+def test_a_recording_has_a_curve_once_it_says_what_it_is(page: Any, recordings: Path, name: str) -> None:
+    drop(page, recordings / name)
+    page.wait_for_function(READY)
+    page.evaluate(OPENED)
+    for option, value in NEEDS[name].items():
+        control = page.get_by_test_id(f"option-{option}")
+        control.fill(value)
+        control.press("Enter")
+    page.wait_for_selector("#curve-plot[data-curves]")
+    assert page.get_by_test_id("assumed").inner_text().strip()
+    assert page.get_by_test_id("curve").get_attribute("data-validity") in ("explained", "approximate", "unexplained")
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_recording_is_refused_in_the_words_of_the_command_line(
+    page: Any,
+    recordings: Path,
+    name: str,
+) -> None:
+    drop(page, recordings / name)
+    page.wait_for_function(READY)
+    assert REFUSED[name] in page.evaluate(SAID)
+    assert page.locator("#curve-plot[data-curves]").count() == 0
