@@ -26,6 +26,7 @@ class Lines:
     bad: int = 0
     between: bytes | None = None
     rest: bytes = field(default=b"", repr=False)
+    head: bytes = field(default=b"", repr=False)
 
     def rows(self, data: bytes) -> list[list[float]]:
         """The rows that are complete now."""
@@ -51,14 +52,24 @@ class Lines:
         except ValueError:
             row = []
         if not self.width:
-            self.width = len(parts)
             if not row:
-                self.names = tuple(UNIT.sub("", part.decode("utf-8", "replace").strip()) for part in parts)
+                self.head = line
                 return None
+            self.width = len(row)
+            self.names = self._named()
         if len(row) != self.width:
             self.bad += 1
             return [math.nan] * self.width
         return row
+
+    def _named(self) -> tuple[str, ...]:
+        """The names above the first row of numbers, if there are as many; a single one may contain blanks."""
+        if not self.head:
+            return ()
+        parts = [self.head] if self.width == 1 else self.head.split(self.between)
+        if len(parts) != self.width:
+            return ()
+        return tuple(UNIT.sub("", part.decode("utf-8", "replace").strip()) for part in parts)
 
 
 def places(lines: Lines, wanted: Sequence[str] | None, time: str | None) -> tuple[dict[str, int], int | None]:
