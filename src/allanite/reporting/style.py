@@ -28,7 +28,7 @@ from .language import ENGLISH, spoken, tr
 from .measure import measured
 from .sheet import printable
 from .sketch.chart import Chart, Look
-from .sketch.panel import line_of
+from .sketch.lines import line_of
 from .ticks import drawn_at_once
 
 PathLike = str | os.PathLike[str]
@@ -178,6 +178,7 @@ def grid(axes: Axes, *, fine: bool = True) -> None:
 def title(axes: Axes, name: str) -> None:
     """Whose panel it is; a name is the user's, and no formula."""
     axes.set_title(printable(tr(name)), loc="left", fontweight="bold", parse_math=False)
+    axes.yaxis.set_offset_position("right")  # the power of ten of an ordinate would be beneath the name
 
 
 def plain_ticks(*axes: Axis, most: float = 60.0) -> None:

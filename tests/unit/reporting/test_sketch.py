@@ -1,7 +1,7 @@
 """Figures of pages: what they draw is what matplotlib draws."""
 
 import re
-from itertools import pairwise
+from itertools import combinations, pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
 
 import allanite as al
 from allanite.reporting import style
+from allanite.reporting.figures.drawing import draw_titles
 from allanite.reporting.html import drawn
 from allanite.reporting.sheet import Drawing, Fold
 from allanite.reporting.sketch.chart import Chart, Look
@@ -34,6 +35,29 @@ def chart(width=5.0, height=3.0):
 def texts(made):
     """The words of a figure."""
     return [text.text for text in ElementTree.fromstring(made.svg()).iter(f"{SVG}text")]
+
+
+def places(svg):
+    """Level lines of words with their left, top, right and bottom, by the widths of their letters."""
+    for text in ElementTree.fromstring(svg).iter(f"{SVG}text"):
+        if text.get("transform") is None:
+            look = text.get("style")
+            size = float(re.search(r"([\d.]+)px", look)[1])
+            width = size * wide(text.text, bold="bold" in look)
+            left = float(text.get("x")) - width * {"middle": 0.5, "end": 1.0}.get(
+                (re.findall(r"text-anchor: (\w+)", look) or [""])[0], 0.0
+            )
+            foot = float(text.get("y"))
+            yield text.text, (left, foot - 0.7 * size, left + width, foot)
+
+
+def overlapping(svg):
+    """Pairs of lines of words that lie on each other."""
+    return [
+        (one, other)
+        for (one, a), (other, b) in combinations(places(svg), 2)
+        if min(a[2], b[2]) - max(a[0], b[0]) > 0.5 and min(a[3], b[3]) - max(a[1], b[1]) > 1.0
+    ]
 
 
 def drawings(parts):
@@ -63,6 +87,60 @@ def test_every_figure_of_an_analysis_is_sketched(study):
             made = drawing.draw()
         assert isinstance(made, Chart)
         ElementTree.fromstring(made.svg())
+
+
+def test_no_words_of_an_analysis_lie_on_others(study):
+    face = view_of(study).face(study, 0.95)
+    for drawing in drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]):
+        assert not overlapping(drawn(drawing).text)
+
+
+NAMES = st.text("abcgxyz_[] 0123456789陀螺", min_size=1, max_size=90).filter(str.strip)
+
+
+@settings(deadline=None, max_examples=30)
+@given(NAMES, st.floats(3.0, 12.0))
+def test_a_name_of_any_length_leaves_room_for_the_grade(study, name, inches):
+    fit = study.channels[0].fit
+    made = chart(inches, 3.0)
+    panel = made.subplots()
+    panel.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    draw_titles(panel, (name, "20 Hz, 3.3 min"), fit)
+    svg = made.svg()
+    assert not overlapping(svg)
+    assert all(right <= made.width + 4 for _, (_, _, right, _) in places(svg))
+    shown = "".join(text for text, _ in places(svg))
+    assert "".join(name.split()) in "".join(shown.split())
+
+
+def test_a_power_of_ten_and_a_name_stand_at_different_ends():
+    made = chart()
+    panel = made.subplots()
+    panel.plot([0.0, 1.0], [-1.1e6, -1.0e6], color=BLUE)
+    style.title(panel, "accelerometer z")
+    svg = made.svg()
+    assert any("×10⁶" in text for text, _ in places(svg))
+    assert not overlapping(svg)
+    axes = Figure().subplots()
+    style.title(axes, "accelerometer z")
+    assert axes.yaxis.get_offset_text().get_horizontalalignment() == "right"
+
+
+def test_error_bars_reach_as_far_as_those_of_matplotlib():
+    x, y, error = np.array([1.0, 2.0, 4.0]), np.array([3.0, 5.0, 4.0]), np.array([[1.0, 0.5, 2.0], [2.0, 0.1, 1.0]])
+    look = {"fmt": "o", "ms": 3.6, "mew": 0, "color": BLUE, "elinewidth": 1.0, "capsize": 2.0, "label": "ratio"}
+    made = chart()
+    panel, axes = made.subplots(), Figure().subplots()
+    panel.errorbar(x, y, error, **look)
+    container = axes.errorbar(x, y, error, **look)
+    bars, low, high, points = panel.lines
+    data, caps, (segments,) = container
+    np.testing.assert_allclose(bars.get_xydata().reshape(3, 3, 2)[:, :2], segments.get_segments())
+    for own, other in zip((low, high, points), (*caps, data), strict=True):
+        np.testing.assert_allclose(own.get_xydata(), other.get_xydata())
+    assert panel.get_legend_handles_labels()[1] == ["ratio"]
+    assert panel.get_ylim() == pytest.approx(axes.get_ylim())
+    assert made.svg().count("<path") > 4
 
 
 def test_names_of_the_user_are_no_formulas_and_no_markup(study):

@@ -13,10 +13,10 @@ from allanite.core.language import say
 from allanite.core.units import convert
 from allanite.reporting import style, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 
-from .drawing import TIME, draw_grade, draw_label, draw_legend, fractions, shade, with_unit
+from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
 from .labels import Box, FloatArray
 from .panels import Panel, Points, columns_of, points, span
 from .terms import draw_model
@@ -31,9 +31,6 @@ LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
 LEAST, MOST = 3.2, 5.6
 """Height of a panel, inches."""
-
-LONGEST = 62
-"""Letters of a title that leave room for the grade beside it."""
 
 Span = tuple[tuple[float, float], tuple[float, float]]
 
@@ -52,7 +49,7 @@ def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
         for ax in grid.flat:
             ax.set_axis_off()
         for j, column in enumerate(columns):
-            _draw_column(list(grid[: len(column), j]), column, sizes[j][0], level)
+            _draw_column(list(grid[: len(column), j]), column, sizes[j][:2], level)
         draw_legend(figure)
     return figure
 
@@ -67,8 +64,8 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
     return ((left, right), (low, high)), across * inches, up * inches
 
 
-def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], ranges: Span, level: float) -> None:
-    tau, deviation = ranges
+def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], scaled: tuple[Span, float], level: float) -> None:
+    (tau, deviation), inches = scaled
     for ax, panel in zip(axes, panels, strict=True):
         ax.set_axis_on()
         ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
@@ -76,6 +73,7 @@ def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], ranges: Span, le
         style.plain_ticks(ax.xaxis)
         style.plain_ticks(ax.yaxis, most=3000)
         _draw_panel(ax, panel, level)
+        draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
         ax.tick_params(labelbottom=ax is axes[-1])
     axes[-1].set_xlabel(TIME)
 
@@ -91,13 +89,7 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
-    name = printable(panel.name)
-    between = "\n" if len(name) + len(panel.facts) > LONGEST else "   "
-    ax.set_title(between.join(filter(None, (name, printable(panel.facts)))), loc="left", fontweight="bold",
-                 fontsize=9.5, parse_math=False)  # fmt: skip
     ax.set_ylabel(with_unit(STATISTICS[panel.curve.statistic].title, panel.unit))
-    if panel.fit is not None:
-        draw_grade(ax, panel.fit)
 
 
 def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> None:

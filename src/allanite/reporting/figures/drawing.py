@@ -1,5 +1,6 @@
 """What figures share: colors and labels of terms, places in a panel, the legend."""
 
+import textwrap
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -14,7 +15,8 @@ from allanite.core.language import Phrase, join, say
 from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.reporting import style, words
 from allanite.reporting.language import tr
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.sketch.letters import wide
 from allanite.terms import TERMS
 
 from .labels import Box, FloatArray, IntArray, nearest, place
@@ -55,15 +57,38 @@ def dashes(symbol: str) -> tuple[float, tuple[float, ...]]:
     return 0.0, TERMS[symbol].dash
 
 
-GRADES = {EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
-"""Colour of a grade."""
+GRADES = {"": style.OTHER, EXPLAINED: style.OTHER, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}
+"""Color of a grade; of none where there is no fit, or it was not tested."""
+
+NAME, GRADE = 9.5, 8.5
+"""Sizes of letters above a panel: what it shows, and its grade."""
 
 
-def draw_grade(ax: Axes, fit: Fit, before: str = "") -> None:
-    """Say at the right above a panel how well the model explains the record."""
-    said = words.grade(fit)
-    if said:
-        ax.set_title(join("; ", filter(None, (before, said))), loc="right", color=GRADES[fit.validity], fontsize=8.5)
+def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str = "", room: float = 0.0) -> None:
+    """Say above a panel what it shows, and at the right how well the model explains that.
+
+    `parts` are in one line if they have room beside the grade, else in lines of their own, above it if need be; `room`
+    is the width of the panel in points, by default about that of an equal share of the figure.
+    """
+    said = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
+    known = [printable(part) for part in parts if part]
+    room = room or _inside(ax)[0]
+    lines = [line for part in known for line in _broken(part, room)] or [""]
+    beside = room - GRADE * wide(tr(said)) - GRADE
+    layouts = (["   ".join(known)], lines)
+    fitting = (layout for layout in layouts if _long(layout[-1]) <= beside)
+    name = "\n".join(next(fitting, [*lines, " "]))
+    ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME, parse_math=False)
+    ax.set_title(said, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
+
+
+def _broken(text: str, room: float) -> list[str]:
+    """A title in lines that have room."""
+    return [text] if _long(text) <= room else textwrap.wrap(text, max(1, int(len(text) * room / _long(text))))
+
+
+def _long(text: str) -> float:
+    return NAME * wide(text, bold=True)
 
 
 def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
@@ -102,15 +127,20 @@ def label_of(estimate: Estimate, level: float) -> str:
 
 def _size(ax: Axes, text: str) -> tuple[float, float]:
     """Width and height of a label in fractions of the panel, before anything is laid out."""
+    width, height = _inside(ax)
+    lines = tr(text).splitlines()
+    # points of a letter of 8.5 points
+    return max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height
+
+
+def _inside(ax: Axes) -> tuple[float, float]:
+    """About the width and height of a panel within its axes, in points, before anything is laid out."""
     figure = ax.get_figure(root=True)
     spec = ax.get_subplotspec()
     assert figure is not None and spec is not None  # noqa: S101, PT018 - every panel has both
     rows, columns = spec.get_gridspec().get_geometry()
     width, height = figure.get_size_inches()
-    lines = tr(text).splitlines()
-    # points of a letter of 8.5 points; of a panel's share of the figure about so much lies within its axes
-    wide, high = max(map(cell_len, lines)) * 5.3, 11.5 * len(lines)
-    return wide / (72 * 0.86 * width / columns), high / (72 * 0.8 * height / rows)
+    return 72 * 0.86 * width / columns, 72 * 0.8 * height / rows
 
 
 def pairs(x: FloatArray, y: FloatArray) -> FloatArray:

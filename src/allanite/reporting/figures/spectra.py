@@ -22,9 +22,9 @@ from .drawing import (
     by_share,
     color_of,
     dashes,
-    draw_grade,
     draw_label,
     draw_legend,
+    draw_titles,
     fractions,
     label_of,
     pairs,
@@ -80,13 +80,10 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
         ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
     size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
     ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label=say("spectrum"))
-    style.title(ax, spectrum.name)
-    ax.set_title(spectrum.method, loc="right", fontsize=8, color=style.OTHER)
-    if fit is not None:
-        draw_grade(ax, fit, spectrum.method)
-        if fit.valid is not None:
-            shade(ax, fit.scope.unread if fit.scope else ())
-            _draw_model(ax, spectrum, fit, level)
+    draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
+    if fit is not None and fit.valid is not None:
+        shade(ax, fit.scope.unread if fit.scope else ())
+        _draw_model(ax, spectrum, fit, level)
     unit = printed_unit(spectrum.amplitude_unit)
     ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=SIDED[spectrum.sides], unit=unit))
 

@@ -127,7 +127,8 @@ class Frame:
         for places, labels in self.up.labelled:
             for at, label in zip(self._at(places, across=False), labels, strict=True):
                 yield self._label(label, (left - PAD, at), "right", "center")
-        yield self._label(self.up.beside, (left, top - PAD), "left", "bottom")
+        end = self.panel.yaxis.beside
+        yield self._label(self.up.beside, (left + width * (end == "right"), top - PAD), end, "bottom")
 
     def _label(self, text: str, at: tuple[float, float], ha: str, va: str) -> str:
         return ink.words(ink.shown(text), at, TICK, color=self.panel.ink, ha=ha, va=va) if text else ""

@@ -130,7 +130,7 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
         f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>'
         f"{escape(_BLANKS.sub(_kept, line))}</text>"
         for i, line in enumerate(lines)
-        if line
+        if line.strip()
     )
 
 

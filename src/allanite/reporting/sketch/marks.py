@@ -53,9 +53,13 @@ SHAPES: dict[str, Callable[[float], str]] = {
                    f"h{-2 * r / 3:.3g}v{2 * r / 3:.3g}h{-2 * r / 3:.3g}v{-2 * r / 3:.3g}h{-2 * r / 3:.3g}"
                    f"v{-2 * r / 3:.3g}h{2 * r / 3:.3g}z",
     "|": lambda r: f"m0 {-r:.3g}v{2 * r:.3g}",
+    "_": lambda r: f"m{-r:.3g} 0h{2 * r:.3g}",
     ".": lambda r: SHAPES["o"](r / 2),
 }  # fmt: skip
 """Markers as relative paths, by half their size."""
+
+BARE = "|_"
+"""Markers that have no inside."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ class Marker:
         places = zip(x[there].tolist(), y[there].tolist(), strict=True)
         d = "".join(f"M{ink.number(a)} {ink.number(b)}{shape}" for a, b in places)
         edge = ink.hexadecimal(self.edge) if self.width else None
-        inside = "none" if self.shape == "|" else ink.hexadecimal(self.inside)
+        inside = "none" if self.shape in BARE else ink.hexadecimal(self.inside)
         return ink.element(d, ink.style(fill=inside, stroke=edge, stroke_width=f"{self.width:g}" if edge else None,
                                       opacity=self.alpha))  # fmt: skip
 

@@ -1,14 +1,15 @@
 """A panel of a figure: what is drawn in it, its axes and titles."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from .limits import Unsketched, demanding, limited
-from .marks import AXES, BLEND, DATA, SHAPES, Area, Boxes, Line, Mark, Marker, Words
+from .limits import Unsketched, limited
+from .lines import DASHES, DOT, EDGE, line_of
+from .marks import AXES, BLEND, DATA, Area, Boxes, Line, Mark, Words
 from .side import Side
 
 
@@ -27,13 +28,6 @@ class Title(NamedTuple):
     size: float
     color: str
     bold: bool
-
-
-DASHES: dict[Any, tuple[float, ...]] = {"-": (), "": (), "--": (3.7, 1.6), ":": (1.0, 1.65)}
-EDGE, DOT = 1.0, 6.0
-"""Width of a marker's edge, and its size, where none is given."""
-
-_LINES = ("-", "--", ":")
 
 
 @limited
@@ -88,8 +82,10 @@ class Panel:
         """What the abscissa is."""
         self.xaxis.label = label
 
-    def set_ylabel(self, label: str) -> None:
+    def set_ylabel(self, label: str, *, parse_math: bool = False) -> None:
         """What the ordinate is."""
+        if parse_math:
+            raise Unsketched("formulas")
         self.yaxis.label = label
 
     def set_xlim(self, low: Any, high: Any = None) -> None:
@@ -208,12 +204,20 @@ class Panel:
         y, left, right = np.broadcast_arrays(*(np.asarray(part, dtype=float) for part in (y, left, right)))
         self._segments((left, right), (y, y), color, lw, zorder)
 
-    def errorbar(self, x: Any, y: Any, error: Any, *, fmt: str, ecolor: str, lw: float, zorder: float = 2.0) -> None:
-        """Lines up, around points."""
+    def errorbar(  # noqa: PLR0913 - as matplotlib has it
+        self, x: Any, y: Any, error: Any, *, fmt: str, color: str = "", ecolor: str = "", lw: float = 1.5,
+        elinewidth: float = 0.0, capsize: float = 0.0, ms: float = DOT, mew: float = EDGE, zorder: float = 2.0,
+        label: str = "",
+    ) -> None:  # fmt: skip
+        """Lines up, around points, which `fmt` "none" leaves out; errors of shape (k,), or (2, k) below and above."""
+        error = np.broadcast_to(np.asarray(error, dtype=float), (2, np.size(x)))
+        ends, line = (y - error[0], y + error[1]), ecolor or color
+        self._segments((np.asarray(x, dtype=float),) * 2, ends, line, elinewidth or lw, zorder)
+        if capsize:
+            for end in ends:
+                self.plot(x, end, "_", color=line, ms=2 * capsize, zorder=zorder)
         if fmt != "none":
-            raise Unsketched("points of error bars")
-        x, y, error = np.broadcast_arrays(*(np.asarray(part, dtype=float) for part in (x, y, error)))
-        self._segments((x, x), (y - error, y + error), ecolor, lw, zorder)
+            self.plot(x, y, fmt, color=color, ms=ms, mew=mew, zorder=zorder, label=label)
 
     def _segments(
         self, x: tuple[FloatArray, FloatArray], y: tuple[FloatArray, FloatArray], color: str, lw: float, zorder: float
@@ -275,23 +279,6 @@ class Panel:
         self.marks.append(mark)
 
 
-@demanding
-def line_of(  # noqa: PLR0913 - as matplotlib has it
-    x: Any, y: Any, form: str = "", *, color: str, lw: float = 1.5, ls: Any = None, marker: str = "", ms: float = DOT,
-    mfc: str = "", mec: str = "", mew: float | None = None, label: str = "", zorder: float = 2.0, transform: str = DATA,
-    alpha: float | None = None,
-) -> Line:  # fmt: skip
-    """A line, markers, or both, by the words that matplotlib has for them."""
-    shape = next((letter for letter in form if letter in SHAPES), marker)
-    drawn = any(part in form for part in _LINES) if form else ls != ""
-    if form.replace(shape, "", 1) not in ("", *_LINES) or (shape and shape not in SHAPES):
-        raise Unsketched(f"line {form or marker}")
-    made = Marker(shape, ms, mfc or color, mec or color, EDGE if mew is None else mew, alpha) if shape and ms else None
-    dash = ls[1] if isinstance(ls, tuple) else DASHES[ls or "-"]
-    values = [np.atleast_1d(np.asarray(part, dtype=float)) for part in (x, y)]
-    return Line(values[0], values[1], color, lw, dash, drawn, made, zorder, label, transform, alpha=alpha)
-
-
 def _ground(bbox: dict[str, Any] | None) -> tuple[float | None, float | None]:
     """Room around words on a white ground, and how opaque it is."""
     if bbox is None:
@@ -311,8 +298,3 @@ def place_in(panel: Panel, box: tuple[float, float, float, float]) -> Any:
         return left + width * across, top + height * (1 - up)
 
     return place
-
-
-def each(panels: Iterable[Panel]) -> list[Panel]:
-    """Those that are shown."""
-    return [panel for panel in panels if panel.axison]

@@ -60,6 +60,7 @@ class Side:
         self._locator: Any = None
         self._formatters: list[Callable[[float, int | None], str] | None] = [None, None]
         self._fixed: list[float] | None = None
+        self.beside = "left"
 
     def set_major_formatter(self, formatter: Callable[[float, int | None], str]) -> None:
         """How labels of major ticks read."""
@@ -79,6 +80,10 @@ class Side:
     def set_ticks(self, places: Sequence[float]) -> None:
         """Major ticks at these places only."""
         self._fixed = [float(at) for at in places]
+
+    def set_offset_position(self, position: str) -> None:
+        """At which end of the top what labels are to be multiplied by stands."""
+        self.beside = position
 
     def get_view_interval(self) -> tuple[float, float]:
         """The limits: those given, or around the data."""
