@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
@@ -184,8 +184,9 @@ def test_what_is_not_known_is_refused(ask):
 EDGES = st.floats(-250, 250).map(lambda x: 10.0**x)
 
 
+@example(ends=[1e249, 1e-231], log=True, across=False)
 @settings(deadline=None, max_examples=60)
-@given(st.lists(EDGES, min_size=2, max_size=2, unique=True), st.booleans(), st.booleans())
+@given(ends=st.lists(EDGES, min_size=2, max_size=2, unique=True), log=st.booleans(), across=st.booleans())
 def test_ticks_are_within_the_view_and_named(ends, log, across):
     side = Side(across=across)
     side.scale = "log" if log else "linear"

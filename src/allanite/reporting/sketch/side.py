@@ -120,8 +120,9 @@ class Side:
     def ticks(self, length: float, size: float) -> Ticks:
         """Ticks of an axis of so many points, with letters of a size."""
         most = int(length / (size * (3.0 if self.across else 2.0)))
-        major = self._seen(self._places(most))
-        minor = self._seen(self._between(most), major)
+        with np.errstate(over="ignore"):  # ticks beyond the largest number are not in sight
+            major = self._seen(self._places(most))
+            minor = self._seen(self._between(most), major)
         form = self._formatters[0] or (_power if self.scale == "log" else None)
         labels, beside = ([form(at, None) for at in major], "") if form else plain(major)
         form = self._formatters[1]
