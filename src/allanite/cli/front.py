@@ -14,7 +14,7 @@ import click
 from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
-from .streams import begin, complain, ended, lost, while_read
+from .streams import begin, complain, ended, ending, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -76,8 +76,9 @@ class Front(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as error:
-            if isinstance(error, SystemError) and isinstance(error.__cause__, (KeyboardInterrupt, SystemExit)):
-                raise error.__cause__ from None  # a compiled loop was interrupted
+            end = ending(error)
+            if end is not None:
+                raise end from None
             raise _failure(error, debug=ctx.params["debug"]) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:

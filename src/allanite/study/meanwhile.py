@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
+from threading import Event
 
 from allanite.readers.ahead import Later
 
@@ -30,16 +31,21 @@ def importing(names: Sequence[str]) -> Iterator[None]:
     ...     imported()
     """
     before = _begun.get()
+    given_up = Event()
 
     def work() -> None:
         if before is not None:
             before()
         for name in names:
-            import_module(name)
+            if not given_up.is_set():
+                import_module(name)
 
     token = _begun.set(Later(work) if names else before)
     try:
         yield
+    except BaseException:
+        given_up.set()
+        raise
     finally:
         try:
             imported()
