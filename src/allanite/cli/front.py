@@ -14,7 +14,8 @@ import click
 from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
-from .streams import begin, complain, ended, ending, lost, while_read
+from .signals import ended, ending
+from .streams import begin, complain, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
