@@ -75,13 +75,15 @@ class Run:
 def begin(doc: str, **options: object) -> Run:
     """Read the command line: an option for each default; a tuple is a choice that must be made.
 
-    A list is any number of its values, of its type: of text, only those in it. --write names the file of the table,
-    which is refused for code that is not committed unless --dirty is given.
+    A list is any number of its values, of its type: of text, only those in it. False is a switch. --write names the
+    file of the table, which is refused for code that is not committed unless --dirty is given.
     """
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name, default in options.items():
         if isinstance(default, tuple):
             parser.add_argument(name, choices=default)
+        elif isinstance(default, bool):
+            parser.add_argument(f"--{name}", action="store_true")
         elif isinstance(default, list):
             known = default if isinstance(default[0], str) else None
             parser.add_argument(f"--{name}", nargs="+", type=type(default[0]), choices=known, default=default)
@@ -95,6 +97,9 @@ def begin(doc: str, **options: object) -> Run:
     words = [f"python benchmarks/{Path(sys.argv[0]).name}"]
     for name, default in options.items():
         value = getattr(asked, name)
+        if isinstance(default, bool):
+            words += [f"--{name}"] if value else []
+            continue
         words += [] if isinstance(default, tuple) else [f"--{name}"]
         words += map(str, value) if isinstance(value, list) else [str(value)]
     return Run(asked, " ".join(words), code, time.perf_counter())

@@ -14,7 +14,7 @@ import click
 from allanite.core.errors import AllaniteError
 from allanite.core.wording import command_line
 
-from .signals import ended, ending
+from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
@@ -77,9 +77,9 @@ class Front(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as error:
-            end = ending(error)
-            if end is not None:
-                raise end from None
+            signal = ended_by(error)
+            if signal is not None:
+                raise signal from None
             raise _failure(error, debug=ctx.params["debug"]) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:

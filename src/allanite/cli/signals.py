@@ -11,8 +11,8 @@ from types import FrameType
 ENDS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Signals that end the program, where the system has them."""
 
-SOON = 0.01
-"""Seconds after which a signal that could not end the program is sent again."""
+SOON, LATER = 0.01, 0.25
+"""Seconds after which a signal that had to wait is sent again, and one that should have ended the program."""
 
 IMPORTER = "<frozen importlib"
 """Where Python's importer is: an exception within it keeps a lock for which other threads wait."""
@@ -20,68 +20,69 @@ IMPORTER = "<frozen importlib"
 WHOLE = ("tempfile", "llvmlite")
 """Packages within which an exception leaves a temporary file behind, or memory that is freed twice."""
 
-_again = Lock()
-"""Held while a timer is started that sends a signal again."""
-
 
 @contextmanager
 def ended() -> Iterator[None]:
     """Within this context a signal to end unwinds the program: no draft or copy is left.
 
-    The exit code is that of a shell, 128 and the number of the signal. Where Python ignores the exception, in a
-    callback of its own, it is raised once more.
+    The exit code is that of a shell, 128 and the number of the signal. A library or Python itself may ignore the
+    exception, in a callback for instance: until the program unwinds, it is raised again.
     """
-
-    def ignored(what: "sys.UnraisableHookArgs") -> None:
-        number = _number(what.exc_value)
-        if number in taken:
-            _send_again(number)
-        else:
-            before(what)
-
-    numbers = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
-    there = {number: signal.getsignal(number) for number in numbers if current_thread() is main_thread()}
-    # what somebody else handles or ignores, as nohup does, stays so
-    taken = {number: was for number, was in there.items() if was in (signal.SIG_DFL, signal.default_int_handler)}
-    before, sys.unraisablehook = sys.unraisablehook, ignored
-    for number in taken:
-        signal.signal(number, _end)
+    ending = _Ending()
+    before, sys.unraisablehook = sys.unraisablehook, ending.ignored
     try:
         yield
     finally:
-        for number, was in taken.items():
-            signal.signal(number, was)
+        ending.over()
         sys.unraisablehook = before
 
 
-def _end(number: int, frame: FrameType | None) -> None:
-    """Raise what ends the program, now or soon."""
-    if _again.locked() or _unbroken(frame):
-        _send_again(number)
-    else:
-        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+class _Ending:
+    """What the signals do that are neither handled nor ignored already, as nohup does, from now on."""
 
+    def __init__(self) -> None:
+        self.starting, self.before = Lock(), sys.unraisablehook
+        numbers = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
+        there = {number: signal.getsignal(number) for number in numbers if current_thread() is main_thread()}
+        usual = (signal.SIG_DFL, signal.default_int_handler)
+        self.taken = {number: was for number, was in there.items() if was in usual}
+        for number in self.taken:
+            signal.signal(number, self.end)
 
-def _number(error: BaseException | None) -> int:
-    """The signal that an exception stands for; 0 if none."""
-    if isinstance(error, SystemExit) and isinstance(error.code, int):
-        return error.code - 128
-    return signal.SIGINT if isinstance(error, KeyboardInterrupt) else 0
+    def over(self) -> None:
+        """Let them do what they did before."""
+        taken, self.taken = self.taken, {}
+        for number, was in taken.items():
+            signal.signal(number, was)
 
+    def end(self, number: int, frame: FrameType | None) -> None:
+        """Raise what ends the program, unless it is being prepared, must wait or does its work already."""
+        if self.starting.locked():
+            return
+        now = not _unbroken(frame) and ended_by(sys.exc_info()[1]) is None
+        self.send(number, LATER if now else SOON)
+        if now:
+            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
 
-def _send_again(number: int) -> None:
-    """Send a signal after a moment; one that comes while this is prepared is the same one."""
+    def send(self, number: int, wait: float) -> None:
+        """Send a signal after so many seconds, if the program has not ended."""
 
-    def send() -> None:
-        with _again:
-            pass  # the thread that started this timer has gone on
-        interrupt_main(signal.Signals(number))
+        def sent() -> None:
+            with self.starting:
+                pass  # the thread that starts this timer has gone on
+            if number in self.taken:
+                interrupt_main(signal.Signals(number))
 
-    if _again.acquire(blocking=False):
-        timer = Timer(SOON, send)
-        timer.daemon = True
-        timer.start()
-        _again.release()
+        if self.starting.acquire(blocking=False):
+            timer = Timer(wait, sent)
+            timer.daemon = True
+            timer.start()
+            self.starting.release()
+
+    def ignored(self, what: "sys.UnraisableHookArgs") -> None:
+        """An exception that Python ignores: if it is to end the program, it will be raised again."""
+        if ended_by(what.exc_value) is None:
+            self.before(what)
 
 
 def _unbroken(frame: FrameType | None) -> bool:
@@ -93,12 +94,11 @@ def _unbroken(frame: FrameType | None) -> bool:
     return frame is not None
 
 
-def ending(error: BaseException) -> BaseException | None:
-    """The signal to end that lies behind an error, as an exception; None if there was none.
+def ended_by(error: BaseException | None) -> BaseException | None:
+    """The exception of a signal to end that lies behind an error; None if there is none.
 
     A compiled loop that is interrupted, or a class that is being made, ends in an error of its own.
     """
-    found: BaseException | None = error
-    while found is not None and not isinstance(found, (KeyboardInterrupt, SystemExit)):
-        found = found.__cause__ or found.__context__
-    return found
+    while error is not None and not isinstance(error, (KeyboardInterrupt, SystemExit)):
+        error = error.__cause__ or error.__context__
+    return error

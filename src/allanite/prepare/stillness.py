@@ -122,10 +122,14 @@ def level(view: View) -> Finding | None:
     bends = view.bends.copy() if view.outliers.at.size else view.bends
     bends[_beside_outliers(view)] = np.nan
     size = bends.size // PARTS
-    power = np.array([np.nanmean(np.square(bends[i * size : (i + 1) * size])) for i in range(PARTS)])
+    squares = np.square(bends[: PARTS * size]).reshape(PARTS, size)
+    power = np.nansum(squares, axis=1) / np.maximum(np.isfinite(squares).sum(axis=1), 1)
+    noisy = power > 0  # others are stuck, or on a straight line
+    if not noisy.any():
+        return None
     # second differences of white noise have one degree of freedom per 35/18 samples; outliers and vibration reduce it
     error = math.sqrt(2 * 35 / 18 / size)
-    ratio = power / np.median(power)
+    ratio = np.where(noisy, power / np.median(power[noisy]), 1.0)
     loud = ratio > UNEQUAL * (1 + 6 * error)
     quiet = ratio < 1 / (UNEQUAL * (1 + 6 * error))
     if not (loud.any() or quiet.any()):

@@ -205,4 +205,5 @@ def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -
     both = (allan.number > 0) & (theo.number > 0)
     if not both.any():
         raise DataError(say("the gaps leave no window of 12 samples for the bias ratio of TheoBR; use oadev"))
-    return float(np.mean(allan.variance[both] / theo.variance[both]))
+    both &= theo.variance > 0
+    return float(np.mean(allan.variance[both] / theo.variance[both])) if both.any() else 1.0

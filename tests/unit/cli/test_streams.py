@@ -174,7 +174,7 @@ def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
         time.sleep(wait)
         running.send_signal(number)
         words = running.communicate(timeout=30)[1]
-        assert running.returncode == code, words
+        assert running.returncode in (code, -number), words  # the latter before the program has begun
         assert b"Traceback" not in words
         assert not list((tmp_path / "copies").iterdir())
         assert not list((tmp_path / "out").iterdir())

@@ -138,8 +138,11 @@ class Pieces(Portable):
 
         What is neither white rate nor white angle noise is little here: a few lengths represent all.
         """
-        some = self if term.edge or term.slope == WHITE else self._some
-        return some.mean([some._variances(term, int(L)) for L in some.length], mean)
+        if term.edge or term.slope == WHITE:
+            return self.mean([self._white_variances(term, i) for i in range(self.length.size)], mean)
+        some = self._some
+        c = second_difference(term, int(some.length.max())) / 2
+        return some.mean([some._variances(c, i) for i in range(some.length.size)], mean)
 
     @cached_property
     def _some(self) -> "Pieces":
@@ -152,17 +155,26 @@ class Pieces(Portable):
         middle = self.length[(first + np.append(first[1:], group.size) - 1) // 2]
         return replace(self, length=middle, times=np.add.reduceat(readings, first) / middle)
 
-    def _variances(self, term: NoiseTerm, L: int) -> FloatArray:
-        """Variances of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw."""
-        w, _ = rate_weights(L, self.ratio)
-        u = sine(np.ones(L))
-        if term.edge or term.slope == WHITE:  # C is T or 1: S'CS is diagonal
-            diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
-            Cw = diagonal * sine(w)
-            return np.asarray(diagonal - 2 * u * Cw + u**2 * float(sine(w) @ Cw))
-        c = second_difference(term, L) / 2
+    @cached_property
+    def _rates(self) -> list[tuple[FloatArray, FloatArray]]:
+        """The weights w of the rate of a piece, and u = S'1, for each length."""
+        return [(rate_weights(int(L), self.ratio)[0], sine(np.ones(int(L)))) for L in self.length]
+
+    def _variances(self, c: FloatArray, i: int) -> FloatArray:
+        """Variances of all d of a piece: with u = S'1 and the covariance C, diag(S'CS) - 2 u S'Cw + u^2 w'Cw.
+
+        `c` is the first row of C, or of that of a longer piece.
+        """
+        (w, u), c = self._rates[i], c[: self.length[i]]
         Cw = toeplitz(c, w)
         return np.asarray(sine_variances(c) - 2 * u * sine(Cw) + u**2 * float(w @ Cw))
+
+    def _white_variances(self, term: NoiseTerm, i: int) -> FloatArray:
+        """The same where C is T or 1, so that S'CS is diagonal."""
+        (w, u), L = self._rates[i], int(self.length[i])
+        diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
+        Sw = sine(w)
+        return np.asarray(diagonal - 2 * u * diagonal * Sw + u**2 * float(Sw @ (diagonal * Sw)))
 
     @cached_property
     def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -249,6 +261,9 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float:
         at.append(np.tile(np.arange(2, L + 1, 2) / (L + 1), here.size))
         squares.append((d**2).ravel())
     x, power = np.concatenate(at), np.concatenate(squares)
+    most = (REACH * float(lengths @ lengths) / float(lengths.sum())) ** 2
+    if not power.any():  # each piece is constant
+        return most
     octave = np.unique(np.floor(-8 * np.log2(x)), return_inverse=True)[1].ravel()
     count = np.bincount(octave).astype(np.float64)
     angle = np.bincount(octave, 4 * np.sin(np.pi / 2 * x) ** 2) / count
@@ -258,5 +273,4 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float:
         S, np.bincount(octave, power) / count, count, none[:, :, None], none, np.zeros((0, 3)), np.zeros(0, bool)
     )
     theta, _ = part.minimise(np.ones(3, dtype=bool))
-    most = (REACH * float(lengths @ lengths) / float(lengths.sum())) ** 2
     return float(theta[0] / theta[1]) if theta[0] < most * theta[1] else most

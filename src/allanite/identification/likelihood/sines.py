@@ -11,9 +11,8 @@ def rate_weights(L: int, ratio: float) -> tuple[FloatArray, float]:
     (I + rho T) x = 1 has the solution 1 - cosh(a (i - c)) / cosh(a c), c = (L + 1) / 2 and 2 cosh(a) = 2 + 1 / rho.
     """
     i = np.arange(1.0, L + 1)
-    c = (L + 1) / 2
     a = 2 * np.arcsinh(0.5 / np.sqrt(ratio))
-    x = 1 - np.exp(-a * np.minimum(i, L + 1 - i)) * (1 + np.exp(-2 * a * np.abs(i - c))) / (1 + np.exp(-2 * a * c))
+    x = np.expm1(-a * i) * np.expm1(-a * (L + 1 - i)) / (1 + np.exp(-a * (L + 1)))  # the same without cancellation
     return np.asarray(x / x.sum()), float(1 / x.sum())
 
 
@@ -56,6 +55,8 @@ def sine_variances(c: FloatArray) -> FloatArray:
 
 def toeplitz(c: FloatArray, v: FloatArray) -> FloatArray:
     """Product of the symmetric Toeplitz matrix with first row c with v."""
-    from scipy.signal import fftconvolve
+    from scipy.fft import irfft, next_fast_len, rfft
 
-    return np.asarray(fftconvolve(np.concatenate((c[:0:-1], c)), v)[v.size - 1 : 2 * v.size - 1])
+    size = next_fast_len(2 * v.size, real=True)  # a circle of more than twice the lags: none is met from both sides
+    circle = np.concatenate((c, np.zeros(size - 2 * c.size + 1), c[:0:-1]))
+    return np.asarray(irfft(rfft(circle) * rfft(v, size), size)[: v.size])

@@ -69,7 +69,7 @@ def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level:
 
 def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
     f, amplitude = spectrum.frequency, spectrum.amplitude
-    seen = amplitude[amplitude > 0]
+    seen = amplitude[amplitude > 0] if amplitude.any() else np.ones(1)
     ax.set_yscale("log")
     ax.set_ylim(seen.min() / (5 if fit else 2), seen.max() * 2)
     style.plain_ticks(ax.xaxis, ax.yaxis)
