@@ -102,7 +102,9 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
 def _demand_different(records: Sequence[Record]) -> None:
     for j, record in enumerate(records):
         for i, other in enumerate(records[:j]):
-            if len(other.values) == len(record.values) and np.array_equal(other.values, record.values):
+            if len(other.values) == len(record.values) and np.array_equal(
+                other.values, record.values, equal_nan=other.values.dtype.kind == "f"
+            ):
                 alike = say(
                     "records {first} and {second} have identical samples; there is nothing to compare",
                     first=i + 1,

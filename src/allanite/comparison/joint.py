@@ -237,7 +237,7 @@ def _in_band(
                 fewest=FEWEST,
             )
         )
-    return whole if inside.all() else whole.only(inside)
+    return whole.only(inside)
 
 
 def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:

@@ -19,6 +19,9 @@ from allanite.terms.row import Parameter
 from .information import Grid, Information, Part, shape_parts
 from .transient import transient_errors
 
+MOST = 2**53
+"""Samples, at most: more are not told from each other in floating point."""
+
 AUTO = "QNBKR"
 """The default terms of `identify`."""
 
@@ -84,7 +87,7 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     Raises
     ------
     UsageError
-        The model has no noise, or the record is too short.
+        The model has no noise, or the record is too short or longer than 2^53 samples.
 
     Notes
     -----
@@ -103,6 +106,8 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     model = model_of(model)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 samples, not {n}")
+    if n > MOST:
+        raise UsageError(f"{n:.3g} samples are too many for a bound; at most {MOST:.3g} are possible")
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise; without noise everything is known exactly")

@@ -206,7 +206,7 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
     """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
-    lengths = np.diff(np.concatenate(([0], gaps.at, [gaps.size])))
+    lengths = _each(gaps)[1]
     length, times = np.unique(lengths, return_counts=True)
     ratio = _ratio(y, lengths)
     if ratio * 2 * gaps.at.size / gaps.size < WEIGHT:
@@ -231,8 +231,7 @@ def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray
     """
     from scipy.fft import dst
 
-    starts = np.concatenate(([0], gaps.at))
-    lengths = np.diff(np.append(starts, gaps.size))
+    starts, lengths = _each(gaps)
     low, kept = np.empty_like(y), np.repeat(lengths >= how.least, lengths)
     squares, peak = [], np.zeros(how.edges.size)
     for L, bins, weight, share in zip(how.length.tolist(), how.bins, how.weight, how.shares, strict=True):
@@ -249,6 +248,12 @@ def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray
     nothing = np.zeros(how.edges.size - 1)
     level = how.mean([share / weight for share, weight in zip(how.shares, how.weight, strict=True)], nothing)
     return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
+
+
+def _each(gaps: Gaps) -> tuple[IntArray, IntArray]:
+    """Starts and lengths of the pieces; an angle between two gaps leaves no rate, and is none."""
+    bounds = np.unique(np.concatenate(([0], gaps.at, [gaps.size])))
+    return bounds[:-1], np.diff(bounds)
 
 
 def _ratio(y: FloatArray, lengths: IntArray) -> float:

@@ -158,6 +158,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     from allanite.kernels.binned import binned
 
     y, gaps, left = joined(record)
+    most = float(np.abs(y).max(initial=0.0))
     slope = slope_of(y, left) if detrend else 0.0
     if left is not None:
         y -= slope * (left - left.mean())
@@ -177,6 +178,8 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=record.name))
+    if slope and power.mean() < ROUNDING * most**2:
+        raise DataError(say("{channel!r} is a straight line: there is no noise to identify", channel=record.name))
     if how is not None and above:
         for values, better in zip((power, peak), above, strict=True):
             values[how.low :] = better[how.low :]

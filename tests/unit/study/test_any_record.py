@@ -1,0 +1,90 @@
+"""Records of any values, rate, gaps and length: a result or a refusal in words.
+
+The first records of which `benchmarks/fuzz_records.py` takes many more; and those in which something was found.
+"""
+
+import importlib.util
+import time
+
+import numpy as np
+import pytest
+from tests import ROOT
+
+import allanite as al
+from allanite.prepare.stillness import level
+from allanite.prepare.view import View
+
+spec = importlib.util.spec_from_file_location("fuzz_records", ROOT / "benchmarks" / "fuzz_records.py")
+fuzz = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(fuzz)
+
+
+@pytest.mark.parametrize("first", range(0, 200, 20))
+def test_each_job_has_a_result_or_refuses_in_words(first):
+    found = set()
+    for k in range(first, first + 20):
+        _, job, record, rng = fuzz.drawn(k)
+        start = time.process_time()
+        found.add(said := fuzz.outcome(job, record, rng))
+        assert said in ("done", "refused"), (k, job, said)
+        assert time.process_time() - start < 4 * fuzz.SLOW, (k, job)  # compiled for the first time
+    assert "done" in found
+
+
+def record(values, **more):
+    """A record of a gyroscope."""
+    return al.Record(np.asarray(values), rate=100.0, unit="deg/s", name="a", **more)
+
+
+@pytest.mark.parametrize("job", [al.identify, al.analyze])
+def test_a_straight_line_has_no_noise(job):
+    with pytest.raises(al.DataError, match="straight line: there is no noise"):
+        job(record(np.arange(3000.0)))
+
+
+def test_a_part_without_noise_is_not_compared_with_others():
+    values = np.random.default_rng(1).standard_normal(4000)
+    values[:2000] = 0.0
+    values[5] = np.nan
+    assert level(View(record(values))) is None
+    assert level(View(record(np.arange(4000.0)))) is None
+    values[2000:3000] *= 10
+    assert "changes by a factor of 9" in level(View(record(values))).what
+
+
+@pytest.mark.parametrize("statistic", ["theobr", "theoh"])
+def test_a_constant_has_no_deviation(statistic):
+    curve = al.deviation(record(np.full(3001, -2.04)), statistic, noise=None)
+    np.testing.assert_allclose(curve.deviation, 0, atol=1e-15)
+
+
+def quantized(seed):
+    """A record of white angle noise with gaps."""
+    rng = np.random.default_rng(seed)
+    values = np.diff(rng.standard_normal(3000), prepend=0)
+    values[rng.random(3000) < 0.01] = np.nan
+    return record(values)
+
+
+def test_records_that_are_read_by_pieces_only_are_compared():
+    changes = {change.symbol: change for change in al.compare(quantized(1), quantized(2)).channels[0].changes}
+    assert changes["Q"].ratio == pytest.approx(1, abs=0.1)
+    assert changes["Q"].p > 0.01
+
+
+def test_equal_records_with_gaps_are_not_compared():
+    with pytest.raises(al.DataError, match="identical samples"):
+        al.compare(quantized(1), quantized(1))
+
+
+def test_angles_alone_between_gaps_are_no_pieces():
+    angle = np.cumsum(np.random.default_rng(3).standard_cauchy(3000))
+    angle[np.random.default_rng(4).random(3000) < 0.3] = np.nan
+    angle[1] = np.nan
+    fit = al.identify(al.Record(angle, rate=100.0, unit="rad", kind="angle", name="a"))
+    assert np.isfinite(fit["N"].value or 0.0)
+
+
+def test_a_plan_of_more_samples_than_can_be_counted_is_refused():
+    with pytest.raises(al.UsageError, match="too many for a bound"):
+        al.plan(al.N(0.1, "deg/sqrt(h)"), 1e15)
