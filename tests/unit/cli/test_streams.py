@@ -159,6 +159,10 @@ def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
     (tmp_path / "copies").mkdir()
     (tmp_path / "out").mkdir()
     environment = {**os.environ, "TMPDIR": str(tmp_path / "copies")}
+
+    def heard():
+        signal.signal(number, signal.SIG_DFL)  # which nohup ignores
+
     for wait in (0.5, 0.9, 1.3):
         words = [
             *COMMAND,
@@ -170,7 +174,7 @@ def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
             str(tmp_path / "out" / "r.html"),
             "--quiet",
         ]
-        running = subprocess.Popen(words, env=environment, stderr=subprocess.PIPE)
+        running = subprocess.Popen(words, env=environment, stderr=subprocess.PIPE, preexec_fn=heard)  # noqa: PLW1509
         time.sleep(wait)
         running.send_signal(number)
         words = running.communicate(timeout=30)[1]

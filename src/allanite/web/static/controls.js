@@ -44,6 +44,7 @@ const input = (key) => byId(`option-${key}`);
 const helpOf = (key) => state.tables.options?.analyze?.[key];
 
 function change(key, kind, node) {
+  node.shown = node.value;
   const value = (READ[kind] ?? ((text) => text))(node.value.trim());
   clear(key);
   alter({ [key]: value });
@@ -73,14 +74,15 @@ export function build() {
   refresh();
 }
 
-/** Show what is chosen, and as a hint what was taken from the file. */
+/** Show what is chosen, and as a hint what was taken from the file; what is being typed stays. */
 export function refresh() {
   const chosen = recipe();
   const assumed = facts(shown());
   for (const [key, , , kind] of CONTROLS) {
     const value = chosen[key];
     const node = input(key);
-    node.value = Array.isArray(value) ? value.join(",") : (value ?? "");
+    const typing = node === document.activeElement && node.value !== (node.shown ?? "");
+    if (!typing) node.value = node.shown = Array.isArray(value) ? value.join(",") : (value ?? "");
     if (node.tagName === "SELECT") node.options[0].textContent = assumed[key] ? `${t("auto")}: ${assumed[key]}` : t("auto");
     else node.placeholder = assumed[key] ?? (kind === "number" ? "" : t("auto"));
   }

@@ -34,10 +34,15 @@ export function cancelAll() {
 
 /** Start a job and wait for its result; `heard` is told of events of a live job. */
 export async function perform(verb, files, recipe, heard = () => {}, more = {}) {
+  return follow(await start(verb, files, recipe, more), verb, heard);
+}
+
+/** Start a job. */
+export async function start(verb, files, recipe, more = {}) {
   const { job } = await api.start(state.workspace, { verb, files, recipe, lang: state.choices.lang ?? "en", ...more });
   state.jobs.push({ id: job, verb, files, recipe, state: "running" });
   if (verb === "analyze") choose({ pending: job }, true);
-  return follow(job, verb, heard);
+  return job;
 }
 
 /** Wait for a job that runs, maybe since before a reload. */

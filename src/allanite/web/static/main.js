@@ -27,9 +27,9 @@ async function analyze() {
   const mine = ++turn;
   controls.clearErrors();
   try {
-    const before = state.jobs.length;
-    await jobs.perform("analyze", [file], recipe(file));
-    if (mine === turn) finished(file, state.jobs.slice(before).find((one) => one.verb === "analyze").id);
+    const job = await jobs.start("analyze", [file], recipe(file));
+    await jobs.follow(job, "analyze");
+    if (mine === turn) finished(file, job);
   } catch (error) {
     if (mine === turn && !(error instanceof jobs.Cancelled)) tell("error", error);
     if (mine === turn) choose({ pending: null }, true);
