@@ -1,13 +1,25 @@
 """Who may come in, and what hostile input cannot do."""
 
 import http.client
+import importlib.util
+import re
 import socket
 import stat
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from tests import ROOT
+
+from allanite.cli import main
+from allanite.cli.front import EXCEEDED
+from allanite.reporting.sheet import printable
 
 from .served import Client, served
+
+spec = importlib.util.spec_from_file_location("damaged", ROOT / "benchmarks" / "damaged.py")
+damaged = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(damaged)
 
 LIMIT, QUOTA = 1_000_000, 3_000_000
 
@@ -247,3 +259,33 @@ def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
     )
     assert client.http.delete(f"/api/workspaces/{other}/files/{uploaded}").status_code == 404
     assert client.get(f"/api/workspaces/{one}").json()["files"]
+
+
+DAMAGED = ("comma.csv", "plain.npy", "described.npz", "plain.parquet", "squeezed.zip", "vn100.txt", "run.lvm")
+
+
+def words(text, name):
+    """An error as a terminal shows it, without the folder of the file."""
+    return printable(re.sub(rf"\S*{re.escape(name)}", name, text).strip())
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp_path, name):
+    workspace, seed = client.workspace(), damaged.SEEDS[name]
+    data = seed.make()
+    for k in range(8):
+        rng = damaged.generator(name, k)
+        path = tmp_path / name
+        path.write_bytes(damaged.mutated(rng, data))
+        recipe = damaged.options_of(rng, seed.options)
+        _, (kind, told) = client.run(workspace, "analyze", [client.upload(workspace, path)], recipe)
+        line = [
+            "analyze",
+            str(path),
+            "--quiet",
+            *(part for key, value in recipe.items() for part in (f"--{key}", str(value))),
+        ]
+        said = CliRunner().invoke(main, line)
+        assert (kind == "done") == (said.exit_code in (0, EXCEEDED)), (k, told, said.output)
+        if kind != "done":
+            assert words(told["error"], name) == words(said.stderr.removeprefix("error: "), name), k
