@@ -3,14 +3,16 @@
     python benchmarks/web.py [--samples 10000000] [--rounds 3] [--write PATH]
 
 A file of one channel is uploaded as CSV and as .npy to a server in a process of its own, and analyzed as the page does
-it. Each round has a noise of its own. Memory is that of the server and of its largest worker. Ends with exit code 1 if
-a bound is missed.
+it. Each round has a noise of its own. Memory is that of the server and of its largest worker; where Chromium and
+Playwright are installed, the same file is dropped on the page, and the memory of the tab is measured. Ends with exit
+code 1 if a bound is missed.
 """
 
 from table import ROOT, begin, markdown
 
 import json
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -20,6 +22,8 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from pyarrow import csv
+
+import allanite as al
 
 sys.path.insert(0, str(ROOT / "tests" / "web"))
 
@@ -57,9 +61,11 @@ def main() -> int:
                 worst = {name: max(worst[name], found[name]) for name in BOUNDS}
                 rows.append([form, str(seed), *(f"{v:.0f}" if k in MEMORY else f"{v:.3f}" for k, v in found.items())])
         refits = [refit(client, Path(folder), seed) for seed in range(run.asked.rounds)]
+        memory = tab(client, Path(folder), run.asked.samples)
     heads = ["file", "seed", *found]
     title = "What the page waits for"
-    body = [*markdown(heads, rows), f"A refit of a million samples: {', '.join(f'{t:.2f} s' for t in refits)}."]
+    refitted = f"A refit of a million samples: {', '.join(f'{t:.2f} s' for t in refits)}."
+    body = [*markdown(heads, rows), refitted, "", memory]
     run.publish(title, ["seeds: as in the table; times in s, from the end of the upload"], body)
     missed = [name for name in BOUNDS if worst[name] > BOUNDS[name]] + (["refit"] if max(refits) > REFIT else [])
     print("missed:", ", ".join(missed) or "nothing")
@@ -142,6 +148,43 @@ def refit(client: Client, folder: Path, seed: int) -> float:
         answer = client.post(f"/api/jobs/{job}/refit", {"channel": channel, "terms": terms, "statistics": ["oadev"]})
         answer.raise_for_status()
     return time.perf_counter() - begun
+
+
+def tab(client: Client, folder: Path, samples: int) -> str:
+    """Memory of a tab on which a file was dropped, when its curve and its result are shown."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        chromium = None
+    if chromium is None:
+        return "The memory of the tab was not measured: Playwright or Chromium is not installed."
+    path = folder / "tab.npz"
+    al.write(al.simulate(al.N(0.1, "deg/sqrt(h)"), samples, RATE, rng=np.random.default_rng(0)), path)
+    address = str(client.http.base_url).rstrip("/")
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        context = browser.new_context()
+        context.add_cookies([{"name": c.name, "value": c.value, "url": address} for c in client.http.cookies.jar])
+        page = context.new_page()
+        page.goto(f"{address}/#{client.workspace()}")
+        page.wait_for_selector("body[data-ready=true]")
+        page.get_by_test_id("choose-file").set_input_files(str(path))
+        page.wait_for_selector("#curve-plot[data-curves]", timeout=20_000)
+        session = context.new_cdp_session(page)
+        session.send("Performance.enable")
+        metrics = {one["name"]: one["value"] for one in session.send("Performance.getMetrics")["metrics"]}
+        most = max(map(resident, renderers()))
+        browser.close()
+    return (
+        f"A tab on which a file of {samples:.0e} samples was dropped: {metrics['JSHeapUsedSize'] / 1e6:.1f} MB of "
+        f"JavaScript's heap, {most:.0f} MB in the process that draws it, at most."
+    )
+
+
+def renderers() -> list[int]:
+    """Processes of the browser that draw pages."""
+    return [pid for pid in descendants(os.getpid()) if b"--type=renderer" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def resident(pid: int) -> float:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import allanite as al
+
 api = pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
 pytest.importorskip("fastapi", reason="the page needs allanite[web]")
 
@@ -157,6 +159,14 @@ def test_a_file_is_dropped_and_analyzed(page: Any, six: Path) -> None:
     assert "100" in page.get_by_test_id("assumed").inner_text()
     assert int(page.get_by_test_id("trace").get_attribute("data-points")) > 200
     assert page.get_by_test_id("curve").get_attribute("data-validity") == "explained"
+
+
+def test_a_channel_without_a_name_has_its_curve(page: Any, tmp_path: Path) -> None:
+    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 5000, 100.0, rng=np.random.default_rng(1))
+    assert record.name == ""
+    al.write(record, tmp_path / "nameless.npz")
+    drop(page, tmp_path / "nameless.npz")
+    curves(page)
 
 
 def test_a_first_curve_comes_before_the_fit(page: Any, tmp_path: Path) -> None:
