@@ -29,7 +29,9 @@ def traced(request: Request, file: str, channel: str = "", points: int = 2000) -
     return trace.window(store.place(file), channel, start, end, points)
 
 
-def deviation(request: Request, name: str, channel: str = "", statistic: str = "oadev", lang: str = "") -> dict[str, Any]:
+def deviation(
+    request: Request, name: str, channel: str = "", statistic: str = "oadev", lang: str = ""
+) -> dict[str, Any]:
     """A curve with its band, its model, and each term."""
     lang = lang or request.app.state.jobs.job(name)["lang"]
     found: dict[str, Any] = request.app.state.jobs.ask(
