@@ -8,7 +8,7 @@ from .errors import UsageError
 from .model import Model, Term, term
 from .units import convert
 
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 _FILLERS = {
     "with",

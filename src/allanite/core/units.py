@@ -67,7 +67,7 @@ LONGEST, LARGEST = 200, 1e60
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 """A power as written in headers: m/s2, rad s-1."""
 
-_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
+_TOKEN = re.compile(r"\s*(?:(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+)|([A-Za-z°º_]+)|(\^-|.))")
 
 
 @dataclass(frozen=True)

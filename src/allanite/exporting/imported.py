@@ -14,7 +14,7 @@ from allanite.core.wording import spelled
 from .table import target_named
 from .target import LONG, Field, Target
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _VALUES = rf"[\"']?[\s:=,>(]*(?:np\.array\()?\s*(?:\[\s*({_NUMBER}(?:[\s,;]+{_NUMBER})*)\s*\]|({_NUMBER}))"
 _RATES = ("update_rate", "IMU.Frequency")
 

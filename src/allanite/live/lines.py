@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from allanite.core.errors import UsageError
 
-UNIT = re.compile(r"\s*[\[(].*$")
+UNIT = re.compile(r"[\[(].*$")
 """What follows a name in a heading."""
 
 LONGEST = 1 << 16
@@ -69,7 +69,7 @@ class Lines:
         parts = [self.head] if self.width == 1 else self.head.split(self.between)
         if len(parts) != self.width:
             return ()
-        return tuple(UNIT.sub("", part.decode("utf-8", "replace").strip()) for part in parts)
+        return tuple(UNIT.sub("", part.decode("utf-8", "replace")).strip() for part in parts)
 
 
 def places(lines: Lines, wanted: Sequence[str] | None, time: str | None) -> tuple[dict[str, int], int | None]:

@@ -12,7 +12,7 @@ from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
 from allanite.core.wording import spelled
 
-_WORTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+_WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""
 
 

@@ -79,7 +79,7 @@ def picture(figure: "Figure") -> Picture:
 
 def _rounded(text: str) -> str:
     """Blanks and decimals of attributes that nobody sees taken out; the words of a figure stay as they are."""
-    parts = re.split(r"(<[^>]*>)", text)
+    parts = re.split(r"(<[^<>]*>)", text)
     parts[1::2] = [_short_tag(tag) for tag in parts[1::2]]
     inside = False
     for i, part in enumerate(parts):

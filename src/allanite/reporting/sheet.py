@@ -296,4 +296,4 @@ def printed(cell: str, kind: Kind) -> str:
 
 def printed_heading(heading: str) -> str:
     """A heading: the unit in its brackets as it is printed."""
-    return re.sub(r"\[(.*?)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))
+    return re.sub(r"\[([^\[\]]*)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))

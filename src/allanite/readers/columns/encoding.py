@@ -30,6 +30,9 @@ _CHINESE = re.compile(
 )
 
 
+_NO_WORD = re.compile(r"(?<![A-Za-z])[À-ÿ](?![A-Za-z])|[À-ÿ]{3}")
+
+
 @dataclass(frozen=True)
 class _Encoding:
     """An encoding: its name, that of Python, whether a decoded text is plausible, and words that such texts have."""
@@ -43,8 +46,7 @@ class _Encoding:
 def _is_latin(text: str) -> bool:
     """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
     text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
-    strange = re.compile(r"(?<![A-Za-z])[À-ÿ]+(?![A-Za-z])|[À-ÿ]{3}")
-    return not strange.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
+    return not _NO_WORD.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
 
 
 def _accented(letter: str) -> bool:

@@ -46,7 +46,7 @@ _OTHER = re.compile(  # a name that begins like this, up to its end or a number,
     r"(номер|сч[её]тчик|пакет|кадр|статус|флаг|магн|давлен|высот|широт|долгот|крен|тангаж|курс|напряж|ток)|"
     r"(序号|编号|计数|帧|状态|标志|磁|气压|压力|湿度|高度|纬度|经度|横滚|滚转|俯仰|航向|偏航|姿态|电压|电流)"
 )
-_TEMPERATURE = re.compile(r"(^|[^a-z])(temp|temperature|темпер[а-я]*|.*温度)(_?[0-9xyz])*$")
+_TEMPERATURE = re.compile(r"((^|[^a-z])(temp|temperature)|(^|[^a-zа-я])темпер[а-я]*|温度)(_?[0-9xyz])*$")
 _LENGTH = re.compile(r"(absolute|magnitude|norm|модуль|模)($|_(acc|gyr|ang|lin|rate|уск|угл))|.*_(norm|magnitude|abs)$")
 """A name of the length of a vector, which is not the output of a sensor."""
 
@@ -60,7 +60,7 @@ _IDENTIFIER = re.compile(
 _DRIVER = re.compile(r"temp|deg_?c|baro|press|humid|volt|battery|heater|темпер|давлен|напряж|温度|压力|气压|湿度|电压")
 _BY_NAME = {
     "gyro": re.compile(
-        r"gyr|^[gwω][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta|гиро|^дус|угл.*скорост|陀螺|角速"
+        r"gyr|^[gwω][_ ]?[xyz]$|omega|angular|^fog|delta_?(ang|theta)|^d_?theta|гиро|^дус|угл.{0,40}скорост|陀螺|角速"
     ),
     "accelerometer": re.compile(
         r"acc|^[af][_ ]?[xyz]$|delta_?v|specific_?force|аксел|ускорен|(?<!角)加速度|加表|加计|比力"

@@ -12,8 +12,8 @@ from allanite.readers.options import Options
 
 from .column import Column
 
-_SECONDS = re.compile(r"(.*?)[^a-z0-9]*(?:tv_)?(s|secs?|seconds?)")
-_PARTS = re.compile(r"(.*?)[^a-z0-9]*(?:tv_)?(n|u)(?:s|secs?|seconds?)|(.*?)[^a-z0-9]*(nano|micro)(?:s|secs?|seconds?)")
+_SECONDS = re.compile(r"(?:tv_)?(s|secs?|seconds?)$")
+_PARTS = re.compile(r"(?:tv_)?(n|u|nano|micro)(?:s|secs?|seconds?)$")
 _PER_SECOND = {"n": 10**9, "u": 10**6, "nano": 10**9, "micro": 10**6}
 
 
@@ -31,9 +31,9 @@ def joined(columns: tuple[Column, ...], options: Options) -> tuple[tuple[Column,
     fractions = {stem: (column, size) for column in wanted for stem, size in _fraction(column)}
     notes = list[Phrase]()
     for seconds in wanted:
-        match = _SECONDS.fullmatch(seconds.name.strip().lower())
-        partner = fractions.get(match[1]) if match else None
-        if match is None or partner is None:
+        stem, unit = _ending(seconds, _SECONDS)
+        partner = fractions.get(stem) if unit else None
+        if partner is None:
             continue
         column, size = partner
         whole, rest = _whole(seconds.values), _whole(column.values)
@@ -44,7 +44,7 @@ def joined(columns: tuple[Column, ...], options: Options) -> tuple[tuple[Column,
             notes.append(say("{seconds} and {fraction} are not joined: the latter is not a part of a second", **said))
             continue
         stamps = whole * 10**9 + rest * (10**9 // size)
-        stem = seconds.name[: len(match[1])].strip() or "time"
+        stem = seconds.name[: len(stem)].strip() or "time"
         clock = replace(seconds, values=stamps, name=stem, unit="ns", header=f"{seconds.header} + {column.header}")
         columns = tuple(clock if c is seconds else c for c in columns if c is not column)
         notes.append(say("{seconds} and {fraction} are joined to one clock in ns", **said))
@@ -53,10 +53,20 @@ def joined(columns: tuple[Column, ...], options: Options) -> tuple[tuple[Column,
 
 def _fraction(column: Column) -> list[tuple[str, int]]:
     """The name of a clock and the parts of a second, if a column holds such parts by its name."""
-    match = _PARTS.fullmatch(column.name.strip().lower())
-    if match is None or column.text:
-        return []
-    return [(match[1] or match[3] or "", _PER_SECOND[match[2] or match[4]])]
+    clock, unit = _ending(column, _PARTS)
+    return [(clock, _PER_SECOND[unit])] if unit and not column.text else []
+
+
+def _ending(column: Column, units: re.Pattern[str]) -> tuple[str, str]:
+    """A name without the unit at its end and the signs between, and the unit; both are empty if there is none."""
+    name = column.name.strip().lower()
+    found = units.search(name)
+    if found is None:
+        return "", ""
+    end = found.start()
+    while end and not (name[end - 1].isascii() and name[end - 1].isalnum()):
+        end -= 1
+    return name[:end], found[1]
 
 
 def _whole(values: NDArray[Any]) -> NDArray[np.int64] | None:

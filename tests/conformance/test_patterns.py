@@ -1,0 +1,170 @@
+"""Every regular expression of the package takes linear time: a million hostile characters, in each way that it is used.
+
+A pattern that backtracks takes the square or the cube of the length: minutes for a unit that is filled with blanks.
+The patterns are found in the source, with the methods that each is called by.
+"""
+
+import ast
+import importlib
+import re
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+import allanite
+
+SOURCE = Path(allanite.__file__).parent
+LENGTH = 1_000_000
+SHORT = 10_000  # what a quadratic pattern takes a second for; the slowest of these texts is repeated at full length
+SECONDS = 10  # a linear pattern takes 0.001 to 2 s, a quadratic one hours
+METHODS = ("search", "match", "fullmatch", "sub", "split", "findall", "finditer")
+PIECES = (
+    " ",
+    "a",
+    "A",
+    "0",
+    "(",
+    "[",
+    "<g",
+    "\n",
+    "_",
+    ".",
+    "-",
+    "e1",
+    "a ",
+    "(a",
+    "a (",
+    "1.",
+    "aB",
+    "é",
+    "темпер",
+    "s*",
+    '"',
+    "'",
+    "$A",
+)
+
+
+def constant(node):
+    """The text of a literal, also of an f-string's or a concatenation's own letters; None for what is no text."""
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        return None
+
+
+def called(tree):
+    """(name or pattern, method) of each call of a method of a pattern in a module."""
+    for node in ast.walk(tree):
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in METHODS):
+            continue
+        owner = node.func.value
+        if isinstance(owner, ast.Name) and owner.id == "re":
+            pattern = constant(node.args[0])
+            flags = {name.attr for k in node.keywords for name in ast.walk(k.value) if isinstance(name, ast.Attribute)}
+            if isinstance(pattern, (str, bytes)):
+                yield re.compile(pattern, sum(getattr(re, flag) for flag in flags)), node.func.attr
+        elif isinstance(owner, ast.Name | ast.Attribute):
+            yield owner.id if isinstance(owner, ast.Name) else owner.attr, node.func.attr
+
+
+def compiled(module):
+    """(name, pattern) of each pattern that a module holds: the name of a constant, or of a field of its values."""
+    for name, value in vars(module).items():
+        yield from within(value, name)
+
+
+def within(value, name):
+    if isinstance(value, re.Pattern):
+        yield name, value
+    elif isinstance(value, dict):
+        for part in value.values():
+            yield from within(part, name)
+    elif isinstance(value, tuple) and hasattr(value, "_fields"):
+        for field in value._fields:
+            yield from within(getattr(value, field), field)
+    elif isinstance(value, (list, tuple)):
+        for part in value:
+            yield from within(part, name)
+    elif hasattr(value, "__dataclass_fields__") and not isinstance(value, type):
+        for field in value.__dataclass_fields__:
+            yield from within(getattr(value, field, None), field)
+
+
+def used():
+    """{(pattern, method): place}: every pattern of the package in every way that it is used."""
+    found, calls, held = {}, {}, []
+    for path in sorted(SOURCE.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if "re." not in text:
+            continue
+        place = ".".join(path.relative_to(SOURCE).with_suffix("").parts)
+        for what, method in called(ast.parse(text)):
+            if isinstance(what, re.Pattern):
+                found.setdefault((what, method), place)
+            else:
+                for where in (place, ""):
+                    calls.setdefault((where, what), set()).add(method)
+        if "re.compile" in text:
+            held += [(place, *pair) for pair in compiled(importlib.import_module(f"allanite.{place}"))]
+    for place, name, pattern in held:
+        for method in calls.get((place, name)) or calls.get(("", name)) or METHODS:
+            found.setdefault((pattern, method), f"{place}:{name}")
+    return found
+
+
+USED = used()
+
+
+def apply(pattern, method, text):
+    if method == "sub":
+        pattern.sub(b"" if isinstance(text, bytes) else "", text)
+    elif method == "finditer":
+        for _ in pattern.finditer(text):
+            pass
+    else:
+        getattr(pattern, method)(text)
+
+
+def texts(pattern, length):
+    """Texts that repeat a piece: those of every list of attacks, and what the pattern itself looks for."""
+    source = pattern.pattern if isinstance(pattern.pattern, str) else pattern.pattern.decode("latin-1")
+    for piece in dict.fromkeys((*PIECES, *re.findall(r"\w{2,}|[^\w\s\\]", source))):
+        text = (piece * (length // len(piece) + 1))[: length - 1] + "\x01"
+        yield text if isinstance(pattern.pattern, str) else text.encode("utf-8", "ignore")
+
+
+def late(*_):
+    raise TimeoutError
+
+
+@pytest.fixture
+def seconds():
+    """The time that a call takes; the test fails if it takes too long."""
+
+    def measured(pattern, method, text):
+        start = time.process_time()
+        signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
+        try:
+            apply(pattern, method, text)
+        except TimeoutError:
+            pytest.fail(
+                f"{pattern.pattern!r}.{method} takes more than {SECONDS} s: {len(text)} characters like {text[:12]!r}"
+            )
+        finally:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        return time.process_time() - start
+
+    before = signal.signal(signal.SIGVTALRM, late)
+    yield measured
+    signal.signal(signal.SIGVTALRM, before)
+
+
+@pytest.mark.parametrize(("pattern", "method"), USED, ids=[f"{USED[key]}-{key[1]}" for key in USED])
+def test_it_takes_linear_time(pattern, method, seconds):
+    took = [seconds(pattern, method, text) for text in texts(pattern, SHORT)]
+    assert max(took) < 0.2, (pattern.pattern, method, max(took))
+    slowest = max(range(len(took)), key=took.__getitem__)
+    seconds(pattern, method, list(texts(pattern, LENGTH))[slowest])
