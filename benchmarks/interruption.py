@@ -2,14 +2,16 @@
 
     python benchmarks/interruption.py [--runs 3] [--samples 5000000] [--write PATH]
 
-Each command is interrupted at moments drawn from the time that it takes, or the first 10 s of it. Run k of a job has the
-seed (crc32 of its name, k). Ends with exit code 1 if a program needs more than 1 s, leaves a process behind, or ends in
-other words than those of an interruption.
+Each command is interrupted at moments drawn from the time that it takes, or the first 10 s of it. Run k of a job has
+the seed (crc32 of its name, k). Ends with exit code 1 if a program needs more than 1 s, leaves a process behind, or
+ends in other words than those of an interruption.
 """
 
 from table import begin, markdown
 
+import gzip
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -48,15 +50,15 @@ VERBS: dict[str, tuple[str, ...]] = {
     "compare": ("compare", "gyro.npz", "other.npz"),
     "compare --part": ("compare", "gyro.npz", "--part", "10000"),
     "rate": ("rate", "gyro.npz"),
-    "compensate": ("compensate", "warm.npz", "--regressors", "temperature", "--degree", "3"),
-    "vertical": ("vertical", "gyro.npz"),
-    "export": ("export", "gyro.npz", "--to", "kalibr"),
+    "compensate": ("compensate", "warm.npz", "--rate", "100", "--regressors", "temperature", "--degree", "3"),
+    "vertical": ("vertical", "six.npz", "--rate", "100"),
+    "export": ("export", "gyro.npz", "--to", "kalibr", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"),
     "statespace": ("statespace", "gyro.npz"),
     "plan of a file": ("plan", "gyro.npz"),
     "selfcheck of a file": ("selfcheck", "gyro.npz", "--records", "50"),
     "batch": ("batch", "folder", "--out", "results"),
     "simulate": ("simulate", "made.npz", *MODEL, "--rate", "100", "--samples", "{samples}", "--force"),
-    "plan": ("plan", *MODEL, "--rate", "100", "--duration", "50000"),
+    "plan": ("plan", *MODEL, "--rate", "100", "--durations", "50000,500000"),
     "selfcheck": ("selfcheck", *MODEL, "--rate", "100", "--samples", "{samples}", "--records", "50"),
     "example": ("example", "000", "papers", "--force"),
 }
@@ -73,8 +75,12 @@ def recordings(folder: Path, samples: int) -> None:
     al.write(gyro, folder / "gyro.npz")
     al.write(other, folder / "other.npz")
     al.write(gyro, folder / "gyro.csv")
-    al.write(gyro, folder / "gyro.csv.gz")
+    with open(folder / "gyro.csv", "rb") as plain, gzip.open(folder / "gyro.csv.gz", "wb", 1) as packed:
+        shutil.copyfileobj(plain, packed)
     np.save(folder / "gyro.npy", gyro.values)
+    names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")
+    still = gyro.values[: samples // 6]
+    np.savez(folder / "six.npz", **{name: still + (name == "az [g]") for name in names})
     slow = np.cumsum(rng.standard_normal(samples)) / np.sqrt(samples)
     np.savez(folder / "warm.npz", **{"gyro [deg/s]": gyro.values + slow / 100, "temperature [degC]": 20 + slow})
     (folder / "folder").mkdir()
@@ -154,9 +160,9 @@ def main() -> None:
             wrong += why
             print(*row, *why, sep=" | ", flush=True)
     notes = (
-        f"{run.asked.samples} samples of a simulated MEMS gyro at 100 Hz; run k of a job has the seed (crc32 of its name, k)",
-        f"a failure is more than {LIMIT:g} s from Ctrl-C to the end of the process, a process that is left, or other words "
-        "than those of an interruption; the slowest is that of all runs",
+        f"{run.asked.samples} samples of a simulated MEMS gyro at 100 Hz",
+        "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, from Ctrl-C to the end",
+        f"a failure is more than {LIMIT:g} s, a process that is left, or other words than those of an interruption",
         *(f"failed: {one}" for one in wrong),
     )
     run.publish("Ctrl-C in every verb and every statistic", notes, markdown(HEADINGS, rows))

@@ -1,5 +1,6 @@
 """How the program ends: with a message and an exit code, never with a traceback."""
 
+import atexit
 import gc
 import os
 import shlex
@@ -86,6 +87,9 @@ class Front(click.Group):
         """Parse, run, and end the program."""
         extra["standalone_mode"] = False
         gc.set_threshold(OBJECTS)
+        atexit.register(
+            gc.freeze
+        )  # the system takes all memory back at once; to go through every object takes 0.4 to 0.7 s
         for threads in BLAS:
             os.environ.setdefault(threads, "1")
         os.environ["MPLBACKEND"] = "agg"  # figures are written, and a backend that is not there is an error
