@@ -150,6 +150,7 @@ HEADINGS = ("job", "takes s", "runs", "interrupted", "slowest s", "failures")
 
 def main() -> None:
     run = begin(__doc__, runs=3, samples=5_000_000)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell lets programs in the background ignore it
     rows, wrong = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

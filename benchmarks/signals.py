@@ -164,6 +164,8 @@ HEADINGS = ("job", "disk", "runs", "ended by the signal", "finished before", "en
 
 def main() -> None:
     run = begin(__doc__, runs=200)
+    for number in SIGNALS:  # which a shell or nohup may have let programs ignore
+        signal.signal(number, signal.SIG_DFL)
     rows, wrong = [], []
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
