@@ -1,0 +1,105 @@
+"""What a change of the record that means nothing does to the results: the digits that docs/accuracy.md promises.
+
+Every number of a result is compared by its place in the JSON; it may grow with a power of the scale from -2 to 2.
+"""
+
+import numpy as np
+import pytest
+
+import allanite as al
+
+RATE = 100.0
+BASE = al.simulate(al.sensor("mems"), 6000, RATE, rng=np.random.default_rng(1)).values
+JOBS = {
+    "identify": (al.identify, 1e-6),
+    "deviation": (al.deviation, 2e-8),  # the limits follow the noise that is identified
+    "mdev": (lambda record: al.deviation(record, "mdev", noise=None), 1e-12),
+    "spectrum": (al.spectrum, 1e-12),
+    "dynamic": (al.dynamic, 1e-12),
+}
+SCALES = {
+    "2^60": 2.0**60,
+    "2^-60": 2.0**-60,
+    "1e15": 1e15,
+    "1e-15": 1e-15,
+    "1e28": 1e28,  # of values of about 1e-3; tests/unit/cli/test_streams.py has what is refused beyond
+    "1e-25": 1e-25,
+}
+UNCHANGED = {
+    "sign": lambda values: -values,
+    "bias": lambda values: values + 1 / 4,
+    "memory order": lambda values: np.asfortranarray(np.column_stack([values, values]))[:, 0],
+    "reversal": lambda values: values[::-1],
+}
+WINDOWS = {"spectrum", "dynamic"}  # their windows are laid from the beginning
+SIGNED = "R"  # the rate ramp has a sign, which the first two sorts of mirror change
+
+
+def leaves(value, path=()):
+    """(path, leaf) of every value in a result."""
+    if not isinstance(value, (dict, list, tuple)):
+        yield path, value
+        return
+    for key, part in value.items() if isinstance(value, dict) else enumerate(value):
+        yield from leaves(part, (*path, key))
+
+
+def results(job, values):
+    found = job(al.Record(values, rate=RATE, unit="rad/s")).to_dict()
+    if "terms" in found:
+        found["terms"] = [term for term in found["terms"] if term["symbol"] != SIGNED]
+        for of_signed in ("profile", "alternatives", "rivals", "correlation"):
+            found.pop(of_signed, None)
+    return dict(leaves(found))
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def assert_same(got, expected, scale, digits):
+    assert got.keys() == expected.keys()
+    for path, value in expected.items():
+        other = got[path]
+        if not is_number(value) or not is_number(other):
+            assert other == value, path
+        elif value != other and not np.isnan(value):
+            degrees = (0,) if scale == 1 else (1, 2, 0, -1, -2)
+            wanted = [value * scale**k for k in degrees]
+            assert any(abs(other - number) <= digits * abs(number) for number in wanted), (path, value, other)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return {name: results(job, BASE) for name, (job, _) in JOBS.items()}
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("name", JOBS)
+def test_a_scale_is_that_of_the_results(name, scale, plain):
+    job, digits = JOBS[name]
+    assert_same(results(job, BASE * SCALES[scale]), plain[name], SCALES[scale], digits)
+
+
+@pytest.mark.parametrize("change", UNCHANGED)
+@pytest.mark.parametrize("name", JOBS)
+def test_what_means_nothing_changes_nothing(name, change, plain):
+    if change == "reversal" and name in WINDOWS:
+        pytest.skip("its windows are laid from the beginning")
+    job, digits = JOBS[name]
+    assert_same(results(job, UNCHANGED[change](BASE)), plain[name], 1, digits)
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_single_precision_is_read_as_it_is(name):
+    job, _ = JOBS[name]
+    single = BASE.astype(np.float32)
+    assert results(job, single) == results(job, single.astype(np.float64))
+
+
+def test_no_channel_depends_on_its_neighbours():
+    one, other = (al.Record(BASE[::step], rate=RATE, unit="rad/s", name=f"x{step}") for step in (1, -1))
+    there, back, alone = (al.analyze(al.Recording(order)) for order in ((one, other), (other, one), (one,)))
+    first, second = (channel.fit.to_dict() for channel in there.channels)
+    assert [channel.fit.to_dict() for channel in back.channels] == [second, first]
+    assert alone.channels[0].fit.to_dict() == first
