@@ -1,12 +1,15 @@
 """What a checkout promises."""
 
+import hashlib
 import importlib
+import json
 import os
 import pkgutil
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import types
 import zipfile
 from pathlib import Path
@@ -121,16 +124,59 @@ def test_make_says_what_to_install(tmp_path, can, words):
     assert not (tmp_path / ".venv").exists()
 
 
-def test_the_wheel_holds_what_the_package_needs(tmp_path):
+def test_the_wheel_of_the_sdist_holds_what_the_package_needs(tmp_path):
     pytest.importorskip("hatchling", reason="the build backend is not installed here")
-    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
-    subprocess.run(build, cwd=ROOT, capture_output=True, check=True)
-    (wheel,) = tmp_path.glob("*.whl")
+    import release
+
+    archive, wheel = release.built(tmp_path)
     names = zipfile.ZipFile(wheel).namelist()
     for needed in ("allanite/py.typed", "allanite/reporting/page.html.j2", "allanite/cli/__init__.py"):
         assert needed in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not [name for name in names if not name.startswith(("allanite/", "allanite-"))]
+    with tarfile.open(archive) as packed:
+        inside = {name.partition("/")[2] for name in packed.getnames()}
+    assert {"SECURITY.md", "constraints.txt", "tests/conftest.py"} <= inside
+    digests = [(hashlib.sha256(path.read_bytes()).hexdigest(), path.name) for path in (archive, wheel)]
+    assert release.sums(archive, wheel) == "".join(f"{digest}  {name}\n" for digest, name in digests)
+
+
+def test_the_bill_of_materials_has_the_library_of_the_page():
+    import release
+
+    bare = json.dumps({"metadata": {"component": {"name": "allanite"}}, "components": []})
+    bill = json.loads(release.completed(bare, "1.2"))
+    assert bill["metadata"]["component"] == {"name": "allanite", "version": "1.2"}
+    (plotly,) = bill["components"]
+    assert re.fullmatch(r"pkg:npm/plotly\.js-basic-dist-min@\d+\.\d+\.\d+", plotly["purl"])
+
+
+def test_a_pinned_version_with_an_open_advisory_is_named(tmp_path):
+    import advisories
+
+    def advisory(name, **more):
+        return {"id": f"X-{name}", "affected": [{"package": {"ecosystem": "PyPI", "name": name}, **more}]}
+
+    def ranged(*events):
+        return {"ranges": [{"type": "ECOSYSTEM", "events": [dict([event]) for event in events]}]}
+
+    open_ones = [
+        advisory("A_b", **ranged(("introduced", "0"), ("fixed", "2.0"), ("introduced", "2.9"))),
+        advisory("c", versions=["1.0", "1.1"]),
+        advisory("d", **ranged(("introduced", "1.0"), ("last_affected", "1.5"))),
+    ]
+    others = [
+        advisory("a-b", **ranged(("introduced", "0"), ("fixed", "2.0"))),
+        advisory("d", **ranged(("introduced", "0"), ("last_affected", "1.4.9"))),
+        advisory("c", versions=["1.0"]) | {"withdrawn": "2026-01-01T00:00:00Z"},
+        advisory("unknown", versions=["1.0"]),
+    ]
+    for k, one in enumerate([*open_ones, *others]):
+        (tmp_path / f"{k}.json").write_text(json.dumps(one))
+    (tmp_path / "e.yaml").write_text("id: X-e\naffected: [{package: {ecosystem: PyPI, name: e}, versions: ['3']}]\n")
+    pinned = advisories.pins("# what is pinned\na-b==3.0\nC==1.1\nd==1.5\ne==3\n")
+    found = advisories.findings(pinned, advisories.advisories(tmp_path))
+    assert found == ["a-b 3.0: X-A_b", "c 1.1: X-c", "d 1.5: X-d", "e 3: X-e"]
 
 
 def test_no_module_is_hidden_by_an_object_of_its_name():

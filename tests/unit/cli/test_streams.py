@@ -55,6 +55,26 @@ def test_a_stream_that_takes_nothing_is_named_and_the_other_output_is_written(fi
 
 
 @linux
+@pytest.mark.parametrize("megabytes", [200, 600, 1000, 2400])
+def test_too_small_an_address_space_is_named_before_the_work(file, megabytes):
+    done = shell(f"ulimit -v {megabytes}000; {PROGRAM} analyze {file}")
+    assert done.returncode == 3
+    assert "not enough memory: allanite needs about 2.5 GB of address space" in done.stderr
+    assert done.stdout == ""
+
+
+@linux
+def test_a_file_that_does_not_fit_is_refused_before_it_is_read(tmp_path):
+    large = tmp_path / "large.csv"
+    with large.open("wb") as stream:
+        stream.write(b"gx [deg/h]\n" + 20_000 * b"1.25\n")
+        stream.truncate(1 << 30)  # a hole: it takes no room on the disk
+    done = shell(f"ulimit -v 3000000; {PROGRAM} dynamic {large} --rate 100")
+    assert done.returncode == 2
+    assert re.search(r"the record may take 7\.73 GB of memory, of which [\d.]+ [GM]B may be used", done.stderr)
+
+
+@linux
 @pytest.mark.parametrize("stream", ["2>/dev/full", "2>&-"])
 def test_without_standard_error_the_exit_code_says_it(stream, tmp_path):
     assert shell(f"{PROGRAM} info {tmp_path}/none.csv {stream}").returncode == 3

@@ -1,0 +1,87 @@
+"""Make a release in a folder: sdist, a wheel built from it, the bill of materials and checksums of the three.
+
+    python tools/release.py [FOLDER]
+
+The bill of materials (CycloneDX, JSON) lists the wheel and all that it needs, with the versions of constraints.txt,
+as they are installed into an environment of its own. benchmarks/environments.py tries the wheel with other versions,
+tools/advisories.py looks the versions up in a folder of advisories.
+"""
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PLOTLY = ROOT / "src" / "allanite" / "web" / "static" / "plotly-basic.min.js"
+
+
+def run(*words: object, folder: Path = ROOT) -> None:
+    """Run a command that has to succeed."""
+    subprocess.run([str(word) for word in words], cwd=folder, check=True)  # noqa: S603  our own words
+
+
+def built(folder: Path) -> tuple[Path, Path]:
+    """The sdist, and the wheel that is built of what it unpacks to."""
+    hatch = (sys.executable, "-m", "hatchling", "build", "-d", folder, "-t")
+    run(*hatch, "sdist")
+    (archive,) = folder.glob("*.tar.gz")
+    with tempfile.TemporaryDirectory() as name:
+        shutil.unpack_archive(archive, name, filter="data")
+        run(*hatch, "wheel", folder=next(Path(name).iterdir()))
+    (wheel,) = folder.glob("*.whl")
+    return archive, wheel
+
+
+def materials(wheel: Path, target: Path) -> Path:
+    """The bill of materials of a wheel and of what is installed with it."""
+    with tempfile.TemporaryDirectory() as name:
+        own = Path(name, "bin", "python")
+        run(sys.executable, "-m", "venv", name)
+        run(own, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)
+        run(own, "-m", "pip", "uninstall", "-q", "-y", "pip", "setuptools")
+        about = ("--pyproject", ROOT / "pyproject.toml", "--mc-type", "library", "--output-reproducible")
+        run(sys.executable, "-m", "cyclonedx_py", "environment", *about, "-o", target, own)
+    return target
+
+
+def completed(text: str, version: str) -> str:
+    """A bill of materials with the version of allanite, and the library of the page, which comes with the wheel."""
+    bill = json.loads(text)
+    bill["metadata"]["component"]["version"] = version
+    with PLOTLY.open(encoding="utf-8") as script:
+        (found,) = re.findall(r"\* plotly\.js \(basic - minified\) v([\d.]+)", script.read(200))
+    name = "plotly.js-basic-dist-min"
+    bill["components"].append(
+        {
+            **{"type": "library", "bom-ref": f"{name}=={found}", "name": name, "version": found},
+            **{"purl": f"pkg:npm/{name}@{found}", "licenses": [{"license": {"id": "MIT"}}]},
+        }
+    )
+    return json.dumps(bill, indent=2, ensure_ascii=False) + "\n"
+
+
+def sums(*paths: Path) -> str:
+    """Lines as ``sha256sum --check`` reads them."""
+    return "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
+
+
+def main() -> None:
+    """Make the release."""
+    folder = Path(*sys.argv[1:2] or ("dist",)).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    if any(folder.iterdir()):
+        sys.exit(f"{folder} is not empty; give another folder, or remove what is in it")
+    archive, wheel = built(folder)
+    name = archive.name.removesuffix(".tar.gz")
+    bill = materials(wheel, folder / f"{name}.cdx.json")
+    bill.write_text(completed(bill.read_text("utf-8"), name.rpartition("-")[2]), "utf-8")
+    (folder / "SHA256SUMS").write_text(sums(archive, wheel, bill), "utf-8")
+
+
+if __name__ == "__main__":
+    main()
