@@ -106,7 +106,7 @@ def used():
                 found.setdefault((what, method), place)
             else:
                 for where in (place, ""):
-                    calls.setdefault((where, what), set()).add(method)
+                    calls.setdefault((where, what), {})[method] = None  # a set in order: workers collect the same tests
         if "re.compile" in text:
             held += [(place, *pair) for pair in compiled(importlib.import_module(f"allanite.{place}"))]
     for place, name, pattern in held:
