@@ -1,6 +1,6 @@
 """The tests with the wheel installed into environments of their own: several Pythons, oldest and newest dependencies.
 
-    python benchmarks/environments.py [--pythons python3.11 python3.12] [--tests tests/unit] [--write PATH]
+    python benchmarks/environments.py [--pythons python3.11 python3.12] [--tests tests/unit/cli] [--write PATH]
 
 The wheel is built from the sdist. The oldest dependencies are the lower bounds of pyproject.toml, which the first
 Python has; the newest are what pip finds today. Tools of the tests themselves are the newest throughout. Ends with
@@ -19,7 +19,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 EXTRAS = ("hdf5", "ros", "r", "ulog", "xlsx", "tdms", "mdf", "web", "live")
-SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py")
+TESTS = [
+    "tests/unit/readers",
+    "tests/unit/reporting",
+    "tests/unit/cli",
+    "tests/conformance/test_statistics.py",
+    "tests/conformance/test_round_trip.py",
+]
+"""Tests of everything that meets a dependency, and of every statistic."""
+
+SHOWN = ("numpy", "scipy", "numba", "pyarrow", "matplotlib", "click", "h5py", "threadpoolctl")
 """Packages whose versions the table has."""
 
 
@@ -82,7 +91,7 @@ def test_tools() -> list[str]:
 
 
 def main() -> None:
-    asked = begin(__doc__, pythons=["python3.11", "python3.12", "python3.13"], tests=["tests/unit"])
+    asked = begin(__doc__, pythons=["python3.11", "python3.12", "python3.13"], tests=TESTS)
     rows, good = [], True
     with tempfile.TemporaryDirectory() as name:
         made = built(Path(name))

@@ -11,6 +11,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from pyarrow import parquet
+from scipy.io import loadmat, savemat
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -113,6 +115,46 @@ def test_what_the_user_says_wins_over_the_description(tmp_path, suffix):
     recording = al.read(tmp_path / f"a{suffix}", rate=50.0, unit="deg/h", channels=["gy"])
     assert recording.channels == ("gy",)
     assert (recording["gy"].rate, recording["gy"].unit) == (50.0, "deg/h")
+
+
+def in_reverse(path):
+    """The same file with its columns in another order, as other programs leave it."""
+    if path.suffix == ".csv":
+        description, *lines = path.read_text().splitlines()
+        path.write_text("\n".join([description, *(",".join(line.split(",")[::-1]) for line in lines)]))
+    elif path.suffix == ".parquet":
+        table = parquet.read_table(path)
+        parquet.write_table(table.select(table.column_names[::-1]), path)
+    elif path.suffix == ".npz":
+        with np.load(path) as file:
+            np.savez(path, **{name: file[name] for name in file.files[::-1]})
+    elif path.suffix == ".mat":
+        found = loadmat(path)
+        savemat(path, {name: found[name] for name in list(found)[::-1] if not name.startswith("_")}, oned_as="column")
+    else:
+        with h5py.File(path) as old, h5py.File(path.with_name("new"), "w") as new:
+            for name in [*old][::-1]:
+                old.copy(name, new)
+        path.with_name("new").replace(path)
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_columns_in_another_order_keep_their_units(tmp_path, suffix):
+    units = {"wz": "deg/h", "wx": "rad/s", "az": "g"}
+    written = [al.Record(np.random.default_rng().normal(size=99), 10.0, units[name], name=name) for name in units]
+    al.write(al.Recording(tuple(written)), tmp_path / f"a{suffix}")
+    in_reverse(tmp_path / f"a{suffix}")
+    assert_same(al.read(tmp_path / f"a{suffix}"), al.Recording(tuple(written)))
+
+
+def test_a_column_that_is_another_does_not_get_the_description(tmp_path):
+    written = [al.Record(np.arange(99.0) % 7, 10.0, "rad/s", name=name) for name in ("gx", "gy")]
+    al.write(al.Recording(tuple(written)), tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text().replace(",gy [rad/s]\n", ",gz [deg/h]\n")
+    (tmp_path / "a.csv").write_text(text)
+    found = al.read(tmp_path / "a.csv", rate=10.0)
+    assert [(record.name, record.unit) for record in found] == [("gx", "rad/s"), ("gz", "deg/h")]
+    assert "does not match its columns" in found.notes[0]
 
 
 def test_channels_that_share_no_clock_are_refused(tmp_path):

@@ -174,12 +174,13 @@ def _demand_rows(columns: list[Column]) -> None:
             )
 
 
-def described(recording: Recording) -> str:
-    """Rate, start and the description of each channel, in ASCII."""
+def described(recording: Recording, headers: Sequence[str]) -> str:
+    """Rate, start and the description of each channel, with the header of its column, in ASCII."""
     channels = [
-        {name: getattr(record, name) for name in ("name", "unit", "kind", "scale")}
+        {"header": header}
+        | {name: getattr(record, name) for name in ("name", "unit", "kind", "scale")}
         | {"integers": record.values.dtype.kind == "i", "history": list(record.history)}
-        for record in recording
+        for record, header in zip(recording, headers, strict=True)
     ]
     said = {KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels}
     return json.dumps(said)
@@ -200,13 +201,18 @@ def keys(recording: Recording) -> list[str]:
     return result
 
 
+def with_units(names: Sequence[str], recording: Recording) -> list[str]:
+    """Headers of columns with these names whose units the file states."""
+    return [f"{name.strip()} [{record.unit}]".strip() for name, record in zip(names, recording, strict=True)]
+
+
 def restored(table: Table, text: str | bytes) -> Table:
     """The columns with their stored description; a description that does not fit them is ignored, with a note."""
     if not text:
         return table
     try:
         return _restored(table, json.loads(text))
-    except (AllaniteError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
+    except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
         note = say(
             "{source} does not match its columns (were they changed since it was written?) and is ignored",
             source=SOURCE,
@@ -215,10 +221,21 @@ def restored(table: Table, text: str | bytes) -> Table:
 
 
 def _restored(table: Table, said: dict[str, Any]) -> Table:
-    pairs = zip(table.columns, said["channels"], strict=True)
+    pairs = zip(_ordered(table.columns, said["channels"]), said["channels"], strict=True)
     columns = tuple(_told(column, channel) for column, channel in pairs)
     start = None if said["start"] is None else float(said["start"])
     return replace(table, columns=columns, rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
+
+
+def _ordered(columns: Sequence[Column], channels: Sequence[dict[str, Any]]) -> Sequence[Column]:
+    """The columns in the order in which they were written: other programs may sort them, or list them by name."""
+    written: list[Any] = [channel.get("header") for channel in channels]
+    found = [column.header for column in columns]
+    if written == found or None in written or not any(found):
+        return columns
+    if sorted(written) != sorted(found) or len(set(found)) < len(found):
+        raise ValueError(found)
+    return [columns[found.index(header)] for header in written]
 
 
 def _told(column: Column, said: dict[str, Any]) -> Column:

@@ -6,7 +6,7 @@ import re
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.readers.columns.parts import Parts
-from allanite.readers.columns.table import KEY, described, keys
+from allanite.readers.columns.table import KEY, described, keys, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_library
 
@@ -57,9 +57,10 @@ def write(recording: Recording, path: str) -> None:
     try:
         with h5py.File(path, "w", track_order=True) as file:
             file.attrs["rate"] = recording[0].rate
-            for name, record in zip(keys(recording), recording, strict=True):
+            names = keys(recording)
+            for name, record in zip(names, recording, strict=True):
                 file.create_dataset(name, data=record.values).attrs["units"] = record.unit
-            file[KEY] = described(recording)
+            file[KEY] = described(recording, with_units(names, recording))
     except RuntimeError as error:  # what the system says when the file is closed
         number = re.search(r"errno = (\d+)", str(error))
         if number is None:

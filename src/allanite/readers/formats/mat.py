@@ -38,6 +38,7 @@ def write(recording: Recording, path: str) -> None:
 
     if max(record.values.nbytes for record in recording) > _LARGEST:
         raise UsageError("a channel exceeds the 2 GB limit of a MATLAB 5 variable; write .h5 or .parquet")
-    content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
+    names = keys(recording)
+    content = {name: record.values for name, record in zip(names, recording, strict=True)}
     with open(path, "wb") as file:
-        savemat(file, content | {"rate": recording[0].rate, KEY: described(recording)}, oned_as="column")
+        savemat(file, content | {"rate": recording[0].rate, KEY: described(recording, names)}, oned_as="column")

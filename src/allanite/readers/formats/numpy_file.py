@@ -78,9 +78,11 @@ def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> Table:
 
 def write(recording: Recording, path: str) -> None:
     """An .npz with an array for each channel, and the rate."""
-    content = {name: record.values for name, record in zip(keys(recording), recording, strict=True)}
+    names = keys(recording)
+    content: dict[str, Any] = {name: record.values for name, record in zip(names, recording, strict=True)}
+    content |= {"rate": recording[0].rate, KEY: described(recording, names)}
     with Path(path).open("wb") as file, zipfile.ZipFile(file, "w", allowZip64=True) as archive:
-        for name, array in (content | {"rate": recording[0].rate, KEY: described(recording)}).items():
+        for name, array in content.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 

@@ -14,7 +14,7 @@ from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_ar
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.datasets import WIDEST
 from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.table import KEY, Table, described, restored
+from allanite.readers.columns.table import KEY, Table, described, restored, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 
@@ -107,7 +107,8 @@ def write(recording: Recording, path: str) -> None:
         pa.field(r.name, pa.int64() if r.values.dtype.kind == "i" else pa.float64(), metadata={"unit": r.unit})
         for r in recording
     ]
-    metadata = {KEY: described(recording), "rate": repr(recording[0].rate)}
+    headers = with_units([r.name for r in recording], recording)
+    metadata = {KEY: described(recording, headers), "rate": repr(recording[0].rate)}
     table = pa.table([pa.array(r.values) for r in recording], schema=pa.schema(fields, metadata))
     parquet.write_table(table, path, compression="zstd", use_dictionary=False)
 

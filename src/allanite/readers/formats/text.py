@@ -11,7 +11,7 @@ from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.readers.columns import dates, encoding, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
-from allanite.readers.columns.table import KEY, Table, described, restored
+from allanite.readers.columns.table import KEY, Table, described, restored, with_units
 from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
@@ -60,9 +60,9 @@ def write(recording: Recording, path: str) -> None:
     from pyarrow import csv
 
     table = pa.table([pa.array(r.values) for r in recording], names=[str(i) for i in range(len(recording))])
-    header = ",".join(f"{_word(r.name)} [{r.unit}]" for r in recording)
+    headers = with_units([_word(r.name) for r in recording], recording)
     with Path(path).open("wb") as file:
-        file.write(f"# {described(recording)}\n{header}\n".encode())
+        file.write(f"# {described(recording, headers)}\n{','.join(headers)}\n".encode())
         csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
 
 
