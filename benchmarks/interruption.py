@@ -89,6 +89,7 @@ def recordings(folder: Path, samples: int) -> None:
 
 
 def started(words: tuple[str, ...], folder: Path, samples: int) -> subprocess.Popen[bytes]:
+    shutil.rmtree(folder / "results", ignore_errors=True)  # a batch goes on where it has stopped
     command = [sys.executable, "-m", "allanite.cli", *(word.replace("{samples}", str(samples)) for word in words)]
     quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     return subprocess.Popen(command, cwd=folder, start_new_session=True, **quiet)

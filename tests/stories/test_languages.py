@@ -281,18 +281,30 @@ def test_every_verb_is_run():
     assert [verb for verb in VERBS if verb not in ("example", "batch", "serve")] == list(RUNS)
 
 
-@pytest.mark.parametrize("verb", RUNS)
-def test_nothing_that_a_verb_shows_is_left_in_english(verb, files, pseudo, monkeypatch):
-    values = []
-    for name, row in EXPORTS.items():
-        monkeypatch.setitem(EXPORTS, name, replace(row, source=""))
-    if verb == "explain":
-        for name, statistic in STATISTICS.items():
-            monkeypatch.setitem(STATISTICS, name, replace(statistic, reference=""))
-    monkeypatch.setattr(deliver, "text_of", lambda value, lang: values.append(value) or "")
-    for line in RUNS[verb]:
-        run(f"{verb} {line}", files)
-    assert len(values) == len(RUNS[verb])
+@pytest.fixture(scope="module", params=RUNS)
+def verb(request):
+    """A verb; the tests of one come one after the other."""
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def values(verb, files):
+    """What a verb shows, without names of papers."""
+    found = []
+    with pytest.MonkeyPatch.context() as patch:
+        for name, row in EXPORTS.items():
+            patch.setitem(EXPORTS, name, replace(row, source=""))
+        if verb == "explain":
+            for name, statistic in STATISTICS.items():
+                patch.setitem(STATISTICS, name, replace(statistic, reference=""))
+        patch.setattr(deliver, "text_of", lambda value, lang: found.append(value) or "")
+        for line in RUNS[verb]:
+            run(f"{verb} {line}", files)
+        assert len(found) == len(RUNS[verb])
+        yield found
+
+
+def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monkeypatch):
     found = left(
         part
         for one, line in zip(values, RUNS[verb], strict=True)
@@ -314,12 +326,7 @@ def printed_words(figure):
     return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
 
 
-@pytest.mark.parametrize("verb", RUNS)
-def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, files, monkeypatch):
-    values = []
-    monkeypatch.setattr(deliver, "text_of", lambda value, lang: values.append(value) or "")
-    for line in RUNS[verb]:
-        run(f"{verb} {line}", files)
+def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
     for value in values:
         for drawing in drawings(view_of(value).face(value, level_of(value))):
             try:

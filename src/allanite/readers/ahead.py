@@ -23,11 +23,16 @@ def ahead(source: Iterator[T]) -> Iterator[T]:
     line = _Line(source)
     thread = threading.Thread(target=copy_context().run, args=(line.work,), daemon=True)
     thread.start()
+    wait = True
     try:
         yield from line.items()
+    except (KeyboardInterrupt, SystemExit):  # the program ends, and the thread with it
+        wait = False
+        raise
     finally:
         line.ended.set()
-        thread.join()
+        if wait:
+            thread.join()
 
 
 class _Line(Generic[T]):
