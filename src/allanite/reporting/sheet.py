@@ -253,11 +253,19 @@ _UNITS = (
 )  # fmt: skip
 
 
+_ENDLESS = re.compile(r"\S{401,}")
+
+
 def printable(text: str) -> str:
-    """`text` without control characters: names out of a file must not drive the terminal."""
-    if text.isprintable():  # a phrase stays one
+    """`text` as it is shown: names out of a file must not drive the terminal, nor fill it.
+
+    A control character becomes a sign of its own; of a word of more than 400 characters both ends are left.
+    """
+    if not text.isprintable():  # otherwise a phrase stays one
+        text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    if len(text) <= 400 or not _ENDLESS.search(text):
         return text
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)
 
 
 def printed_unit(unit: str) -> str:

@@ -4,6 +4,7 @@ Attributes and links are followed only within the file.
 """
 
 import math
+import os
 import sys
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -12,7 +13,8 @@ import h5py
 import numpy as np
 
 MOST_OBJECTS, DEEPEST = 10_000, 32
-BLOCK = 8 << 20
+BLOCK, MOST_CHUNKS = 8 << 20, 2000  # of which the library keeps 4 kB each
+COST = 400  # finding a chunk takes as long as sending so many bytes
 WANTED = ("unit", "units", "columns", "names", "channels", "labels", "matlab_class", "matlab_empty")
 
 
@@ -21,7 +23,9 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     file = h5py.File(path, "r", rdcc_nbytes=BLOCK)
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
-        return file[where].size * file[where].dtype.itemsize, _blocks(file[where], fields)
+        found = file[where]
+        chunks = min(_chunks(found), os.path.getsize(path) // 8)  # no more than the file has room for
+        return found.size * found.dtype.itemsize + chunks * COST, _blocks(found, fields)
 
     return Listing(file, most, {*names["rates"], *WANTED}, names["text"]).said, load
 
@@ -130,11 +134,17 @@ def _plain(value: Any) -> Any:
     return words if array.ndim else words[0]
 
 
+def _chunks(dataset: Any) -> int:
+    """How many chunks a dataset has, those that were never written included."""
+    return math.prod(-(-size // chunk) for size, chunk in zip(dataset.shape, dataset.chunks or (), strict=False))
+
+
 def _blocks(dataset: Any, fields: list[str]) -> Iterator[Any]:
     """The bytes of a dataset, in blocks of whole chunks so that none is unpacked twice."""
     source = dataset.fields(fields) if fields else dataset
     row = max(1, dataset.size // dataset.shape[0] * dataset.dtype.itemsize)
     tall = dataset.chunks[0] if dataset.chunks else 1
-    step = max(1, BLOCK // row // tall) * tall
+    across = _chunks(dataset) // max(1, dataset.shape[0] // tall)
+    step = max(1, min(BLOCK // row // tall, MOST_CHUNKS // max(1, across))) * tall
     for start in range(0, dataset.shape[0], step):
         yield np.ascontiguousarray(source[start : start + step]).data

@@ -1,0 +1,123 @@
+"""Small files that claim or cost much: memory, time and words of the program that reads them."""
+
+import struct
+import subprocess
+import sys
+import zipfile
+
+import h5py
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+
+import allanite as al
+
+NUMBERS = np.random.default_rng(1).normal(size=(3000, 2))
+TEXT = "gx [deg/s],gy [rad/s]\n" + "\n".join(f"{x:.3f},{y:.3f}" for x, y in NUMBERS)
+
+
+def archive_of_64_bits(path):
+    """A legitimate .zip whose end names no numbers: those stand in a record of 64 bits before it."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.csv", TEXT)
+    raw = path.read_bytes()
+    at = raw.rfind(b"PK\5\6")
+    count, size, offset = struct.unpack("<HLL", raw[at + 10 : at + 20])
+    record = struct.pack("<4sQHHLLQQQQ", b"PK\6\6", 44, 45, 45, 0, 0, count, count, size, offset)
+    where = struct.pack("<4sLQL", b"PK\6\7", 0, at, 1)
+    end = struct.pack("<4sHHHHLLH", b"PK\5\6", 0, 0, *[0xFFFF] * 2, *[0xFFFFFFFF] * 2, 0)
+    path.write_bytes(raw[:at] + record + where + end)
+
+
+def archive_of_many(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.csv", TEXT)
+        for k in range(100_000):
+            archive.writestr(zipfile.ZipInfo(f"{k}" + "x" * 400), b"")
+
+
+def page_of_text(path):
+    words = pa.array(["x" * 1_000_000] * 100)
+    table = pa.table({"t": words, "gx": pa.array(NUMBERS[:100, 0])})
+    parquet.write_table(table, path, compression="zstd", use_dictionary=False, data_page_size=1 << 31)
+
+
+def chunks_of_one_sample(path):
+    with h5py.File(path, "w") as file:
+        samples = file.create_dataset("gx", shape=(60_000,), chunks=(1,), dtype="<f8")
+        samples.attrs["units"] = "deg/s"
+        samples[:] = np.resize(NUMBERS, 60_000)
+
+
+def cells_of_text(path):
+    words = "w" * 40
+    lines = (f"{k % 7}.5,{words}{k},{words}{k}z\n" for k in range(400_000))
+    path.write_text("gx [deg/s],a,b\n" + "".join(lines))
+
+
+def long_name(path):
+    path.write_text(TEXT.replace("gx", "n" * 50_000))
+
+
+def long_unit(path):
+    path.write_text(TEXT.replace("deg/s", "s*" * 25_000).replace("rad/s", "furlong"))
+
+
+def long_array_name(path):
+    np.savez(path, **{"n" * 50_000 + " [furlong]": NUMBERS[:, 0]})
+
+
+CASES = {
+    "legitimate.zip": (archive_of_64_bits, None),
+    "many.zip": (archive_of_many, "the directory of the archive claims"),
+    "page.parquet": (page_of_text, "the table claims"),
+    "chunks.h5": (chunks_of_one_sample, None),
+    "cells.csv": (cells_of_text, None),
+    "name.csv": (long_name, None),
+    "unit.csv": (long_unit, "the unit is unknown"),
+    "name.npz": (long_array_name, "the unit is unknown"),
+}
+PROGRAM = """
+import resource, sys
+import allanite as al
+from allanite.cli import main
+def peak():  # ru_maxrss is also that of the program that started this one
+    with open("/proc/self/status") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
+al.prepare.inspect(al.read("small.csv")[0])
+before = peak()
+print("INFO", flush=True)
+try:
+    main(["info", sys.argv[1], "--rate", "100", "--threads", "1"])
+finally:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    more = peak() - before + max(0, used[1].ru_maxrss - before)
+    print("USED", more, sum(u.ru_utime + u.ru_stime for u in used))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is in kB on Linux only")
+@pytest.mark.parametrize("name", CASES)
+def test_what_it_takes_and_what_is_said(name, tmp_path):
+    make, refused = CASES[name]
+    make(tmp_path / name)
+    times = "".join(f"{k / 100:.2f},{x:.3f}\n" for k, x in enumerate(NUMBERS[:, 0]))
+    (tmp_path / "small.csv").write_text(f"time [s],gx [deg/s]\n{times}")
+    command = [sys.executable, "-c", PROGRAM, name]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    shown, _, used = done.stdout.partition("INFO")[2].partition("USED ")
+    memory, seconds = map(float, used.split())
+    assert memory * 1024 < 3 * (tmp_path / name).stat().st_size + 200e6
+    assert seconds < 5
+    assert done.returncode == (0 if refused is None else 2 if "unit" in refused else 3), done.stderr
+    assert refused is None or refused in done.stderr
+    assert len(shown) + len(done.stderr) < 5000
+    assert max(len(line) for line in (shown + done.stderr).splitlines()) < 700
+
+
+def test_the_samples_are_those_of_the_file(tmp_path):
+    archive_of_64_bits(tmp_path / "a.zip")
+    chunks_of_one_sample(tmp_path / "a.h5")
+    assert np.array_equal(al.read(tmp_path / "a.zip", rate=100)["gx"].values, NUMBERS[:, 0].round(3))
+    assert np.array_equal(al.read(tmp_path / "a.h5", rate=100)["gx"].values, np.resize(NUMBERS, 60_000))
