@@ -142,7 +142,7 @@ class Record(Value):
     def extent(self) -> tuple[float, float]:
         """Least and largest finite value; NaN where there is none."""
         low, high = self.values.min(), self.values.max()
-        if not np.isfinite(high - low):
+        if not (np.isfinite(low) and np.isfinite(high)):
             finite = self.values[np.isfinite(self.values)]
             low, high = (finite.min(), finite.max()) if finite.size else (np.nan, np.nan)
         return float(low), float(high)
