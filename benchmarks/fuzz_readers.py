@@ -57,7 +57,7 @@ WARMING = -1
 WORKER = []
 """The program of that process, once it is imported."""
 
-SLOW, WATCH = 2.0, 20.0
+SLOW, WATCH = 2.0, 120.0
 """Seconds that a file may take to be read, and after which the process is stopped."""
 
 MEMORY = next((folder for folder in ("/dev/shm",) if os.path.isdir(folder)), None)  # noqa: S108  a disk is slow
