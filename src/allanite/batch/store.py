@@ -134,10 +134,11 @@ class Store:
         """
         from pyarrow import parquet
 
-        with draft(self.folder / name, force=True) as part:
-            with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
-                yield writer
-            _flush(part)
+        with (
+            draft(self.folder / name, force=True) as part,
+            parquet.ParquetWriter(part, schema, compression="zstd") as writer,
+        ):
+            yield writer
 
     def write(self, name: str, table: Any) -> None:
         """Write a table; see `writer`."""
@@ -163,9 +164,3 @@ class Store:
         except (OSError, ArrowInvalid) as error:
             raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({error}); run the batch again") from None
         return table.to_pylist(), table.schema.metadata or {}
-
-
-def _flush(part: Path) -> None:
-    """Wait until a file is on the disk."""
-    with part.open("rb") as file:
-        os.fsync(file.fileno())

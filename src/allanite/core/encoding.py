@@ -34,16 +34,26 @@ class Form(NamedTuple):
 
 def write(value: Any, hint: Any, level: float) -> Any:
     """Plain data of a value of type `hint`, with limits at `level`."""
-    return _form(hint).write(value, get_args(hint), level)
+    origin, args = _derived(hint)
+    return _form(origin).write(value, args, level)
 
 
 def read(data: Any, hint: Any) -> Any:
     """The value of type `hint` that `write` has written."""
-    return _form(hint).read(data, get_args(hint))
+    origin, args = _derived(hint)
+    return _form(origin).read(data, args)
+
+
+def _derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """What a type is derived from, and its arguments; the name of a type, such as NDArray of numpy 2.5, is resolved."""
+    origin, args = get_origin(hint) or hint, get_args(hint)
+    if hasattr(origin, "__value__"):
+        return _derived(origin.__value__[args] if args else origin.__value__)
+    return origin, args
 
 
 def _form(hint: Any) -> Form:
-    origin = get_origin(hint) or hint
+    origin, _ = _derived(hint)
     if origin in FORMS:
         return FORMS[origin]
     if isinstance(origin, type) and hasattr(origin, "to_dict"):

@@ -17,6 +17,7 @@ from allanite.batch.executor import Processes, Serial
 from allanite.batch.manifest import manifest_of
 from allanite.batch.records import run_batch
 from allanite.cli import main
+from allanite.core import files
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +146,7 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
 
 
 def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp_path, monkeypatch):
-    real, calls = store._flush, []
+    real, calls = files._flush, []
 
     def full(part):
         calls.append(part)
@@ -154,7 +155,7 @@ def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp
         real(part)
 
     with monkeypatch.context() as patch:
-        patch.setattr(store, "_flush", full)
+        patch.setattr(files, "_flush", full)
         with pytest.raises(al.UsageError, match="No space left on device"):
             run_batch(units, tmp_path / "r")
     assert len(list((tmp_path / "r" / "parts").iterdir())) == 2

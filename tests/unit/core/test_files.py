@@ -45,6 +45,27 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == ["page.html"]
 
 
+def test_the_data_is_on_the_disk_before_the_name(tmp_path, monkeypatch):
+    done, flush, replace = [], os.fsync, os.replace
+    monkeypatch.setattr(os, "fsync", lambda fd: done.append(os.fstat(fd).st_size) or flush(fd))
+    monkeypatch.setattr(os, "replace", lambda part, target: done.append("replace") or replace(part, target))
+    write(tmp_path / "page.html", b"new")
+    assert done == [3, "replace"]
+
+
+def test_a_disk_that_takes_the_data_only_at_first_leaves_the_old_file(tmp_path, monkeypatch):
+    def gone(*_):
+        raise OSError(5, "Input/output error")
+
+    path = tmp_path / "page.html"
+    path.write_bytes(b"old")
+    monkeypatch.setattr(os, "fsync", gone)
+    with pytest.raises(UsageError, match=r"cannot be written .Input/output error"):
+        write(path, b"new", force=True)
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
 def test_a_link_stays_a_link(tmp_path):
     target, link = tmp_path / "target.html", tmp_path / "link.html"
     target.write_bytes(b"old")
