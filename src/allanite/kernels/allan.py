@@ -1,16 +1,14 @@
 """Integration, and squared differences of the angle at every averaging factor."""
 
 import numpy as np
-from numba import njit
 
-# the sum may be reordered (SIMD); NaN and infinity keep their meaning
-FAST = {"reassoc", "nsz", "contract"}
+from .compiling import kernel, swift_part
 
 BLOCK = 8192
 """Samples per block: what one averaging factor has loaded the next finds in the cache."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def integrate(values, constant):  # type: ignore[no-untyped-def]
     """x[0] = 0, x[k+1] = x[k] + (values[k] - constant), shape (n + 1,), float64.
 
@@ -25,7 +23,7 @@ def integrate(values, constant):  # type: ignore[no-untyped-def]
     return x
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     """Sum over i = start .. stop - 1 of the squared difference of order 1, 2 or 3 of x[i], x[i+m], x[i+2m], x[i+3m]."""
     a, b = x[start:stop], x[start + m : stop + m]
@@ -48,7 +46,7 @@ def squares(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def strided(x, m, order):  # type: ignore[no-untyped-def]
     """Sum of the squared differences at every m[j]-th i, shape of m."""
     sums = np.zeros(m.size)
@@ -59,7 +57,7 @@ def strided(x, m, order):  # type: ignore[no-untyped-def]
     return sums
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def dot(a, b):  # type: ignore[no-untyped-def]
     """Sum of a b, over the length of a."""
     total = 0.0
@@ -68,7 +66,7 @@ def dot(a, b):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _folded_squares(a, b, c, signs, shift):  # type: ignore[no-untyped-def]
     """Sum of (shift + signs[0] a - 2 b + signs[1] c)^2."""
     left, right = signs
@@ -79,7 +77,7 @@ def _folded_squares(a, b, c, signs, shift):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def folded(x, m):  # type: ignore[no-untyped-def]
     """Sum over i = 1 .. x.size - 2 of x'[i-m] - 2 x[i] + x'[i+m] squared, x' folded back at the first and last point.
 

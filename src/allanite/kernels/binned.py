@@ -1,11 +1,8 @@
 """What is done to samples before their transform, and to its coefficients after it, in one pass each."""
 
 import numpy as np
-from numba import njit
 
-FAST = {"reassoc", "nsz", "contract"}
-
-swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+from .compiling import swift, swift_part
 
 BLOCK = 1024
 """Coefficients that are summed before they are added to the rest of their bin: rounding grows with neither."""
@@ -15,7 +12,7 @@ SIZE = np.int64(0x7FFF_FFFF_FFFF_FFFF)
 """The bits of a number without its sign: as integers they are ordered as the sizes are, and compared side by side."""
 
 
-@swift
+@swift_part
 def _block(c):  # type: ignore[no-untyped-def]
     """Sum of squares, sums of the first, third .. and of the second, fourth .. of some coefficients."""
     squares = first = second = 0.0
@@ -31,7 +28,7 @@ def _block(c):  # type: ignore[no-untyped-def]
     return squares, first, second
 
 
-@swift
+@swift_part
 def _largest(bits):  # type: ignore[no-untyped-def]
     """Bits of the largest of some numbers, without its sign."""
     found = np.int64(0)

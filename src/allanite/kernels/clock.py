@@ -1,13 +1,14 @@
 """Counting the samples that a clock has seen and a file has not."""
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel
 
 GAIN = 0.1
 """Share of a stamp's departure by which the level follows: jitter is averaged over 20 stamps, drift is followed."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def followed(stamps, rows, ahead, slack):  # type: ignore[no-untyped-def]
     """Whole intervals by which each stamp is ahead of its row, and what is left of its departure.
 

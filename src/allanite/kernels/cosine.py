@@ -8,15 +8,14 @@ over q. All tables are of P or Q angles; their products are the others.
 import math
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST
+from .compiling import kernel, part, swift_part
 
 PART = 256
 """Neighbouring coefficients that are made together."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def even_then_odd(y, slope, v):  # type: ignore[no-untyped-def]
     """The points of even index, and then those of odd index backward, less a ramp that is zero in the middle."""
     n, middle = y.size, (y.size - 1) / 2
@@ -27,7 +26,7 @@ def even_then_odd(y, slope, v):  # type: ignore[no-untyped-def]
         back[i] = y[2 * i + 1] - slope * (2 * i + 1 - middle)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _turn(row, fine, coarse):  # type: ignore[no-untyped-def]
     """Multiply row[q], complex numbers as pairs of floats, with coarse[q / fine] fine[q % fine]."""
     width = fine.shape[1]
@@ -40,7 +39,7 @@ def _turn(row, fine, coarse):  # type: ignore[no-untyped-def]
             part[2 * i], part[2 * i + 1] = x * re - y * im, x * im + y * re
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _angles(step, count):  # type: ignore[no-untyped-def]
     """Cosines and sines of -step i, shape (2, count)."""
     table = np.empty((2, count))
@@ -49,7 +48,7 @@ def _angles(step, count):  # type: ignore[no-untyped-def]
     return table
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def twiddle(z):  # type: ignore[no-untyped-def]
     """Multiply z[s, q] with exp(-2 pi i s q / h) in place; shape (P, 2 Q), complex numbers as pairs of floats."""
     P, Q = z.shape[0], z.shape[1] // 2
@@ -59,7 +58,7 @@ def twiddle(z):  # type: ignore[no-untyped-def]
         _turn(z[s], _angles(step, width), _angles(step * width, -(-Q // width)))
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _four(near, far, turn, base, out):  # type: ignore[no-untyped-def]
     """Coefficients k, n - k, h - k and h + k from Z_k and Z_(h-k), of ascending k.
 
@@ -82,7 +81,7 @@ def _four(near, far, turn, base, out):  # type: ignore[no-untyped-def]
         down[last - i], over[i] = tr * xr - ti * xi, -(tr * xi + ti * xr)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _gather(Z, step, t, scale, out):  # type: ignore[no-untyped-def]
     """Column t of every step-th row, real and imaginary parts."""
     column = Z[::step, 2 * t : 2 * t + 2]
@@ -90,7 +89,7 @@ def _gather(Z, step, t, scale, out):  # type: ignore[no-untyped-def]
         out[0, i], out[1, i] = scale * column[i, 0], scale * column[i, 1]
 
 
-@njit(cache=True, nogil=True)
+@part
 def _part(Z, c, k, count, tables):  # type: ignore[no-untyped-def]
     """What Z_k .. Z_(k+count-1), of one column, and their counterparts give."""
     P, Q = Z.shape[0], Z.shape[1] // 2
@@ -105,7 +104,7 @@ def _part(Z, c, k, count, tables):  # type: ignore[no-untyped-def]
     _four((near[0, :count], near[1, :count]), (far[0, :count], far[1, :count]), (turn[0], turn[1]), base, out)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def coefficients(Z, c):  # type: ignore[no-untyped-def]
     """The orthonormal DCT-II from Z[s, t] = Z_k, shape (P, 2 Q), complex numbers as pairs of floats."""
     P, Q, n = Z.shape[0], Z.shape[1] // 2, c.size

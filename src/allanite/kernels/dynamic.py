@@ -1,12 +1,12 @@
 """Sums of squared differences in windows that slide along the angle."""
 
 import numpy as np
-from numba import njit
 
 from .allan import squares
+from .compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def sliding(blocks, f):  # type: ignore[no-untyped-def]
     """Sums of every f neighbours, shape (blocks.size - f + 1,), by additions only (van Herk, Gil and Werman).
 
@@ -27,7 +27,7 @@ def sliding(blocks, f):  # type: ignore[no-untyped-def]
     return sums
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def windowed(x, m, count, order, step):  # type: ignore[no-untyped-def]
     """Sum of the squared differences that start at w step ... w step + count[j] - 1, shape (windows, m.size).
 

@@ -1,10 +1,11 @@
 """The largest range of x within any window."""
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def largest_range(x, m):  # type: ignore[no-untyped-def]
     """Largest (max - min)^2 of m + 1 neighbouring points, for every m, shape of m; 0 where no window fits."""
     result = np.zeros(m.size)
@@ -14,7 +15,7 @@ def largest_range(x, m):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _one(x, m, high, low):  # type: ignore[no-untyped-def]
     """Two queues of places that may still become the window's maximum and minimum (Lemire 2006)."""
     most = 0.0

@@ -1,16 +1,16 @@
 """Frames of a record, each less its own polynomial, and sums of products of their transforms."""
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST, dot
+from .allan import dot
+from .compiling import kernel, part, swift_part
 from .summed import running_sum
 
 STRETCH = 1024
 """Floats of a spectrum that are multiplied before going on to the next block."""
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _moments(z):  # type: ignore[no-untyped-def]
     """Sums of z, t z and t^2 z, t from -1 to 1."""
     zero = first = second = 0.0
@@ -23,7 +23,7 @@ def _moments(z):  # type: ignore[no-untyped-def]
     return zero, first, second
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _less(z, a, b, c):  # type: ignore[no-untyped-def]
     """Take a + b t + c t^2 from z, in place, t from -1 to 1."""
     step = 2.0 / (z.size - 1)
@@ -32,7 +32,7 @@ def _less(z, a, b, c):  # type: ignore[no-untyped-def]
         z[i] -= a + t * (b + t * c)
 
 
-@njit(cache=True, nogil=True)
+@part
 def flatten(z, degree):  # type: ignore[no-untyped-def]
     """Remove the least-squares polynomial of degree 1 or 2 from z, in place."""
     n = float(z.size)
@@ -43,7 +43,7 @@ def flatten(z, degree):  # type: ignore[no-untyped-def]
     _less(z, zero / n - bend * t2 / n, first / t2, bend)
 
 
-@njit(cache=True, nogil=True)
+@part
 def cut(x, start, degree, summed, out):  # type: ignore[no-untyped-def]
     """The points of a frame into out: x, or its running sum, from `start` on, less their polynomial."""
     if summed:
@@ -53,7 +53,7 @@ def cut(x, start, degree, summed, out):  # type: ignore[no-untyped-def]
     flatten(out, degree)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _add_product(total, a, b):  # type: ignore[no-untyped-def]
     """Add conj(a) b, complex numbers as pairs of floats."""
     for i in range(total.size // 2):
@@ -61,7 +61,7 @@ def _add_product(total, a, b):  # type: ignore[no-untyped-def]
         total[2 * i + 1] += a[2 * i] * b[2 * i + 1] - a[2 * i + 1] * b[2 * i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_products(total, spectra, left):  # type: ignore[no-untyped-def]
     """total[o] += sum over frames and blocks k < left of conj(spectra[k]) spectra[k + o].
 
@@ -78,7 +78,7 @@ def add_products(total, spectra, left):  # type: ignore[no-untyped-def]
                     _add_product(total[o, f:stop], spectra[s, k, f:stop], spectra[s, k + o, f:stop])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_rectangles(total, near, far, place, steps):  # type: ignore[no-untyped-def]
     """total[:, J] += conj(near[:, I]) far for all I < J with a I + d J = place, steps = a, d.
 
@@ -93,7 +93,7 @@ def add_rectangles(total, near, far, place, steps):  # type: ignore[no-untyped-d
                 _add_product(total[p, high], near[p, low], far[p])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def running_squares(z):  # type: ignore[no-untyped-def]
     """Running sums of z^2, shape (z.size + 1,), by blocks: rounding does not grow with the length."""
     out = np.empty(z.size + 1)
@@ -107,7 +107,7 @@ def running_squares(z):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_leaves(out, e, sign, steps, leaf):  # type: ignore[no-untyped-def]
     """out[m] += sign times the sum of e[i] e[i + d m + offset] over a m0 <= i < a m, steps = a, d, offset.
 

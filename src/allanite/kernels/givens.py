@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def absorb(factor, rows, values):  # type: ignore[no-untyped-def]
     """Rotate each row (with its value behind it) into the upper triangular `factor`, in place.
 

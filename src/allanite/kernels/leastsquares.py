@@ -3,16 +3,14 @@
 import math
 
 import numpy as np
-from numba import njit
 
-FAST = {"reassoc", "nsz", "contract"}
+from .compiling import swift_part
+
 ROUNDING = 1e-15
 ALIKE = 1 - 1e-11
 
-swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 
-
-@swift
+@swift_part
 def dot(a, b):  # type: ignore[no-untyped-def]
     """Sum of the products."""
     total = 0.0
@@ -21,7 +19,7 @@ def dot(a, b):  # type: ignore[no-untyped-def]
     return total
 
 
-@swift
+@swift_part
 def cholesky(G):  # type: ignore[no-untyped-def]
     """Put the lower root of G in its place; of a pivot at least its rounding is left."""
     for j in range(G.shape[0]):
@@ -34,7 +32,7 @@ def cholesky(G):  # type: ignore[no-untyped-def]
         G[j, j] = math.sqrt(max(pivot, ROUNDING * G[j, j]))
 
 
-@swift
+@swift_part
 def forward(root, b):  # type: ignore[no-untyped-def]
     """Put root^-1 b in the place of b."""
     for j in range(b.size):
@@ -43,7 +41,7 @@ def forward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift
+@swift_part
 def backward(root, b):  # type: ignore[no-untyped-def]
     """Put root'^-1 b in the place of b."""
     for j in range(b.size - 1, -1, -1):
@@ -52,7 +50,7 @@ def backward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift
+@swift_part
 def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     """G x = c on the passive set, zero elsewhere."""
     q = c.size
@@ -69,7 +67,7 @@ def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     return x
 
 
-@swift
+@swift_part
 def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     """Whether a column is another one in use except for its size."""
     found = False
@@ -78,7 +76,7 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     return found
 
 
-@swift
+@swift_part
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
     best, most = -1, 1e-12 * np.abs(c).max()
@@ -89,7 +87,7 @@ def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     return best
 
 
-@swift
+@swift_part
 def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     """Move x to what is wanted, or as far as nothing falls below zero; the one that is zero there first, or -1."""
     step, leaving = 1.0, -1
@@ -103,7 +101,7 @@ def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     return leaving
 
 
-@swift
+@swift_part
 def _nnls(G, c, x):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
 
@@ -125,7 +123,7 @@ def _nnls(G, c, x):  # type: ignore[no-untyped-def]
         passive[best] = True
 
 
-@swift
+@swift_part
 def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def]
     """Theta >= 0 with the least sum of weight (power - columns theta)^2, shape (p,), sought from a first one."""
     p = first.size

@@ -1,13 +1,14 @@
 """Messages of a binary log that describes itself: each begins with two bytes, and its type determines its length."""
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel
 
 DEFINITION = 128
 """Type of the messages that define types: the type and its length are their first two bytes."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def message_at(data, at, lengths):  # type: ignore[no-untyped-def]
     """Length of the message at a position; 0 if there is none, or if what follows it is not one either.
 
@@ -28,7 +29,7 @@ def message_at(data, at, lengths):  # type: ignore[no-untyped-def]
     return length
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def counted(data, lengths):  # type: ignore[no-untyped-def]
     """Number of messages of each type, shape (256,), and number of bytes that belong to none."""
     counts = np.zeros(256, np.int64)
@@ -44,7 +45,7 @@ def counted(data, lengths):  # type: ignore[no-untyped-def]
     return counts, lost
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def taken(data, lengths, kind, rows):  # type: ignore[no-untyped-def]
     """Copy the contents of all messages of a type to `rows`, uint8, shape (count, length - 3)."""
     at = row = 0

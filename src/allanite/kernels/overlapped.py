@@ -6,9 +6,9 @@ second-level cache holds; averaging factors whose rows reach beyond a tile read 
 """
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST, squares
+from .allan import squares
+from .compiling import kernel, part, swift_part
 
 ROWS = 256
 """Averaging factors from which rows are long enough."""
@@ -20,7 +20,7 @@ TILE = 1 << 17
 """Samples that are processed for one averaging factor after the other."""
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _four_rows(x, m, order, at, count):  # type: ignore[no-untyped-def]
     """Sum of the squared differences of order 2 or 3 at i, i + m, i + 2m and i + 3m for i = at .. at + count - 1."""
     a, b, c = x[at : at + count], x[at + m : at + m + count], x[at + 2 * m : at + 2 * m + count]
@@ -43,7 +43,7 @@ def _four_rows(x, m, order, at, count):  # type: ignore[no-untyped-def]
     return one + two
 
 
-@njit(cache=True, nogil=True)
+@part
 def rows(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     """Sum over i = start .. stop - 1 of the squared differences at m, a part of the columns of all rows at a time."""
     total = 0.0
@@ -58,7 +58,7 @@ def rows(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _four_factors(x, m, start, count):  # type: ignore[no-untyped-def]
     """Sums of the squared second differences at four m for i = start .. start + count - 1."""
     j, k, r, n = m
@@ -76,7 +76,7 @@ def _four_factors(x, m, start, count):  # type: ignore[no-untyped-def]
     return one, two, three, four
 
 
-@njit(cache=True, nogil=True)
+@part
 def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
     """Add the squared differences at i = span[0] .. span[1] - 1 for short m, ascending."""
     (start, end), j = span, 0
@@ -95,7 +95,7 @@ def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
             j += 1
 
 
-@njit(cache=True, nogil=True)
+@part
 def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     """Add the squared differences of order 1 to 3 at every i < size for every m[j], ascending, as far as x reaches.
 
@@ -117,7 +117,7 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
         sums[j] += rows(x, m[j], order, done[j], min(size, x.size - order * m[j]))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def overlapped(x, m, order):  # type: ignore[no-untyped-def]
     """Sum of the squared differences of order 1 to 3 at every i for every m[j], ascending, shape of m."""
     sums = np.zeros(m.size)

@@ -1,12 +1,11 @@
 """A parabola under a stretch of samples: its sums, and the samples less it. u is a line over the stretch."""
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST
+from .compiling import kernel, swift
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift
 def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
     """Sums of x, u, u^2, u^3, u^4, x u, x u^2 with x less its first value, u = start + step i, shape (7,)."""
     a = b = c = d = e = f = g = 0.0
@@ -25,7 +24,7 @@ def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
     return np.array((a, b, c, d, e, f, g))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def less_parabola(x, start, step, factors):  # type: ignore[no-untyped-def]
     """The samples less constant + line u + square u^2, with these three factors, u = start + step i."""
     constant, line, square = factors

@@ -1,13 +1,14 @@
 """What one look at a part of a record shows: its extremes, and runs of one value."""
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel, swift_part
 
 BLOCK = 2048
 """Samples that are looked at together, while the cache has them."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def looked(y):  # type: ignore[no-untyped-def]
     """Number of finite values, the extremes, how often the more frequent one occurs, the longest run of neighbours.
 
@@ -33,7 +34,7 @@ def looked(y):  # type: ignore[no-untyped-def]
     return left, low, high, max(lows, highs), longest
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "nsz"})
+@swift_part
 def _sum(y):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(y.size):
@@ -41,7 +42,7 @@ def _sum(y):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _extreme(y, low, high):  # type: ignore[no-untyped-def]
     """How many values do not lie between the limits."""
     count = 0
@@ -50,7 +51,7 @@ def _extreme(y, low, high):  # type: ignore[no-untyped-def]
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _equal(a, b):  # type: ignore[no-untyped-def]
     count = 0
     for i in range(b.size):
@@ -58,7 +59,7 @@ def _equal(a, b):  # type: ignore[no-untyped-def]
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _finite(y):  # type: ignore[no-untyped-def]
     count = 0
     for i in range(y.size):
@@ -66,7 +67,7 @@ def _finite(y):  # type: ignore[no-untyped-def]
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _lowest(y, sign, low, count):  # type: ignore[no-untyped-def]
     """The smallest finite value times the sign so far, and how often it occurred."""
     for i in range(y.size):
@@ -77,7 +78,7 @@ def _lowest(y, sign, low, count):  # type: ignore[no-untyped-def]
     return low, count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _runs(y, before, run, longest):  # type: ignore[no-untyped-def]
     """Length of the last run of neighbours equal to the one before, and of the longest."""
     for i in range(y.size):

@@ -1,13 +1,13 @@
 """The modified total statistics: every window detrended, folded back at both ends and differenced all the way round."""
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST, squares
+from .allan import squares
+from .compiling import part, swift_part
 from .summed import running_sum
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _less_parabola(out, S, start, line, m):  # type: ignore[no-untyped-def]
     """out[i] = S[i] - first - j (level + slope (j - 3m) / 2) with j = start + i, line = first, level, slope."""
     first, level, slope = line
@@ -16,7 +16,7 @@ def _less_parabola(out, S, start, line, m):  # type: ignore[no-untyped-def]
         out[i] = (S[i] - first) - j * (level + 0.5 * slope * (j - 3.0 * m))
 
 
-@njit(cache=True, nogil=True)
+@part
 def one_by_one(x, m):  # type: ignore[no-untyped-def]
     """Sum over windows n of q_n = 1/(6 m^3) sum over the 6m places of (third difference of the folded sum)^2.
 
@@ -58,7 +58,7 @@ def one_by_one(x, m):  # type: ignore[no-untyped-def]
     return total / (6.0 * m) / (float(m) * m)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _mirrored(out, S, start, line, m):  # type: ignore[no-untyped-def]
     """out[i] = -(S[i] - first - j (level + slope (j - 3m) / 2)) with j = start - i, S given backward."""
     first, level, slope = line

@@ -1,7 +1,8 @@
 """Samples far off the median of those around them."""
 
 import numpy as np
-from numba import njit
+
+from .compiling import kernel
 
 HALF = 15
 """Neighbours on either side."""
@@ -13,7 +14,7 @@ EARLY = 24
 """Neighbours that are counted first: those that follow rarely matter."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def off(y, limit, part):  # type: ignore[no-untyped-def]
     """Indices of samples more than ``limit[i // part]`` off the median of the 31 around them; y has 31 or more.
 
@@ -36,7 +37,7 @@ def off(y, limit, part):  # type: ignore[no-untyped-def]
     return found[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _bends(y, first, bends):  # type: ignore[no-untyped-def]
     """How far samples from the first on are off both neighbours together; at an end the one counts twice."""
     n, size = y.size, bends.size
@@ -51,7 +52,7 @@ def _bends(y, first, bends):  # type: ignore[no-untyped-def]
         bends[size - 1] = abs((y[n - 1] - y[n - 2]) + (y[n - 1] - y[n - 2]))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _beyond(y, i, most):  # type: ignore[no-untyped-def]
     """Whether a sample is more than that off the median of the 31 around it."""
     width = 2 * HALF + 1

@@ -1,12 +1,10 @@
 """Sums of squared differences, and of powers of segments, of the cells of one level of a stream; see `ladder`."""
 
 import numpy as np
-from numba import njit
 
 from .allan import squares
+from .compiling import kernel, part, swift_part
 from .ladder import BAND, FIRST, HOP, OCTAVE, UPPER
-
-FAST = {"reassoc", "nsz", "contract"}
 
 MANY = 128
 """Segments that are transformed at a time."""
@@ -15,7 +13,7 @@ NEAR = 4096
 """Cells whose differences are taken at a time, so that the cache has them for all averaging factors."""
 
 
-@njit(cache=True, nogil=True)
+@part
 def read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
     """Differences and segments of a row of cells that begin before cell span[1] and end after the span[0]-th.
 
@@ -48,7 +46,7 @@ def read(state, k, row, span, shape):  # type: ignore[no-untyped-def]
         _transform(state, k, row[0, first:], (last - first + HOP - 1) // HOP, transform)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _four(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     """Sums of the squared differences for m, m + 1, m + 2, m + 3, at once: each point is loaded less often."""
     a, n = x[start:stop], stop - start
@@ -69,7 +67,7 @@ def _four(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     return p, q, r, s
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _points(row, k):  # type: ignore[no-untyped-def]
     """The angle, or its running sum, between the cells of a row, less what differences take away."""
     n = row.shape[1]
@@ -92,7 +90,7 @@ def _points(row, k):  # type: ignore[no-untyped-def]
     return x
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
     """Running sums of the cells less their mean: four at a time, so that one addition waits for another once."""
     total, whole = 0.0, cells.size - cells.size % 4
@@ -109,7 +107,7 @@ def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
         x[i + 1] = total
 
 
-@njit(cache=True, nogil=True)
+@part
 def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
     """Squares of the coefficients of successive segments; `rows` are the window, and weights of what is folded."""
     base, size = (UPPER + BAND * (k - 1), BAND) if k else (0, UPPER)
@@ -124,7 +122,7 @@ def _transform(state, k, cells, segments, rows):  # type: ignore[no-untyped-def]
     state.segments[k] += segments
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _fold(cells, window, many, folded):  # type: ignore[no-untyped-def]
     """Segments (a, b, c, d) in quarters, times the window, as (-c' - d, a - b') and the sum of the segment."""
     half, before = HOP // 2, 0.0
@@ -141,7 +139,7 @@ def _fold(cells, window, many, folded):  # type: ignore[no-untyped-def]
         before = total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _squared(folded, weights):  # type: ignore[no-untyped-def]
     """Sum of the squares of weights' folded."""
     total = 0.0

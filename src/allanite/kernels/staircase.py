@@ -1,10 +1,8 @@
 """Branch and bound for the staircase floor(x + p l + q r) that is nearest to the data."""
 
 import numpy as np
-from numba import njit
 
-# sums may be reordered (SIMD); no NaN comes here
-_FAST = {"reassoc", "nsz", "contract"}
+from .compiling import kernel, swift_part
 
 FEW = 6
 """Undecided samples of a box at which its cells are counted out, one by one."""
@@ -22,7 +20,7 @@ DEEPEST = 200
 """Levels of boxes: two for each halving of both sides, from any size to the finest."""
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@swift_part
 def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
     """Sum over i of (e - floor(x + p (1 - right) + q right))^2 at corner = (p, q)."""
     total = 0.0
@@ -33,7 +31,7 @@ def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def compass(samples, step, finest):  # type: ignore[no-untyped-def]
     """A good point to begin with: the best of eight neighbours as long as there is a better one, at ever finer steps.
 
@@ -55,7 +53,7 @@ def compass(samples, step, finest):  # type: ignore[no-untyped-def]
     return p, q, best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     """Split the samples `part` by whether their step is decided within a box.
 
@@ -83,7 +81,7 @@ def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     return decided, least, middle, count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _lines(samples, box, part):  # type: ignore[no-untyped-def]
     """The lines p (1 - right) + q right = at on which the undecided samples step up, and the misfits on either side."""
     e, x, right = samples
@@ -98,7 +96,7 @@ def _lines(samples, box, part):  # type: ignore[no-untyped-def]
     return r, at, low.sum(), gain
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _about(lines, p, q):  # type: ignore[no-untyped-def]
     """Least misfit of the cells that meet in a point.
 
@@ -121,7 +119,7 @@ def _about(lines, p, q):  # type: ignore[no-untyped-def]
     return total + least
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _along(lines, box, side):  # type: ignore[no-untyped-def]
     """Least misfit along a side of the box (0, 1: p = p0, p1; 2, 3: q = q0, q1), and where."""
     r, at, total, gain = lines
@@ -144,7 +142,7 @@ def _along(lines, box, side):  # type: ignore[no-untyped-def]
     return (least, fixed, where) if side < 2 else (least, where, fixed)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _cells(lines, box):  # type: ignore[no-untyped-def]
     """Least misfit in a box of sides below 1, exactly: a cell touches its border or has a corner where lines meet."""
     r, at = lines[0], lines[1]
@@ -168,7 +166,7 @@ def _cells(lines, box):  # type: ignore[no-untyped-def]
     return least, best_p, best_q
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _room(store, needed):  # type: ignore[no-untyped-def]
     """`store`, or a larger one with the same beginning."""
     if needed <= store.size:
@@ -178,7 +176,7 @@ def _room(store, needed):  # type: ignore[no-untyped-def]
     return larger
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _half(box, upper):  # type: ignore[no-untyped-def]
     """One half of a box, cut across its longer side."""
     p0, p1, q0, q1 = box
@@ -189,7 +187,7 @@ def _half(box, upper):  # type: ignore[no-untyped-def]
     return (p0, p1, cut, q1) if upper else (p0, p1, q0, cut)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
     """1 if a point lies on the side of the upper half, else 0."""
     p0, p1, q0, q1 = box
@@ -198,7 +196,7 @@ def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
     return 1 if q >= 0.5 * (q0 + q1) else 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-def]
     """Least misfit over the box |p|, |q| < half.
 

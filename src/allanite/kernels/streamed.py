@@ -1,13 +1,13 @@
 """Samples that come in chunks, and parts of a stream that are joined; see `ladder` for what is kept of them."""
 
 import numpy as np
-from numba import njit
 
+from .compiling import kernel, swift_part
 from .ladder import LEVELS
-from .squared import FAST, read
+from .squared import read
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def push(state, values, constant, shape):  # type: ignore[no-untyped-def]
     """Add finite samples that follow the last one; `shape` is (order of the differences, rows of the transform).
 
@@ -35,7 +35,7 @@ def push(state, values, constant, shape):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _less(values, constant, result):  # type: ignore[no-untyped-def]
     """Samples less a constant, and their sum."""
     total = 0.0
@@ -45,7 +45,7 @@ def _less(values, constant, result):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _joined(before, after):  # type: ignore[no-untyped-def]
     row = np.empty((before.shape[0], before.shape[1] + after.shape[1]))
     row[:, : before.shape[1]] = before
@@ -53,7 +53,7 @@ def _joined(before, after):  # type: ignore[no-untyped-def]
     return row
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _extend(state, k, cells):  # type: ignore[no-untyped-def]
     """Add cells to the first ones of a level, as long as there is room."""
     have = state.filled[k, 0]
@@ -63,7 +63,7 @@ def _extend(state, k, cells):  # type: ignore[no-untyped-def]
         state.filled[k, 0] = have + more
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _keep(state, k, row):  # type: ignore[no-untyped-def]
     """Keep the last cells of a row."""
     size = min(state.tail.shape[2], row.shape[1])
@@ -71,7 +71,7 @@ def _keep(state, k, row):  # type: ignore[no-untyped-def]
     state.filled[k, 1] = size
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _paired(state, k, cells, where, first):  # type: ignore[no-untyped-def]
     """The cells of the next level, behind room for where[1] others; empty without any. What has no partner waits.
 
@@ -106,13 +106,13 @@ def _paired(state, k, cells, where, first):  # type: ignore[no-untyped-def]
     return pairs
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _halved(cells, pairs):  # type: ignore[no-untyped-def]
     for i in range(pairs.size):
         pairs[i] = cells[2 * i] + cells[2 * i + 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def broken(state, place):  # type: ignore[no-untyped-def]
     """Go on at sample `place`, with missing ones before it: nothing that came is still awaited."""
     state.runs[0] = 2
@@ -121,7 +121,7 @@ def broken(state, place):  # type: ignore[no-untyped-def]
     state.at[0] = place
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def join(state, other, shape):  # type: ignore[no-untyped-def]
     """Add the part of a stream that begins where this one ends, with its own sums."""
     joint = np.empty((state.head.shape[1], 0))
@@ -154,7 +154,7 @@ def join(state, other, shape):  # type: ignore[no-untyped-def]
     _add(state, other)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def apart(state, other):  # type: ignore[no-untyped-def]
     """Add a part of a stream that begins later than where this one ends, with missing samples between them."""
     state.tail[:] = other.tail
@@ -166,7 +166,7 @@ def apart(state, other):  # type: ignore[no-untyped-def]
     _add(state, other)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add(state, other):  # type: ignore[no-untyped-def]
     state.sums[:] += other.sums
     state.counts[:] += other.counts
@@ -174,7 +174,7 @@ def _add(state, other):  # type: ignore[no-untyped-def]
     state.segments[:] += other.segments
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _sum_less(values, constant):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(values.size):
@@ -182,7 +182,7 @@ def _sum_less(values, constant):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gathered(total, count, values, constant, place):  # type: ignore[no-untyped-def]
     """Add finite samples to cells, in place; `place` is (cell size, first sample) with cell 0 beginning at 0."""
     size, at = place

@@ -4,9 +4,8 @@ A running sum of the whole record would lose (record / window)^1.5 to ^2.5 digit
 """
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST
+from .compiling import kernel, swift_part
 from .overlapped import add_overlapped
 
 REACH = 8
@@ -16,7 +15,7 @@ SHORT, LONG = 512, 64
 """Length of a segment: at least, and over its smallest averaging factor."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def running_sum(x, S):  # type: ignore[no-untyped-def]
     """S[0] = 0, S[k+1] = S[k] + x[k] less the line through the first and the last point, k < x.size.
 
@@ -49,7 +48,7 @@ def running_sum(x, S):  # type: ignore[no-untyped-def]
         S[i + 1] = total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def group_end(m, first):  # type: ignore[no-untyped-def]
     """Index after the last averaging factor that shares segments with m[first]."""
     stop = first
@@ -58,7 +57,7 @@ def group_end(m, first):  # type: ignore[no-untyped-def]
     return stop
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def modified(x, m):  # type: ignore[no-untyped-def]
     """Sum over i of (sum over k < m of x[i+2m+k] - 2 x[i+m+k] + x[i+k])^2 for every m, ascending, shape of m."""
     sums, space = np.zeros(m.size), np.empty(x.size + 1)
@@ -76,7 +75,7 @@ def modified(x, m):  # type: ignore[no-untyped-def]
     return sums
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _parabolic_squares(S, U, m, count):  # type: ignore[no-untyped-def]
     half = (m - 1) / 2
     s0, s2 = S[:count], S[2 * m : 2 * m + count]
@@ -88,7 +87,7 @@ def _parabolic_squares(S, U, m, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def parabolic(x, m):  # type: ignore[no-untyped-def]
     """Sum over i < x.size - 2m of (sum over k < m of ((m-1)/2 - k) (x[i+k] - x[i+m+k]))^2 for every m > 1."""
     sums = np.zeros(m.size)

@@ -1,14 +1,14 @@
 """Theo1 by its definition."""
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST, dot
+from .allan import dot
+from .compiling import kernel, part, swift_part
 
 _BLOCK = 2048
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _pair_squares(ends, near, far):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(ends.size):
@@ -17,7 +17,7 @@ def _pair_squares(ends, near, far):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def theo1(x, m):  # type: ignore[no-untyped-def]
     """Sum over i < x.size - m and v = 1 .. m/2 of (x[i] - x[i+v] + x[i+m] - x[i+m-v])^2 / v for every even m."""
     sums = np.zeros(m.size)
@@ -26,7 +26,7 @@ def theo1(x, m):  # type: ignore[no-untyped-def]
     return sums
 
 
-@njit(cache=True, nogil=True)
+@part
 def _one(x, m):  # type: ignore[no-untyped-def]
     z, ends = np.empty(_BLOCK + m), np.empty(_BLOCK)
     total = 0.0
@@ -43,7 +43,7 @@ def _one(x, m):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _add_points(A, e, f, points):  # type: ignore[no-untyped-def]
     """A[i] += points[0] e[i] + points[1] e[i-1] + points[2] f[i] + points[3] f[i-1], e and f from i = -1 on."""
     e0, e1, f0, f1 = points
@@ -52,7 +52,7 @@ def _add_points(A, e, f, points):  # type: ignore[no-untyped-def]
         A[i] += (e0 * ea[i] + e1 * eb[i]) + (f0 * fa[i] + f1 * fb[i])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _add_mirrored(D, e, f, weights):  # type: ignore[no-untyped-def]
     """D[u] += e[0][u] e[1][u] + f[0][u] f[1][u]; gives the sum of weights[u] D[u]."""
     (a, b), (c, d) = e, f
@@ -63,7 +63,7 @@ def _add_mirrored(D, e, f, weights):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def every_theo1(A, D, edges, signs):  # type: ignore[no-untyped-def]
     """Sum over v of (A_m[v] + A_m[m-v]) / v and of D_m[k-v] / v, v = 1 .. k = m/2, for all m = 2, 4 ...: two arrays.
 

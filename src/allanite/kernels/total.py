@@ -16,9 +16,9 @@ that of a frame of a few windows, less a parabola, which V does not hold: little
 """
 
 import numpy as np
-from numba import njit
 
-from .allan import FAST, dot
+from .allan import dot
+from .compiling import kernel, part, swift_part
 from .frames import cut
 from .reflected import one_by_one
 
@@ -32,7 +32,7 @@ LEFT, LEAST = 6, 96
 """Windows that start in a frame, over m, and at least."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def modified_total(x, m):  # type: ignore[no-untyped-def]
     """Sum over windows n of q_n = 1/(6 m^3) sum over the 6m places of (third difference of the folded sum)^2."""
     sums = np.zeros(m.size)
@@ -45,7 +45,7 @@ def modified_total(x, m):  # type: ignore[no-untyped-def]
     return sums
 
 
-@njit(cache=True, nogil=True)
+@part
 def _framed(x, m):  # type: ignore[no-untyped-def]
     windows, length = x.size + 1 - 3 * m, max(LEAST, LEFT * m)
     ranges, factors = _ranges(m)
@@ -60,7 +60,7 @@ def _framed(x, m):  # type: ignore[no-untyped-def]
     return total / (6.0 * m) / (float(m) * m), squares / (6.0 * m) / (float(m) * m)
 
 
-@njit(cache=True, nogil=True)
+@part
 def _squares(P, m, count):  # type: ignore[no-untyped-def]
     """Q(P, P) of `count` windows."""
     every = np.zeros(P.size + 2)
@@ -75,7 +75,7 @@ def _squares(P, m, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _products(P, place, count):  # type: ignore[no-untyped-def]
     """Sum over n < count and j = 0 .. width of P[n+j] P[n+j+lag], place = lag, width."""
     lag, width = place
@@ -92,7 +92,7 @@ def _products(P, place, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True)
+@part
 def _mirrored(P, sums, place, count):  # type: ignore[no-untyped-def]
     """Sum over n < count of h(s, w) of the window at n; `sums` are those of every other point, forward and backward."""
     every, backward = sums
@@ -105,7 +105,7 @@ def _mirrored(P, sums, place, count):  # type: ignore[no-untyped-def]
     return total - dot(P[s + w : s + w + count], every[s : s + count])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _ranges(m):  # type: ignore[no-untyped-def]
     """Ranges of j, and factors[range, power of j, k], that Q(P, p_k) consists of."""
     ranges = np.array([[0, 3 * m], [0, 2 * m], [m, 3 * m], [0, m], [2 * m, 3 * m]])
@@ -125,7 +125,7 @@ def _ranges(m):  # type: ignore[no-untyped-def]
     return ranges, factors
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _own(ranges, factors, m):  # type: ignore[no-untyped-def]
     """Q(p_k, p_l), shape (3, 3)."""
     own = np.zeros((3, 3))
@@ -139,7 +139,7 @@ def _own(ranges, factors, m):  # type: ignore[no-untyped-def]
     return own
 
 
-@njit(cache=True, nogil=True)
+@part
 def _cross(P, m, forms, count):  # type: ignore[no-untyped-def]
     """What the polynomials that V lacks take from Q(P, P)."""
     ranges, factors, own = forms
@@ -164,7 +164,7 @@ def _cross(P, m, forms, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@swift_part
 def _add_moments(cross, low, high, factors):  # type: ignore[no-untyped-def]
     """cross[k, n] += sum_p factors[p, k] sum over the range of j^p P[n+j], from running sums of (n+j)^p P[n+j]."""
     l0, l1, l2, h0, h1, h2 = low[0], low[1], low[2], high[0], high[1], high[2]

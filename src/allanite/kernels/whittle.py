@@ -9,7 +9,8 @@ import math
 
 import numpy as np
 
-from .leastsquares import ROUNDING, backward, cholesky, dot, forward, swift, weighted_nnls
+from .compiling import swift, swift_part
+from .leastsquares import ROUNDING, backward, cholesky, dot, forward, weighted_nnls
 
 NOTHING = 1e-250
 SMALLEST_STEP = 1e-4
@@ -20,13 +21,13 @@ ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of sqrt(1/2)
 SMALLEST = 2.3e-308
 
 
-@swift
+@swift_part
 def _add(total, factor, row):  # type: ignore[no-untyped-def]
     for i in range(total.size):
         total[i] += factor * row[i]
 
 
-@swift
+@swift_part
 def expectation(columns, theta):  # type: ignore[no-untyped-def]
     """M, shape (bins + finite directions,)."""
     m = np.zeros(columns.shape[1])
@@ -36,7 +37,7 @@ def expectation(columns, theta):  # type: ignore[no-untyped-def]
     return m
 
 
-@swift
+@swift_part
 def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     """Lower half of U' M^-1 U, and U' M^-1 c."""
     r, n = Uc.shape
@@ -50,7 +51,7 @@ def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     return G, b
 
 
-@swift
+@swift_part
 def _directions(m, data):  # type: ignore[no-untyped-def]
     """Root of V^-1, that times eta, each finite direction's own estimate and error variance, their part of 2 L.
 
@@ -80,7 +81,7 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
     return G, b, own, part
 
 
-@swift
+@swift_part
 def _solved(root, b):  # type: ignore[no-untyped-def]
     """Eta and V."""
     eta, V = b.copy(), np.eye(b.size)
@@ -99,7 +100,7 @@ def directions(theta, columns, data):  # type: ignore[no-untyped-def]
     return eta, V, part
 
 
-@swift
+@swift_part
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
     bits, rest, result = x.view(np.int64), np.empty(x.size, np.int64), np.empty(x.size)
@@ -117,7 +118,7 @@ def _logarithms(x):  # type: ignore[no-untyped-def]
     return result
 
 
-@swift
+@swift_part
 def _plain(m, power, count):  # type: ignore[no-untyped-def]
     """2 L of the bins alone; infinite where the expectation is not positive."""
     n = power.size
@@ -132,7 +133,7 @@ def _plain(m, power, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@swift
+@swift_part
 def _evaluated(theta, columns, data):  # type: ignore[no-untyped-def]
     """L, infinite where the expectation is not positive; m and what `_directions` found."""
     m = expectation(columns, theta)
@@ -147,7 +148,7 @@ def value(theta, columns, data):  # type: ignore[no-untyped-def]
     return _evaluated(theta, columns, data)[0]
 
 
-@swift
+@swift_part
 def _completed(m, found, data):  # type: ignore[no-untyped-def]
     """See `completed`."""
     power, count, UU, Uc = data
@@ -172,7 +173,7 @@ def completed(theta, columns, data):  # type: ignore[no-untyped-def]
     return _completed(m, found, data)
 
 
-@swift
+@swift_part
 def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     """How much further than `move` to go, if every next one is `rate` times as long; not beyond theta = 0."""
     step = 1.0 / (1.0 - min(max(rate, -1.0), FASTEST))

@@ -1,0 +1,58 @@
+"""A kernel gives the same bits whatever was compiled or loaded before it: see `allanite.kernels.compiling`."""
+
+import importlib
+import os
+import pkgutil
+import subprocess
+import sys
+
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+from allanite import kernels
+
+
+def all_kernels():
+    """{name: kernel} of every module."""
+    for module in pkgutil.iter_modules(kernels.__path__):
+        home = importlib.import_module(f"{kernels.__name__}.{module.name}")
+        for name, value in vars(home).items():
+            if isinstance(value, Dispatcher) and value.py_func.__module__ == home.__name__:
+                yield f"{module.name}.{name}", value
+
+
+KERNELS = dict(all_kernels())
+
+
+def called(kernel):
+    """The kernels that a kernel names."""
+    function = kernel.py_func
+    found = (function.__globals__.get(name) for name in function.__code__.co_names)
+    return [one for one in found if isinstance(one, Dispatcher)]
+
+
+def reorders(kernel):
+    """Whether sums of a kernel, or of one that it calls, may be reordered."""
+    return bool(kernel.targetoptions.get("fastmath")) or any(map(reorders, called(kernel)))
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_parts_with_sums_in_any_order_are_inlined(name):
+    for part in called(KERNELS[name]):
+        assert part.targetoptions.get("forceinline") or not reorders(part), part.py_func.__name__
+
+
+PROGRAM = """
+import numpy as np
+from allanite.kernels.binned import binned
+c = np.random.default_rng(1).standard_normal(5000)
+print(binned(c, np.array([0, 3, 10, 107, 1200, 5000])).tobytes().hex())
+"""
+
+
+def test_compiled_and_loaded_code_give_the_same_bits(tmp_path):
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", PROGRAM]
+    said = [subprocess.run(command, env=environment, capture_output=True, check=True).stdout for _ in range(3)]
+    assert said[0] == said[1] == said[2]
+    assert list(tmp_path.rglob("*.nbc"))
