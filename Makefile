@@ -33,7 +33,10 @@ demo: .venv/run
 	@mkdir -p $(OUT)
 	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
-test: lint
+# the kernels are compiled beside the checks, which use one processor
+test: .venv/test
+	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; \
+	  $(MAKE) --no-print-directory lint || { kill $$made; exit 1; }; wait $$made
 	$(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
 
 lint: .venv/test

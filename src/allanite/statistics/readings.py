@@ -12,7 +12,7 @@ from allanite.core.readings import Means, Reading, Readings, Slope
 from allanite.core.record import Record
 from allanite.statistics import deviation
 
-from .stability import averaging_stability
+from .stability import FEWEST, averaging_stability, means_of
 
 USUAL = 1.0
 """Averaging time, s, at which the angle random walk is read."""
@@ -83,7 +83,7 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
         minimum=points.reading(least[0]) if least else None,
         inside=lowest < len(factors) - 1,
         slopes=tuple(slope for slope in slopes if slope is not None),
-        means=tuple(_means(record, int(wide.m.max()))),
+        means=tuple(_means(record)),
     )
 
 
@@ -120,10 +120,10 @@ def _decades(rate: float, known: list[int]) -> list[int]:
     return [first, *(m for m in tens if WIDE * first <= m <= last / WIDE), last]
 
 
-def _means(record: Record, largest: int) -> Iterator[Means]:
-    """N-second stability, where the record has ten means, and so long a stretch without a gap that two are whole."""
+def _means(record: Record) -> Iterator[Means]:
+    """N-second stability, where the record has ten means of which two are complete."""
     for seconds in MEANS:
         m = round(seconds * record.rate)
-        if m >= 1 and FEWEST_MEANS * m <= record.size and m <= largest / 2:
+        if m >= 1 and FEWEST_MEANS * m <= record.size and means_of(record, m)[1].sum() >= FEWEST:
             found = averaging_stability(record, m / record.rate)
             yield Means(found.seconds, found.value, found.blocks)

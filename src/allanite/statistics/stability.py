@@ -11,10 +11,13 @@ from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 
-from .row import BoolArray
+from .row import BoolArray, FloatArray
 
 FLOOR = math.sqrt(2 * math.log(2) / math.pi)
 """Allan deviation of flicker over B: 0.66428. (The 0.6648 of some texts is a misprint.)"""
+
+FEWEST = 2
+"""Minimum number of complete means."""
 
 KNOWN = 10.0
 """Minimum degrees of freedom of a point for the minimum."""
@@ -70,24 +73,34 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     m = round(seconds * record.rate)
     if m < 1 or abs(m - seconds * record.rate) > 1e-6 * m:
         raise UsageError(f"{seconds:g} s is not a multiple of the sample interval {record.interval:g} s")
-    rates = record.rate_values
-    means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
-    whole = np.isfinite(means)
+    means, whole = means_of(record, m)
     blocks = int(whole.sum())
-    if blocks < 2:
-        raise DataError(
-            say(
-                "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
-                "possible time is {longest:g} s",
-                channel=record.name,
-                blocks=blocks,
-                seconds=seconds,
-                longest=record.duration / 2,
-            )
-        )
+    if blocks < FEWEST:
+        raise DataError(_too_few(record, seconds, blocks, gaps=blocks < whole.size))
     value = float(np.std(means[whole], ddof=1))
     expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
     return Stability(value, seconds, blocks, record.duration, record.signal.si[0.0], expected)
+
+
+def means_of(record: Record, m: int) -> tuple[FloatArray, BoolArray]:
+    """Means of m successive rates, without overlap, and which of them are complete."""
+    rates = record.rate_values
+    means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
+    return means, np.isfinite(means)
+
+
+def _too_few(record: Record, seconds: float, blocks: int, *, gaps: bool) -> str:
+    if gaps:
+        return say(
+            "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a mean that touches a "
+            "gap is not complete; choose a shorter time",
+            **{"channel": record.name, "blocks": blocks, "seconds": seconds},
+        )
+    return say(
+        "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
+        "possible time is {longest:g} s",
+        **{"channel": record.name, "blocks": blocks, "seconds": seconds, "longest": record.duration / 2},
+    )
 
 
 def _variance(model: Model, tau: float, whole: BoolArray) -> float:

@@ -87,6 +87,17 @@ def test_lost_readings_do_not_end_the_curve():
     assert found.minimum.tau > whole.minimum.tau / 2
 
 
+def test_lost_readings_in_every_mean_end_nothing_but_the_means():
+    y = np.random.default_rng(8).standard_normal(60_000)
+    y[::50] = np.nan
+    record = al.Record(y, rate=100.0, unit="deg/h")
+    assert al.readings(record).means == ()
+    assert al.analyze(record).channels[0].noise is not None
+    with pytest.raises(al.DataError, match="a mean that touches a gap is not complete; choose a shorter time"):
+        al.averaging_stability(record, 10.0)
+    assert al.averaging_stability(record, 0.25).blocks == 1200
+
+
 def test_numbers_are_in_units_of_data_sheets_and_in_si():
     data = al.readings(white(9)).to_dict(0.9)
     first, second = data["shown"][:2]

@@ -103,7 +103,8 @@ class Side:
             low, high = min(low - room, float(ends[0])), max(high + room, float(ends[1]))
         else:
             low, high = low - room, high + room
-        return (10.0**low, 10.0**high) if self.scale == "log" else (low, high)
+        most = math.log10(LARGEST)
+        return (10.0 ** max(low, -most), 10.0 ** min(high, most)) if self.scale == "log" else (low, high)
 
     def place(self, values: Any) -> Any:
         """Values on the scale, on which equal lengths are equal; NaN where it has none."""
