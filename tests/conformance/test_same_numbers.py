@@ -3,6 +3,10 @@
 Every number of a result is compared by its place in the JSON; it may grow with a power of the scale from -2 to 2.
 """
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -95,6 +99,26 @@ def test_single_precision_is_read_as_it_is(name):
     job, _ = JOBS[name]
     single = BASE.astype(np.float32)
     assert results(job, single) == results(job, single.astype(np.float64))
+
+
+WITH_THREADS = """
+import json
+import allanite as al
+import numpy as np
+record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1))
+curve = al.deviation(record, "oadev")
+found = (curve, al.identify(curve, method="gls"), al.identify(record), al.spectrum(record, "multitaper"))
+print(json.dumps([one.to_dict() for one in found]))
+"""
+
+
+def test_libraries_for_linear_algebra_may_have_any_number_of_threads():
+    said = set()
+    for threads in ("1", "2", "3"):
+        environment = os.environ | {f"{name}_NUM_THREADS": threads for name in ("OMP", "OPENBLAS", "MKL")}
+        command = [sys.executable, "-c", WITH_THREADS]
+        said.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
+    assert len(said) == 1
 
 
 def test_no_channel_depends_on_its_neighbours():

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from .errors import UsageError, given
+from .threads import one_thread
 
 T = TypeVar("T")
 
@@ -82,7 +83,7 @@ class Normal:
 
 @dataclass(frozen=True, eq=False)
 class Remembered(Generic[T]):
-    """A function of numbers, or without arguments, that is called once for each argument.
+    """A function of numbers, or without arguments, that is called once for each argument, with one thread.
 
     Examples
     --------
@@ -96,5 +97,6 @@ class Remembered(Generic[T]):
     def __call__(self, *at: float) -> T:
         """The result of the function."""
         if at not in self.known:
-            self.known[at] = self.function(*at)
+            with one_thread():
+                self.known[at] = self.function(*at)
         return self.known[at]

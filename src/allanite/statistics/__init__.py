@@ -14,6 +14,7 @@ from allanite.core.language import join, say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, model_of
 from allanite.core.record import Record
+from allanite.core.threads import one_thread
 from allanite.core.units import Signal
 from allanite.core.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
@@ -90,8 +91,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
-    found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
-    variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
+    with one_thread():
+        found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
+        variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
     places = angle.places if gaps == "means" else ()
     points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
     named = m is None and isinstance(taus, str)

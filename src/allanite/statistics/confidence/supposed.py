@@ -11,6 +11,7 @@ from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.scope import UNEXPLAINED
+from allanite.core.threads import one_thread
 from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
@@ -81,7 +82,8 @@ class Later:
     def __call__(self, level: float) -> Limits:
         """Degrees of freedom and limits over the variance; see `Curve`."""
         if level not in self.known:
-            self.known[level] = self.found[0](level)
+            with one_thread():
+                self.known[level] = self.found[0](level)
         return self.known[level]
 
     def words(self) -> str:

@@ -10,6 +10,7 @@ from allanite.core.errors import UsageError
 from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
+from allanite.core.threads import one_thread
 from allanite.statistics.row import FloatArray, IntArray
 
 from .multitaper import Multitaper
@@ -20,6 +21,7 @@ METHODS: dict[str, Method] = {"welch": Welch(), "multitaper": Multitaper()}
 """Methods by name, with their default settings."""
 
 
+@one_thread()
 def spectrum(
     record: Record, method: str | Method = "welch", *, sides: str = "one", bins: int | None = None
 ) -> Spectrum:
