@@ -147,6 +147,19 @@ def test_damaged_files_of_every_format_are_read_or_refused():
         assert (int(row["failures"]), int(row["slowest ms"]) < 2000, int(row["memory MB"]) < 100) == (0, True, True)
 
 
+@pytest.mark.parametrize("name", ["signals.md", "interruption.md"])
+def test_programs_that_are_ended_leave_nothing(name):
+    rows = read(name).rows()
+    assert {row["job"]: row["failures"] for row in rows if row["failures"] != "0"} == {}
+    assert all(int(row["runs"]) >= 2 for row in rows)
+
+
+def test_every_version_of_the_dependencies_passes():
+    rows = read("environments.md").rows()
+    assert {row["dependencies"] for row in rows} == {"oldest", "newest"}
+    assert all(re.match(r"\d+ passed", row["tests"]) for row in rows), rows
+
+
 # what the autocorrelation is known to reach, in percent at so many points, less three standard errors of 200 records
 KNOWN = {
     ("oadev", "WFM"): {4097: 98, 513: 98, 129: 95, 65: 87, 33: 68},

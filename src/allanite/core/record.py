@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import FloatArray
+from .arrays import FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
@@ -193,9 +193,16 @@ class Record(Value):
     def _summary(self) -> str:
         return self.header._summary()
 
-    @property
+    @cached_property
     def out_of_range(self) -> str:
         """Why squares of the values, or of their differences, cannot be computed; empty if they can."""
+        infinite = np.zeros(0, bool) if complete(self.values) else np.isinf(self.values)
+        if infinite.any():
+            return say(
+                "{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
+                "missing, replace them by NaN",
+                infinite=infinite.sum(), size=infinite.size, first=int(infinite.argmax()),
+            )  # fmt: skip
         low, high = self.extent
         largest, spread = max(-low, high) * self.rate_factor, (high - low) * self.rate_factor
         if largest > LARGEST:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
 from allanite.core.language import join, say
 from allanite.core.record import SHORTEST, Record
 from allanite.core.wording import windowing
@@ -88,7 +88,7 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         y, total = less_constant(values, record.constant)
         if np.isfinite(total):
             return y, whole(y.size), None
-    elif values.dtype.kind != "f" or np.isfinite(values.sum()):
+    elif complete(values):
         return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
     there = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
@@ -166,18 +166,8 @@ def refusal(record: Record) -> str:
         return say("{count} samples are {too_few}", count=record.size, too_few=FEW)
     if record.out_of_range:
         return record.out_of_range
-    with np.errstate(over="ignore", invalid="ignore"):
-        if record.values.dtype.kind != "f" or np.isfinite(record.values.sum(dtype=np.float64)):
-            return ""
-    infinite = np.isinf(record.values)
-    if infinite.any():
-        return say(
-            "{infinite} of {size} samples are infinite, the first at sample {first}; if they are "
-            "missing, replace them by NaN",
-            infinite=infinite.sum(),
-            size=infinite.size,
-            first=int(infinite.argmax()),
-        )
+    if complete(record.values):
+        return ""
     gaps = joined(record)[1]
     left, pieces = gaps.size, gaps.at.size + 1
     lost = say("{lost} of {size} samples are missing", lost=record.size - left, size=record.size)

@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.errors import UsageError
 from allanite.core.language import say, say_count
 from allanite.core.limits import quantile
@@ -90,8 +90,7 @@ def outliers(record: Record, among: int | None = None) -> Outliers:
 
 def _found(record: Record, among: int | None) -> Outliers:
     steps = record.steps
-    whole = steps.dtype.kind != "f" or bool(np.isfinite(steps.sum()))
-    there = None if whole else np.flatnonzero(np.isfinite(steps))
+    there = None if complete(steps) else np.flatnonzero(np.isfinite(steps))
     y = np.ascontiguousarray(steps if there is None else steps[there], dtype=np.float64)
     nothing = np.empty(0, np.int64)
     if y.size < 64:

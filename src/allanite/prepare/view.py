@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, complete
 from allanite.core.record import Record
 
 from .outliers import Outliers, outliers
@@ -30,7 +30,7 @@ class View:
     def left(self) -> NDArray[np.intp] | None:
         """Indices of the remaining intervals of the record; None if all remain."""
         steps = self.record.steps
-        if steps.dtype.kind != "f" or np.isfinite(steps.sum()):
+        if complete(steps):
             return None
         return np.flatnonzero(np.isfinite(steps))
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.arrays import complete
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
@@ -77,10 +78,11 @@ def dynamic(
     row = statistic_named(statistic)
     if threads < 1:
         raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
+    record.demand_range()
     samples, stride = _samples(record, window, step)
     first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
-    if row.sliding and np.isfinite(record.values.sum(dtype=np.float64)):
+    if row.sliding and complete(record.values):
         found = _all_at_once(record, row, first, stride)
     else:
         parts = [_part(record, int(start), samples) for start in starts]

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import complete
 from allanite.core.errors import DataError, UsageError
 from allanite.core.language import say
 from allanite.core.record import Record
@@ -88,7 +89,7 @@ def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list
     >>> stretches(np.array([np.nan, 1.0, 2.0, np.nan, 3.0]))
     [(1, 3), (4, 5)]
     """
-    if values.dtype.kind != "f" or np.isfinite(values.sum(dtype=np.float64)):
+    if complete(values):
         return [(0, len(values))]
     edges = np.flatnonzero(np.diff(np.isfinite(values), prepend=False, append=False)).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))

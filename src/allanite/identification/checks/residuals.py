@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model
@@ -129,7 +129,7 @@ def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...],
 
 def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
     """Valid residuals at least `margin` samples from an end or a gap; None if all are."""
-    if not margin and np.isfinite(u.sum(dtype=np.float64)):
+    if not margin and complete(u):
         return None
     there = np.flatnonzero(np.isfinite(u))
     joints = np.concatenate(([0], np.flatnonzero(np.diff(there) > 1) + 1, [there.size]))

@@ -1,0 +1,20 @@
+"""Infinite samples of both signs: refused or left out, without a warning of numpy."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+
+
+@pytest.mark.parametrize("job", [al.analyze, al.deviation, al.dynamic, al.identify, al.spectrum, al.prepare.inspect])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("kind", ["rate", "angle"])
+def test_infinite_samples_of_both_signs(job, dtype, kind):
+    values = np.random.default_rng(1).standard_normal(3000).astype(dtype)
+    values[[5, 9]] = np.inf, -np.inf
+    record = al.Record(values, rate=100.0, unit="deg/h" if kind == "rate" else "deg", kind=kind)
+    if job is al.prepare.inspect:
+        assert "infinite" in str(job(record).findings[0])
+        return
+    with pytest.raises(al.DataError, match="2 of 3000 samples are infinite"):
+        job(record)
