@@ -22,3 +22,19 @@ def complete(values: NDArray[Any]) -> bool:
         return True
     with np.errstate(over="ignore", invalid="ignore"):
         return bool(np.isfinite(values.sum(dtype=np.float64)))
+
+
+def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
+    """Mean and standard deviation of the finite values, of any size; NaN if there are none.
+
+    Examples
+    --------
+    >>> mean_and_deviation(np.array([4e300, np.nan, 0.0]))
+    (2e+300, 2e+300)
+    """
+    there = values[np.isfinite(values)]
+    if not there.size:
+        return np.nan, np.nan
+    scale = float(np.abs(there).max()) or 1.0
+    there = there / scale  # whose squares can be represented
+    return scale * float(there.mean()), scale * float(there.std())

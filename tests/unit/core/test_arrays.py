@@ -18,3 +18,15 @@ def test_infinite_samples_of_both_signs(job, dtype, kind):
         return
     with pytest.raises(al.DataError, match="2 of 3000 samples are infinite"):
         job(record)
+
+
+@pytest.mark.parametrize("scale", [np.nan, 0.0, 1e-300, 1e200, 1e306, np.inf])
+def test_a_channel_that_cannot_be_analyzed_stands_beside_one_that_can(scale, tmp_path):
+    good = np.random.default_rng(1).standard_normal(3000)
+    with np.errstate(invalid="ignore"):
+        channels = [al.Record(y, rate=100.0, unit="deg/h", name=name) for name, y in (("a", good), ("b", scale * good))]
+    study = al.analyze(al.Recording(tuple(channels)))
+    assert not study.channels[0].refusal
+    assert study.channels[1].refusal
+    al.report(study, tmp_path / "page.html")
+    assert study.channels[1].refusal.split(";")[0].split(" (")[0] in (tmp_path / "page.html").read_text("utf-8")

@@ -129,7 +129,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
-        if isinstance(channel.record, Record):
+        if isinstance(channel.record, Record) and not channel.record.out_of_range:
             yield over_time(channel.record)
         return
     yield from (Note(note) for note in channel.fit.advice)

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.language import say
@@ -80,12 +81,13 @@ def over_time(record: Record) -> Drawing:
     """The record over time, with its mean and spread as the words for it."""
     unit = record.signal.sheet[0]
     values = record.rate_values * convert(1.0, record.signal.si[0], unit)
+    mean, deviation = mean_and_deviation(values)
     label = say(
         "{channel} over {length}: mean {mean:.4g}, standard deviation {deviation:.4g} {unit}",
         channel=record.name or say("the record"),
         length=words.duration(record.duration),
-        mean=np.nanmean(values),
-        deviation=np.nanstd(values),
+        mean=mean,
+        deviation=deviation,
         unit=printed_unit(unit),
     )
     return Drawing(lambda: figures.plot_record(record), label, RECORD)

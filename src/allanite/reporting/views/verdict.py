@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
+from allanite.core.arrays import mean_and_deviation
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
 from allanite.core.language import Phrase, join, say
@@ -23,9 +22,10 @@ def fitness(channel: Channel) -> str:
         return ""
     unit = record.signal.sheet[0]
     values = record.rate_values / convert(1.0, unit, record.signal.unit)
+    mean, deviation = mean_and_deviation(values)
     facts = say(
         "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
-        mean=np.nanmean(values), deviation=np.nanstd(values), unit=unit,
+        mean=mean, deviation=deviation, unit=unit,
     )  # fmt: skip
     if channel.refusal:
         return facts
