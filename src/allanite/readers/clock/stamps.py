@@ -30,6 +30,9 @@ TICKS = 0.2
 MOST_LOST = 0.9
 """Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""
 
+LONGEST = 1e18
+"""Seconds by which the time stamps of a recording differ at most; beyond, no clock has counted them."""
+
 
 def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
     """Seconds since the first time stamp; integers are subtracted as such, since epoch nanoseconds exceed float64."""
@@ -55,6 +58,9 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
                 where=where,
             )
         )
+    longest = float(np.abs(elapsed).max())
+    if longest > LONGEST:
+        return Grid(trouble=say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=longest))
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
         what = say("all time stamps of {column} are equal", column=label)
