@@ -110,11 +110,14 @@ def whole(words: tuple[str, ...], folder: Path, samples: int) -> tuple[float, st
 
 
 def alone(group: int) -> bool:
-    """Whether no process of the group is left."""
-    try:
-        os.killpg(group, signal.SIGKILL)
-    except ProcessLookupError:
-        return True
+    """Whether no process of the group runs on for half a second; one that has ended may wait to be asked how."""
+    for _ in range(10):
+        listed = subprocess.run(["ps", "-A", "-o", "pgid=,stat="], capture_output=True, text=True, check=True).stdout
+        states = [state for of, state in map(str.split, listed.splitlines()) if int(of) == group]
+        if all(state.startswith("Z") for state in states):
+            return True
+        time.sleep(0.05)
+    os.killpg(group, signal.SIGKILL)
     return False
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.statistics.confidence.eigenvalues import Spectrum
+from allanite.statistics.confidence.limits import Kinds, _mixture
 from allanite.statistics.moments import lagsums
 from allanite.statistics.table import STATISTICS
 
@@ -55,3 +57,19 @@ def test_covariance_of_modified_windows_far_apart(m):
     dense = [-0.5 * window @ term.structure(np.abs(lag + distance)) @ window for lag in lags]
     found = lagsums.covariance_of_windows(STATISTICS["mdev"], term, m, np.append(0.0, lags))
     np.testing.assert_allclose(found[1:], dense, atol=1e-6 * found[0])
+
+
+def test_weights_of_a_form_of_nearly_one_eigenvalue_are_not_negative():
+    rng, kinds = np.random.default_rng(1), Kinds(*(np.array([kind]) for kind in (True, False, False)))
+    found = 0
+    for _ in range(2000):
+        mass, rest = rng.uniform(0.2, 1), 10.0 ** rng.uniform(-12, -6)
+        lead = np.array([1 - rest, 0.3 * rest * rng.random(), 1e-3 * rest])
+        squares = float(lead @ lead)
+        spectrum = Spectrum(lead, squares + 3 * rest * rng.random())
+        wanted = mass**2 * squares * (1 + rng.uniform(0, 3 * rest))
+        mixture = _mixture(spectrum, np.array([mass]), np.eye(1), kinds, wanted)
+        if mixture is not None:
+            found += 1
+            assert mixture.weight.min() >= 0
+    assert found > 1000

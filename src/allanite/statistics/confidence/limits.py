@@ -193,7 +193,8 @@ def _mixture(spectrum: Spectrum, share: FloatArray, r: FloatArray, kinds: Kinds,
     f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
     if f is None:
         return None
-    weight = np.array([*(f * lead), (mass - f * lead.sum()) / nu, angle * own])
+    rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
+    weight = np.array([*(f * lead), rest / nu, angle * own])
     dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
     # a third difference leaves of a ramp what rounding leaves
     beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
