@@ -1,4 +1,4 @@
-"""Types of arrays used in annotations, and whether an array has a value everywhere."""
+"""Types of arrays used in annotations, and what is asked of values of any size."""
 
 from typing import Any
 

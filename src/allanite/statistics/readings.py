@@ -12,7 +12,7 @@ from allanite.core.readings import Means, Reading, Readings, Slope
 from allanite.core.record import Record
 from allanite.statistics import deviation
 
-from .stability import FEWEST, averaging_stability, means_of
+from .stability import FEWEST, means_of, scatter
 
 USUAL = 1.0
 """Averaging time, s, at which the angle random walk is read."""
@@ -124,6 +124,8 @@ def _means(record: Record) -> Iterator[Means]:
     """N-second stability, where the record has ten means of which two are complete."""
     for seconds in MEANS:
         m = round(seconds * record.rate)
-        if m >= 1 and FEWEST_MEANS * m <= record.size and means_of(record, m)[1].sum() >= FEWEST:
-            found = averaging_stability(record, m / record.rate)
-            yield Means(found.seconds, found.value, found.blocks)
+        if m < 1 or FEWEST_MEANS * m > record.size:
+            continue
+        means, whole = means_of(record, m)
+        if whole.sum() >= FEWEST:
+            yield Means(m / record.rate, scatter(means[whole]), int(whole.sum()))

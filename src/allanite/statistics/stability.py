@@ -77,7 +77,7 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     blocks = int(whole.sum())
     if blocks < FEWEST:
         raise DataError(_too_few(record, seconds, blocks, gaps=blocks < whole.size))
-    value = float(np.std(means[whole], ddof=1))
+    value = scatter(means[whole])
     expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
     return Stability(value, seconds, blocks, record.duration, record.signal.si[0.0], expected)
 
@@ -87,6 +87,11 @@ def means_of(record: Record, m: int) -> tuple[FloatArray, BoolArray]:
     rates = record.rate_values
     means = rates[: rates.size // m * m].reshape(-1, m).mean(axis=1)
     return means, np.isfinite(means)
+
+
+def scatter(means: FloatArray) -> float:
+    """Standard deviation of at least two means."""
+    return float(np.std(means, ddof=1))
 
 
 def _too_few(record: Record, seconds: float, blocks: int, *, gaps: bool) -> str:
