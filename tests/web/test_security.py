@@ -2,6 +2,7 @@
 
 import http.client
 import importlib.util
+import os
 import re
 import socket
 import stat
@@ -13,7 +14,10 @@ from tests import ROOT
 
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
+from allanite.core.errors import UsageError
 from allanite.reporting.sheet import printable
+from allanite.web.door import Door
+from allanite.web.store import Store
 
 from .served import Client, served
 
@@ -121,6 +125,26 @@ def test_files_are_of_this_user_alone(client, folder):
     store = folder / "allanite" / "serve"
     assert stat.S_IMODE(store.stat().st_mode) == 0o700
     assert stat.S_IMODE((store / "session").stat().st_mode) == 0o600
+
+
+@pytest.mark.parametrize("left", [b"", b"short", b"x" * 42 + b"\n"])
+def test_what_an_interrupted_start_leaves_is_no_secret(tmp_path, left):
+    """An empty file once made the missing cookie of any user of the machine the right one."""
+    (tmp_path / "session").write_bytes(left)
+    (tmp_path / "session").chmod(0o600)
+    store = Store(tmp_path, limit=1, quota=1)
+    made = store.session()
+    assert len(made) == 43
+    assert (store.session(), stat.S_IMODE((tmp_path / "session").stat().st_mode)) == (made, 0o600)
+    with pytest.raises(ValueError, match="at least 32 characters"):
+        Door(None, port=1, token="t", session="")  # noqa: S106 - of no server
+
+
+def test_a_start_on_a_full_disk_leaves_no_session(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(UsageError, match="No space left"):
+        Store(tmp_path, limit=1, quota=1).session()
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_upload_beyond_the_limit_is_refused_and_leaves_nothing(client, folder):

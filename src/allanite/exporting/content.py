@@ -64,6 +64,21 @@ class Content:
         return [entry for entry in self.entries if entry.section == section]
 
 
+def one_line(text: str) -> str:
+    r"""Text that stays on its line and shows what it holds: line breaks and other control characters as escapes.
+
+    Names come from the recording: what follows a line break in one would be a line of the file.
+
+    Examples
+    --------
+    >>> print(one_line("gx\nkey: 1"))
+    gx\nkey: 1
+    """
+    if text.isprintable():  # so that a phrase stays one
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 def number(value: float) -> str:
     """A number with all its digits and a point, without which YAML reads 1e-05 as text and ROS an integer.
 

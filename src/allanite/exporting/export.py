@@ -15,7 +15,7 @@ from allanite.study.analysis import Study
 
 from .axes import Axis, Source, axes_of
 from .choice import demand_policy, selected
-from .content import Content, Entry
+from .content import Content, Entry, one_line
 from .fields import Filled, How, demand_how, fill, usable
 from .provenance import header, left_out
 from .table import target_named
@@ -172,7 +172,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
     inertial = _inertial(list(axes_of(source)))
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
-    axes = tuple(replace(axis, rate=axis.rate or known) for axis in inertial)
+    axes = tuple(_written(replace(axis, rate=axis.rate or known)) for axis in inertial)
     kept = usable(axes, how, () if how.partial else target.sensors)
     filled = fill(target, kept, how) if target.fields else Filled((), ())
     if not target.fields:
@@ -183,7 +183,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
     notes = (*filled.missing, *left_out(target, kept))
     head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
-    made = target.forms[suffix](Content(target, head, filled.entries, kept, rate, how.inflate))
+    made = target.forms[suffix](Content(target, tuple(map(one_line, head)), filled.entries, kept, rate, how.inflate))
     text, binary = (base64.b64encode(made).decode(), True) if isinstance(made, bytes) else (made, False)
     studies = _studies(source)
     rejected = dict.fromkeys([*(axis.name for axis in doubts), *(name for study in studies for name in study.rejected)])
@@ -192,6 +192,12 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
         tuple(_alerts(kept, doubts, studies)), tuple(rejected),
         studies[0].choices() if studies else {}, studies[0].provenance if studies else {},
     )  # fmt: skip
+
+
+def _written(axis: Axis) -> Axis:
+    """An axis whose names may stand in a file."""
+    source = {key: one_line(text) for key, text in axis.source.items()}
+    return replace(axis, name=one_line(axis.name), doubt=one_line(axis.doubt), source=source)
 
 
 def _inertial(axes: list[Axis]) -> list[Axis]:

@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 from allanite.core.fit import Fit
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.scope import graded
 from allanite.core.titles import title_of
 from allanite.core.version import __version__
+from allanite.terms import TERMS
 
 from .axes import Axis
 from .fields import How
@@ -61,11 +62,15 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
     for axis in axes:
         terms = {field.term for field in target.fields if field.sensor == axis.sensor}
         terms |= {"GM"} if target.markov and not _claimed(axis, "K") else set()
-        for e in axis.fit:
-            if e.valued and e.symbol not in terms:
-                name = title_of(e.symbol, e.signal)
-                yield say("{axis}: no field for {symbol} ({name}), {words}",
-                          axis=axis.label, symbol=e.symbol, name=name, words=e.words())  # fmt: skip
+        lost = [e for e in axis.fit if e.valued and e.symbol not in terms]
+        for e in lost:
+            name = title_of(e.symbol, e.signal)
+            yield say("{axis}: no field for {symbol} ({name}), {words}",
+                      axis=axis.label, symbol=e.symbol, name=name, words=e.words())  # fmt: skip
+        if slow := [e.symbol for e in lost if TERMS[e.symbol].slope >= 0]:
+            yield say("{axis}: without {symbols} the file states too little drift, also where K is an upper limit: the "
+                      "errors of a Kalman filter can be two to three times what it predicts",
+                      axis=axis.label, symbols=join(", ", slow))  # fmt: skip
         for line in axis.fit.lines:
             yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())
 

@@ -5,7 +5,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from allanite.core.errors import UsageError
+from allanite.readers.columns.column import headed, lookup, unique
 
 UNIT = re.compile(r"[\[(].*$")
 """What follows a name in a heading."""
@@ -73,23 +76,17 @@ class Lines:
 
 
 def places(lines: Lines, wanted: Sequence[str] | None, time: str | None) -> tuple[dict[str, int], int | None]:
-    """Columns of the channels, by name, and that of the time; a column is named, or counted from 0.
+    """Columns of the channels, by name, and that of the time, as indices; columns are called as those of a file.
 
     Raises
     ------
     UsageError
         There is no such column.
     """
-    every = lines.names or tuple(str(i) for i in range(lines.width))
-    clock = None if time is None else _place(every, time)
-    if wanted is not None:
-        return {name: _place(every, name) for name in wanted}, clock
-    return {name: i for i, name in enumerate(every) if i != clock}, clock
-
-
-def _place(every: Sequence[str], name: str) -> int:
-    if name in every:
-        return every.index(name)
-    if name.isdecimal() and int(name) < len(every):
-        return int(name)
-    raise UsageError(f"the stream has no column {name!r}; its columns: {', '.join(every)}")
+    headers = lines.names or ("",) * lines.width
+    every = unique(tuple(headed(np.empty(0), place, header) for place, header in enumerate(headers, 1)))
+    clock = None if time is None else lookup(every, time)
+    chosen = (
+        [column for column in every if column is not clock] if wanted is None else [lookup(every, w) for w in wanted]
+    )
+    return {column.name: column.position - 1 for column in chosen}, None if clock is None else clock.position - 1

@@ -35,6 +35,10 @@ HEADERS = {
 """Headers of every answer."""
 
 
+SHORTEST = 32
+"""Characters of a session that cannot be guessed."""
+
+
 class Door:
     """Refuses requests of other hosts, other pages, and without the session's cookie.
 
@@ -47,9 +51,16 @@ class Door:
         Opens the session once.
     session : str
         Value of the cookie.
+
+    Raises
+    ------
+    ValueError
+        The session is so short that it can be guessed; a request without a cookie would have that of an empty one.
     """
 
     def __init__(self, inside: Application, *, port: int, token: str, session: str) -> None:
+        if len(session) < SHORTEST:
+            raise ValueError(f"a session has at least {SHORTEST} characters, not {len(session)}")
         self.inside, self.port, self.token, self.session = inside, port, token, session
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         self.cookie = f"allanite_{port}"

@@ -24,6 +24,9 @@ DAYS = 30.0
 CHOICES = 1_000_000
 """Bytes of a client's own state at most."""
 
+_SECRET = re.compile(rb"[A-Za-z0-9_-]{43}")
+"""32 random bytes; what is left of an interrupted start is shorter."""
+
 _ID = re.compile(r"[0-9a-f]{16}")
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,8}){1,2}$")
 
@@ -68,13 +71,14 @@ class Store:
     def session(self) -> str:
         """The value of the cookie: the same after a restart, for some weeks."""
         path = self.folder / "session"
-        if path.exists() and time.time() - path.stat().st_mtime < DAYS * 86400:
-            return path.read_text("ascii")
-        path.unlink(missing_ok=True)
-        found = secrets.token_urlsafe(32)
-        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
-            file.write(found)
-        return found
+        if path.is_file() and time.time() - path.stat().st_mtime < DAYS * 86400:
+            kept = path.read_bytes()
+            if _SECRET.fullmatch(kept):
+                return kept.decode("ascii")
+        made = secrets.token_urlsafe(32)
+        write(path, made.encode("ascii"), force=True)  # whole or not at all
+        path.chmod(0o600)  # before, the mode of the folder alone keeps others out
+        return made
 
     def all(self) -> list[State]:
         """Every workspace, the last one first."""

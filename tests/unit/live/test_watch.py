@@ -165,7 +165,7 @@ def test_outliers_are_replaced_counted_and_said(at):
     spiky[[at, 40_000, 55_555]] += 1000.0, -8.0, 3000.0
     said, channel = watched(spiky)
     assert [words for words in said if "outlier" in words] == [
-        f"0: outlier at {at / 100:.6g} s; it is replaced, and so are further ones"
+        f"column 1: outlier at {at / 100:.6g} s; it is replaced, and so are further ones"
     ]
     (finding,) = [one for one in channel.quality.findings if one.name == "outliers"]
     assert finding.what == f"3 outliers, the first at {at / 100:.6g} s, are replaced by the medians of their blocks"
@@ -185,7 +185,7 @@ def test_a_step_is_said_when_it_comes_and_noise_has_none():
     values[123_450:] += 15.0
     said, channel = watched(values)
     assert len(said) == 1
-    assert said[0].startswith("0: the mean jumps at 1234 s, by ")
+    assert said[0].startswith("column 1: the mean jumps at 1234 s, by ")
     assert "analyze what was recorded before it and after it separately" in said[0]
     (finding,) = [one for one in channel.quality.findings if one.name == "step"]
     assert finding.place == (1234.0, 1235.0)
@@ -207,8 +207,8 @@ def test_it_foretells_when_more_is_known():
     assert list(watch._take(lines_of(record.values))) == []
     words = watch.report()
     assert "more until B is known to 0.5 %" in words
-    needed = al.plan(watch.fit(watch.monitors["0"]).model, 10.0, durations=(), accuracy=0.005)
-    left = needed.needed[needed.names.index("B")] - watch.monitors["0"].stream.size / 10.0
+    needed = al.plan(watch.fit(watch.monitors["column 1"]).model, 10.0, durations=(), accuracy=0.005)
+    left = needed.needed[needed.names.index("B")] - watch.monitors["column 1"].stream.size / 10.0
     assert f"about {lasting(left)} more until B" in words
 
 
@@ -237,7 +237,7 @@ def test_choices_are_refused_before_anything_is_read(tmp_path):
         (["--unit", "deg/h"], "a stream does not say its rate: give --rate"),
         ([], "a stream does not say its rate and unit: give --rate and --unit"),
         ([*HOW, "--statistic", "theo1"], "a stream has no 'theo1'"),
-        ([*HOW, "--channels", "7", "--idle", "0.1"], "no column '7'; its columns: 0, 1"),
+        ([*HOW, "--channels", "7", "--idle", "0.1"], "no column '7'; columns: 1: column 1, 2: column 2"),
         ([*HOW, "--idle", "0.1"], "2 samples are too few"),
     ):
         done = CliRunner().invoke(main, ["watch", str(path), *options])
@@ -252,7 +252,7 @@ def test_rows_of_torn_and_bad_lines():
         np.array([[30.0, 4.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
     )
     assert (lines.names, lines.bad) == (("gx", "gy"), 2)
-    assert places(lines, ["gy"], "0") == ({"gy": 1}, 0)
+    assert places(lines, ["gy"], "1") == ({"gy": 1}, 0)
     with pytest.raises(al.UsageError, match="no lines"):
         lines.rows(b"1" * 100_000)
 

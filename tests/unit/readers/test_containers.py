@@ -100,6 +100,22 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
 
 
+@pytest.mark.parametrize("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
+def test_integers_of_fewer_bits_than_their_width(tmp_path, bits):
+    """The stored bits were once taken for the number: 15424 for -240."""
+    path, values = tmp_path / "bits.h5", np.arange(-100, 100, dtype="i2")
+    kind = h5py.h5t.STD_I16LE.copy()
+    if bits:
+        kind.set_precision(bits["precision"])
+        kind.set_offset(bits["offset"])
+    with h5py.File(path, "w") as file:
+        space = h5py.h5s.create_simple(values.shape)
+        dataset = h5py.h5d.create(file.id, b"gx", kind, space)
+        dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, values)
+    (record,) = al.read(path, rate=1.0, unit="1", kind="value")
+    assert np.array_equal(record.values, values)
+
+
 def test_a_dataset_that_claims_more_than_its_file(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.create_dataset("gyro", (10**9, 3), "f8", chunks=(1000, 3))

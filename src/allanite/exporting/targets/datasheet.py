@@ -46,10 +46,11 @@ def latex(content: Content) -> str:
     return "\n".join([*lines, r"\end{tabular}"]) + "\n"
 
 
+SIGNS = {sign: f"\\{sign}" for sign in "&%$#_{}"} | {"^": r"\textasciicircum{}", "\\": r"\textbackslash{}"}
+
+
 def _escaped(text: str) -> str:
-    for sign in "&%$#_{}":
-        text = text.replace(sign, f"\\{sign}")
-    return text.replace("^", r"\textasciicircum{}")
+    return "".join(SIGNS.get(sign, sign) for sign in text)
 
 
 DATASHEET = Target(

@@ -116,9 +116,14 @@ def _fields(kind: Any) -> list[list[Any]]:
 
 
 def _offset(dataset: Any) -> int | None:
-    """Offset of the numbers of a dataset in the file, if they are stored unchanged and contiguously."""
+    """Offset of the numbers of a dataset in the file, if they are stored contiguously and as NumPy has them.
+
+    Integers of fewer bits than their width, and floats of another layout, have the width of a type of NumPy as well.
+    """
     whole = dataset.size * dataset.dtype.itemsize
     if dataset.chunks or dataset.dtype.names or dataset.compression or dataset.id.get_storage_size() != whole:
+        return None
+    if dataset.id.get_type() != h5py.h5t.py_create(dataset.dtype, logical=True):
         return None
     return None if (offset := dataset.id.get_offset()) is None else int(offset)
 
